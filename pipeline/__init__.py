@@ -1,0 +1,1 @@
+"""What the stages are made of; see README.md for the floors of the house."""

@@ -1,0 +1,20 @@
+"""Floor 2: what a person knows about a machine before identification."""
+
+from pipeline.platforms.joint import Joint, JointMotor
+from pipeline.platforms.load import platform_from_config, platform_to_config
+from pipeline.platforms.quadrotor import Quadrotor
+from pipeline.platforms.swerve import DirectCurrentMotor, Swerve, SwerveAxis
+
+Platform = Quadrotor | Swerve | Joint
+
+__all__ = [
+    "DirectCurrentMotor",
+    "Joint",
+    "JointMotor",
+    "Platform",
+    "Quadrotor",
+    "Swerve",
+    "SwerveAxis",
+    "platform_from_config",
+    "platform_to_config",
+]

@@ -1,0 +1,99 @@
+"""From a platform file to a platform, with every mistake said in one line."""
+
+import dataclasses
+import difflib
+import math
+import types
+from collections.abc import Mapping
+from typing import Any, Union, get_args, get_origin, get_type_hints
+
+from pipeline.errors import InputError
+from pipeline.platforms.joint import Joint
+from pipeline.platforms.quadrotor import Quadrotor
+from pipeline.platforms.swerve import Swerve
+
+_TELLTALE = {"rotor_positions": Quadrotor, "thrust_coefficient": Quadrotor, "module_positions": Swerve}
+_BY_KIND = {cls.kind: cls for cls in (Quadrotor, Swerve, Joint)}
+_MAY_BE_ZERO = {"gravity_torque", "stiffness", "gravity"}
+_MAY_BE_NEGATIVE = {"rotor_positions", "rotor_directions", "module_positions", "gravity_torque"}
+
+
+def platform_from_config(config: Mapping[str, Any], where: str = "platform") -> Quadrotor | Swerve | Joint:
+    """Build the platform that a configuration describes.
+
+    The kind is the key `kind` where there is one, else what the keys betray.
+
+    Args:
+        config: the keys of CONTRACT for one kind of platform.
+        where: the configuration key to name in an error.
+
+    Raises:
+        InputError: on an unknown, missing, negative or non-numeric key.
+    """
+    values = dict(config)
+    kind = values.pop("kind", None) or values.pop("platform_kind", None)
+    if kind is not None and kind not in _BY_KIND:
+        raise InputError(f"unknown kind {kind!r}", f"{where}.kind", f"use one of {', '.join(_BY_KIND)}")
+    if not values:
+        raise InputError("no platform is given", where, "choose one with platform=NAME")
+    cls = _BY_KIND[kind] if kind else next((c for key, c in _TELLTALE.items() if key in values), Joint)
+    return _build(cls, values, where)
+
+
+def platform_to_config(platform: Quadrotor | Swerve | Joint) -> dict[str, Any]:
+    """Return the plain mapping from which `platform_from_config` builds the same platform."""
+    return {"kind": platform.kind} | _plain(dataclasses.asdict(platform))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    return [_plain(entry) for entry in value] if isinstance(value, tuple) else value
+
+
+def _build(cls: type, values: Mapping[str, Any], where: str) -> Any:
+    if not isinstance(values, Mapping):
+        raise InputError("a mapping of keys is needed here", where, "see the platforms in conf/platform")
+    fields = {field.name: field for field in dataclasses.fields(cls)}
+    hints = get_type_hints(cls)
+    for key in values:
+        if key not in fields:
+            near = difflib.get_close_matches(str(key), fields, n=1)
+            remedy = f"did you mean {near[0]!r}?" if near else f"known keys: {', '.join(fields)}"
+            raise InputError(f"unknown key {key!r} for a {cls.__name__.lower()}", where, remedy)
+    for name, field in fields.items():
+        if name not in values and field.default is dataclasses.MISSING:
+            raise InputError(f"key {name!r} is missing", where, f"give it (see {cls.__name__} in CONTRACT)")
+    return cls(**{key: _value(hints[key], value, f"{where}.{key}", key) for key, value in values.items()})
+
+
+def _value(hint: Any, value: Any, where: str, key: str) -> Any:
+    if get_origin(hint) in (types.UnionType, Union):
+        if value is None:
+            return None
+        hint = next(entry for entry in get_args(hint) if entry is not type(None))
+    if dataclasses.is_dataclass(hint):
+        return _build(hint, value, where)  # type: ignore[arg-type]
+    if get_origin(hint) is tuple:
+        return _sequence(hint, value, where, key)
+    return _number(value, where, key, int if hint is int else float)
+
+
+def _sequence(hint: Any, value: Any, where: str, key: str) -> tuple:
+    arguments = get_args(hint)
+    length = 4 if arguments[-1] is Ellipsis else len(arguments)
+    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != length:
+        raise InputError(f"a list of {length} is needed, not {value!r}", where, "see CONTRACT")
+    return tuple(_value(arguments[0], entry, f"{where}[{index}]", key) for index, entry in enumerate(value))
+
+
+def _number(value: Any, where: str, key: str, convert: type) -> float | int:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"a finite number is needed, not {value!r}", where, "correct the platform file")
+    if key == "rotor_directions" and value not in (1, -1):
+        raise InputError(f"{value!r} is neither +1 nor -1", where, "give the sense of the reaction torque")
+    if value < 0 and key not in _MAY_BE_NEGATIVE:
+        raise InputError(f"must not be negative, is {value}", where, "correct the platform file")
+    if value == 0 and key not in _MAY_BE_NEGATIVE | _MAY_BE_ZERO:
+        raise InputError("must not be zero", where, "correct the platform file")
+    return convert(value)

@@ -1,0 +1,19 @@
+"""Shared fixtures: shape and type checks on, and the real recordings where they are at hand."""
+
+import os
+from pathlib import Path
+
+import pytest
+from jaxtyping import install_import_hook
+
+install_import_hook("pipeline", "beartype.beartype")
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """Return the folder of real recordings (`SIMGAP_DATA`, else `../shared/data` beside the checkout)."""
+    beside = Path(__file__).parents[2] / "shared" / "data"
+    folder = Path(os.environ.get("SIMGAP_DATA", beside))
+    if not folder.is_dir():
+        pytest.skip("the real recordings are not here: set SIMGAP_DATA to their folder")
+    return folder
