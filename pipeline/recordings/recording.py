@@ -1,0 +1,128 @@
+"""A recording: what a robot did, in SI units, by the names of the contract."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pipeline.errors import InputError
+from pipeline.recordings import doubts, storage, validation
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Samples of one or more runs of one robot.
+
+    World frame x forward, y left, z up; body frame x forward, y left, z up; quaternions scalar-first, body to world.
+
+    Attributes:
+        frame: columns `run` (text), `t` (s), `segment` (integer, once cleaned) and channels (float64), as recorded.
+        kind: quadrotor, swerve or joint.
+        units: unit of each channel.
+        source: where the recording comes from, to be cited.
+        licence: under which licence it was published.
+        split: run to train, validation or holdout; empty until cleaned.
+        clock_offset: run to the time by which the state channels lag the motor telemetry, s (positive: the state
+            is late), as cleaning estimated it; not applied to the data.
+        warnings: what looks wrong, one sentence each.
+        cleaned: uniform in time inside each (run, segment) and no gap in a required channel.
+    """
+
+    frame: pd.DataFrame
+    kind: str
+    units: dict[str, str]
+    source: str = ""
+    licence: str = ""
+    split: dict[str, str] = field(default_factory=dict)
+    clock_offset: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    cleaned: bool = False
+
+    @property
+    def runs(self) -> list[str]:
+        """The runs in the order of the recording."""
+        return [str(run) for run in self.frame["run"].unique()]
+
+    @property
+    def channels(self) -> list[str]:
+        """The measured channels, in the order of the frame."""
+        return [str(column) for column in self.frame.columns if column in self.units]
+
+    @property
+    def time_step(self) -> float:
+        """Time between two samples, s.
+
+        Raises:
+            InputError: when the recording is not cleaned, and so has no single time step.
+        """
+        if not self.cleaned:
+            raise InputError("is not uniformly sampled", self.source or "recording", "clean it first: simgap clean")
+        keys = ["run", "segment"] if "segment" in self.frame else ["run"]
+        steps = self.frame.groupby(keys, sort=False)["t"].diff().to_numpy()
+        return float(np.nanmedian(steps))
+
+
+def read_recording(path: str | Path, kind: str | None = None) -> Recording:
+    """Read a recording from Parquet, or from CSV with the same header.
+
+    Units declared in the file are converted to the contract's; where none is declared the contract's are assumed.
+    Rows are counted from 1, the first sample.
+
+    Args:
+        path: the file.
+        kind: what to take it for where the file does not say; inferred from the columns where neither says.
+
+    Raises:
+        InputError: when the file cannot be used, naming file, run, row and column.
+    """
+    table = storage.read_table(Path(path))
+    where = str(path)
+    metadata = table.metadata
+    kind = validation.resolve_kind(metadata.get("platform_kind") or kind, table.frame, where)
+    frame, units, remarks = validation.validate(table.frame, table.units, kind, where)
+    cleaned = bool(metadata.get("simgap.cleaned"))
+    noticed = () if cleaned else (*table.remarks, *remarks, *doubts.doubts(frame, kind, units))
+    known = tuple(metadata.get("simgap.warnings") or ())
+    return Recording(
+        frame=frame,
+        kind=kind,
+        units=units,
+        source=metadata.get("source") or "",
+        licence=metadata.get("licence") or "",
+        split=dict(metadata.get("simgap.split") or {}),
+        clock_offset=dict(metadata.get("simgap.clock_offset") or {}),
+        warnings=tuple(dict.fromkeys((*known, *noticed))),
+        cleaned=cleaned,
+    )
+
+
+def write_recording(recording: Recording, path: str | Path) -> None:
+    """Write a recording as Parquet; the same content gives the same bytes.
+
+    Raises:
+        InputError: when the file cannot be written.
+    """
+    metadata: Mapping[str, object] = {
+        "platform_kind": recording.kind,
+        "source": recording.source,
+        "licence": recording.licence,
+        "simgap.split": recording.split,
+        "simgap.clock_offset": recording.clock_offset,
+        "simgap.cleaned": recording.cleaned,
+        "simgap.warnings": list(recording.warnings),
+    }
+    storage.write_table(recording.frame, recording.units, metadata, Path(path))
+
+
+def require_kind(recording: Recording, kind: str, where: str = "recording") -> None:
+    """Refuse a recording of another kind than the platform's.
+
+    Raises:
+        InputError: when the kinds differ.
+    """
+    if recording.kind != kind:
+        raise InputError(
+            f"is of a {recording.kind}, the platform is a {kind}", where, "choose the platform that was recorded"
+        )

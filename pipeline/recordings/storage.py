@@ -1,0 +1,152 @@
+"""Tables with units on disk: Parquet, and CSV with the same header."""
+
+import csv
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from pipeline.errors import InputError
+
+_MAGIC = b"PAR1"
+_STRUCTURED = ("simgap.split", "simgap.clock_offset", "simgap.cleaned", "simgap.warnings")
+
+
+@dataclass(frozen=True)
+class Table:
+    """What a file holds, before it is checked against the contract.
+
+    Attributes:
+        frame: the columns as stored.
+        units: column to declared unit, for those that declare one.
+        metadata: file metadata; structured entries decoded.
+        remarks: sentences about the way it was stored.
+    """
+
+    frame: pd.DataFrame
+    units: dict[str, str] = field(default_factory=dict)
+    metadata: dict[str, Any] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+
+
+def read_table(path: Path) -> Table:
+    """Read Parquet or CSV.
+
+    Raises:
+        InputError: when the file is missing, unreadable, empty or neither of the two.
+    """
+    magic = _first_bytes(path)
+    if magic == _MAGIC:
+        return _read_parquet(path)
+    if path.suffix.lower() in (".csv", ".txt"):
+        return _read_csv(path)
+    raise InputError("is not a Parquet file", str(path), "give a Parquet file, or a CSV file whose name ends in .csv")
+
+
+def _first_bytes(path: Path) -> bytes:
+    if path.is_dir():
+        raise InputError("is a folder", str(path), "give the path of one file")
+    try:
+        with path.open("rb") as file:
+            magic = file.read(len(_MAGIC))
+    except FileNotFoundError:
+        raise InputError("does not exist", str(path), "check the path of the recording") from None
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", str(path), "check its permissions") from None
+    if not magic:
+        raise InputError("is empty", str(path), "record it again, or give another file")
+    return magic
+
+
+def _read_parquet(path: Path) -> Table:
+    try:
+        table = pq.ParquetFile(path).read()
+        _refuse_duplicates(table.column_names, path)
+        frame = table.to_pandas(ignore_metadata=True)
+    except (pa.ArrowException, OSError, ValueError) as error:
+        reason = str(error).splitlines()[0]
+        raise InputError(f"is a damaged Parquet file ({reason})", str(path), "write it again") from None
+    units = {
+        entry.name: entry.metadata[b"unit"].decode("utf-8", "replace")
+        for entry in table.schema
+        if entry.metadata and b"unit" in entry.metadata
+    }
+    return Table(frame, units, _decode(table.schema.metadata or {}, path))
+
+
+def _decode(raw: Mapping[bytes, bytes], path: Path) -> dict[str, Any]:
+    text = {key.decode("utf-8", "replace"): value.decode("utf-8", "replace") for key, value in raw.items()}
+    metadata: dict[str, Any] = {key: text[key] for key in ("platform_kind", "source", "licence") if key in text}
+    for key in _STRUCTURED:
+        if key in text:
+            try:
+                metadata[key] = json.loads(text[key])
+            except ValueError:
+                raise InputError("is not JSON", f"{path}, metadata {key!r}", "write the file again") from None
+    return metadata
+
+
+def _read_csv(path: Path) -> Table:
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            header = next(csv.reader(file), [])
+        if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
+            raise InputError("columns are not separated by commas", f"{path}, row of names", "separate them by commas")
+        names = [name.strip() for name in header]
+        _refuse_duplicates(names, path)
+        frame = pd.read_csv(path, encoding="utf-8-sig", header=0, names=names, dtype={"run": str}, low_memory=False)
+    except (UnicodeDecodeError, csv.Error):
+        raise InputError("is not a text file", str(path), "give CSV in UTF-8, or Parquet") from None
+    except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+        reason = str(error).replace("Error tokenizing data. C error: ", "")
+        raise InputError(f"is not a table ({reason})", str(path), "give every row the columns of the header") from None
+    if not isinstance(frame.index, pd.RangeIndex):
+        raise InputError("rows have more columns than the header", str(path), "name every column")
+    return Table(frame)
+
+
+def _refuse_duplicates(names: list[str], path: Path) -> None:
+    repeated = next((name for index, name in enumerate(names) if name in names[:index]), None)
+    if repeated is not None:
+        raise InputError("stands twice in the file", f"{path}, column {repeated!r}", "keep one of them")
+
+
+def write_table(frame: pd.DataFrame, units: Mapping[str, str], metadata: Mapping[str, object], path: Path) -> None:
+    """Write Parquet with an explicit schema: a unit per field, metadata for the file; same content, same bytes.
+
+    Raises:
+        InputError: when the file cannot be written.
+    """
+    fields = [_field(str(column), units) for column in frame.columns]
+    encoded = {
+        key: json.dumps(value, sort_keys=True, ensure_ascii=False) if key in _STRUCTURED else str(value)
+        for key, value in metadata.items()
+    }
+    schema = pa.schema(fields, metadata=encoded)
+    arrays = [_array(frame[entry.name], entry.type) for entry in schema]
+    try:
+        pq.write_table(pa.Table.from_arrays(arrays, schema=schema), path)
+    except OSError as error:
+        raise InputError(
+            f"cannot be written ({error.strerror or error})", str(path), "check the folder's permissions and space"
+        ) from None
+
+
+def _field(column: str, units: Mapping[str, str]) -> pa.Field:
+    if column == "run":
+        return pa.field(column, pa.string(), nullable=False)
+    if column == "segment":
+        return pa.field(column, pa.int64(), nullable=False)
+    return pa.field(column, pa.float64(), metadata={"unit": "s" if column == "t" else units.get(column, "1")})
+
+
+def _array(series: pd.Series, kind: pa.DataType) -> pa.Array:
+    if kind == pa.float64():
+        # NaN, not null: one way to say that a sample is missing
+        return pa.array(series.to_numpy(dtype="float64", copy=True), type=kind, from_pandas=False)
+    return pa.array(series.to_list(), type=kind)

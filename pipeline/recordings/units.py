@@ -1,0 +1,50 @@
+"""Units that a recording may declare, and how they become the contract's."""
+
+import math
+
+_GRAVITY = 9.80665  # m/s², the g in which accelerometers are scaled
+
+_ALIASES = {
+    "": "1", "-": "1", "none": "1", "dimensionless": "1", "unitless": "1",
+    "m/s2": "m/s²", "m/s^2": "m/s²", "m/s**2": "m/s²",
+    "Nm": "N·m", "N*m": "N·m", "N m": "N·m", "N.m": "N·m",
+    "degC": "°C", "C": "°C", "celsius": "°C",
+    "sec": "s", "seconds": "s", "volt": "V", "ampere": "A",
+    "radians": "rad", "radian": "rad", "degrees": "deg", "degree": "deg", "°": "deg", "°/s": "deg/s", "dps": "deg/s",
+    "µs": "us", "μs": "us", "RPM": "rpm", "rev/min": "rpm", "rotations": "rev", "revolutions": "rev",
+    "%": "percent", "mNm": "mN·m", "rotations/s": "rev/s", "rps": "rev/s",
+}  # fmt: skip
+
+_CONVERSIONS: dict[str, tuple[str, float, float]] = {
+    "deg": ("rad", math.pi / 180, 0.0),
+    "rev": ("rad", 2 * math.pi, 0.0),
+    "deg/s": ("rad/s", math.pi / 180, 0.0),
+    "rev/s": ("rad/s", 2 * math.pi, 0.0),
+    "rpm": ("rad/s", 2 * math.pi / 60, 0.0),
+    "mm": ("m", 1e-3, 0.0),
+    "cm": ("m", 1e-2, 0.0),
+    "mm/s": ("m/s", 1e-3, 0.0),
+    "cm/s": ("m/s", 1e-2, 0.0),
+    "g": ("m/s²", _GRAVITY, 0.0),
+    "mg": ("m/s²", 1e-3 * _GRAVITY, 0.0),
+    "ms": ("s", 1e-3, 0.0),
+    "us": ("s", 1e-6, 0.0),
+    "ns": ("s", 1e-9, 0.0),
+    "mV": ("V", 1e-3, 0.0),
+    "mA": ("A", 1e-3, 0.0),
+    "mN": ("N", 1e-3, 0.0),
+    "mN·m": ("N·m", 1e-3, 0.0),
+    "percent": ("1", 1e-2, 0.0),
+    "K": ("°C", 1.0, -273.15),
+}
+
+_BASE = ("1", "s", "m", "m/s", "m/s²", "rad", "rad/s", "V", "A", "N", "N·m", "°C")
+
+KNOWN = (*_BASE, *_CONVERSIONS)
+"""Every unit that can be declared, without the other spellings of the same."""
+
+
+def conversion(unit: str) -> tuple[str, float, float] | None:
+    """Return (contract unit, factor, offset) with contract value = factor · value + offset; None if unknown."""
+    name = _ALIASES.get(unit.strip(), unit.strip())
+    return (name, 1.0, 0.0) if name in _BASE else _CONVERSIONS.get(name)
