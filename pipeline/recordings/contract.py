@@ -12,7 +12,10 @@ def _four(name: str, unit: str) -> dict[str, str]:
 
 
 QUADROTOR_STATE = (
-    _axes("position", "m") | _axes("attitude", "1", "wxyz") | _axes("velocity", "m/s") | _axes("body_rate", "rad/s")
+    _axes("position", "m")
+    | _axes("attitude", "1", "wxyz")
+    | _axes("velocity", "m/s")
+    | _axes("body_rate", "rad/s")
 )
 """World frame x forward, y left, z up; attitude scalar-first, body to world; body rate in the body frame."""
 

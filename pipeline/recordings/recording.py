@@ -58,7 +58,9 @@ class Recording:
             InputError: when the recording is not cleaned, and so has no single time step.
         """
         if not self.cleaned:
-            raise InputError("is not uniformly sampled", self.source or "recording", "clean it first: simgap clean")
+            raise InputError(
+                "is not uniformly sampled", self.source or "recording", "clean it first: simgap clean"
+            )
         keys = ["run", "segment"] if "segment" in self.frame else ["run"]
         steps = self.frame.groupby(keys, sort=False)["t"].diff().to_numpy()
         return float(np.nanmedian(steps))
@@ -124,5 +126,7 @@ def require_kind(recording: Recording, kind: str, where: str = "recording") -> N
     """
     if recording.kind != kind:
         raise InputError(
-            f"is of a {recording.kind}, the platform is a {kind}", where, "choose the platform that was recorded"
+            f"is of a {recording.kind}, the platform is a {kind}",
+            where,
+            "choose the platform that was recorded",
         )

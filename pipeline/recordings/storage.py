@@ -45,7 +45,9 @@ def read_table(path: Path) -> Table:
         return _read_parquet(path)
     if path.suffix.lower() in (".csv", ".txt"):
         return _read_csv(path)
-    raise InputError("is not a Parquet file", str(path), "give a Parquet file, or a CSV file whose name ends in .csv")
+    raise InputError(
+        "is not a Parquet file", str(path), "give a Parquet file, or a CSV file whose name ends in .csv"
+    )
 
 
 def _first_bytes(path: Path) -> bytes:
@@ -81,7 +83,9 @@ def _read_parquet(path: Path) -> Table:
 
 def _decode(raw: Mapping[bytes, bytes], path: Path) -> dict[str, Any]:
     text = {key.decode("utf-8", "replace"): value.decode("utf-8", "replace") for key, value in raw.items()}
-    metadata: dict[str, Any] = {key: text[key] for key in ("platform_kind", "source", "licence") if key in text}
+    metadata: dict[str, Any] = {
+        key: text[key] for key in ("platform_kind", "source", "licence") if key in text
+    }
     for key in _STRUCTURED:
         if key in text:
             try:
@@ -96,15 +100,21 @@ def _read_csv(path: Path) -> Table:
         with path.open(encoding="utf-8-sig", newline="") as file:
             header = next(csv.reader(file), [])
         if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
-            raise InputError("columns are not separated by commas", f"{path}, row of names", "separate them by commas")
+            raise InputError(
+                "columns are not separated by commas", f"{path}, row of names", "separate them by commas"
+            )
         names = [name.strip() for name in header]
         _refuse_duplicates(names, path)
-        frame = pd.read_csv(path, encoding="utf-8-sig", header=0, names=names, dtype={"run": str}, low_memory=False)
+        frame = pd.read_csv(
+            path, encoding="utf-8-sig", header=0, names=names, dtype={"run": str}, low_memory=False
+        )
     except (UnicodeDecodeError, csv.Error):
         raise InputError("is not a text file", str(path), "give CSV in UTF-8, or Parquet") from None
     except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
         reason = str(error).replace("Error tokenizing data. C error: ", "")
-        raise InputError(f"is not a table ({reason})", str(path), "give every row the columns of the header") from None
+        raise InputError(
+            f"is not a table ({reason})", str(path), "give every row the columns of the header"
+        ) from None
     if not isinstance(frame.index, pd.RangeIndex):
         raise InputError("rows have more columns than the header", str(path), "name every column")
     return Table(frame)
@@ -116,7 +126,9 @@ def _refuse_duplicates(names: list[str], path: Path) -> None:
         raise InputError("stands twice in the file", f"{path}, column {repeated!r}", "keep one of them")
 
 
-def write_table(frame: pd.DataFrame, units: Mapping[str, str], metadata: Mapping[str, object], path: Path) -> None:
+def write_table(
+    frame: pd.DataFrame, units: Mapping[str, str], metadata: Mapping[str, object], path: Path
+) -> None:
     """Write Parquet with an explicit schema: a unit per field, metadata for the file; same content, same bytes.
 
     Raises:
@@ -133,7 +145,9 @@ def write_table(frame: pd.DataFrame, units: Mapping[str, str], metadata: Mapping
         pq.write_table(pa.Table.from_arrays(arrays, schema=schema), path)
     except OSError as error:
         raise InputError(
-            f"cannot be written ({error.strerror or error})", str(path), "check the folder's permissions and space"
+            f"cannot be written ({error.strerror or error})",
+            str(path),
+            "check the folder's permissions and space",
         ) from None
 
 

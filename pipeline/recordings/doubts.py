@@ -1,0 +1,59 @@
+"""What looks wrong in a recording that can be used all the same: one sentence per doubt."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from pipeline.recordings.plausibility import implausible_units
+
+_GAP_STEPS = 20  # samples missing in a row
+_GAP_SECONDS = 1.0
+
+
+def doubts(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> tuple[str, ...]:
+    """Return the doubts about a valid frame.
+
+    Args:
+        frame: `run`, `t` and the channels, in the contract's units.
+        kind: quadrotor, swerve or joint.
+        units: unit of each channel.
+    """
+    return (
+        *_gaps(frame),
+        *_constant(frame, units),
+        *implausible_units(frame, kind, units),
+        *_single_run(frame),
+    )
+
+
+def _gaps(frame: pd.DataFrame) -> Iterator[str]:
+    for run, samples in frame.groupby("run", sort=False):
+        time = samples["t"].to_numpy()
+        steps = np.diff(time)
+        if len(steps) < 2:
+            continue
+        typical = float(np.median(steps))
+        if typical > _GAP_SECONDS:
+            yield f"Run {run!r} has a sample every {typical:.3g} s: its time may be in milliseconds instead of seconds."
+        wide = steps > max(_GAP_SECONDS, _GAP_STEPS * typical)
+        if wide.any():
+            longest = int(np.argmax(steps))
+            yield (
+                f"Run {run!r} has {int(wide.sum())} gap(s) in time, the longest of {steps[longest]:.3g} s"
+                f" after t = {time[longest]:.6g} s (row {int(samples.index[longest]) + 1})."
+            )
+
+
+def _constant(frame: pd.DataFrame, units: dict[str, str]) -> Iterator[str]:
+    if len(frame) < 3:
+        return
+    for column in units:
+        values = frame[column].dropna()
+        if len(values) > 2 and values.max() == values.min():
+            yield f"Channel {column!r} is constant ({values.iloc[0]:.6g}) throughout."
+
+
+def _single_run(frame: pd.DataFrame) -> Iterator[str]:
+    if frame["run"].nunique() == 1:
+        yield "There is one run only, so none can be held out to prove a result."

@@ -1,0 +1,220 @@
+"""What makes a table a recording; every breach is one line that names file, run, row and column."""
+
+import difflib
+from collections.abc import Iterable
+
+import numpy as np
+import pandas as pd
+
+from pipeline.errors import InputError
+from pipeline.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, channel_units
+from pipeline.recordings.numbers import location, to_numbers
+from pipeline.recordings.units import KNOWN, conversion
+
+_QUATERNION = [f"attitude_{axis}" for axis in "wxyz"]
+_NORM_TOLERANCE = 0.1  # a logged quaternion is off by rounding; beyond this it is not a rotation
+
+
+def resolve_kind(declared: object, frame: pd.DataFrame, where: str) -> str:
+    """Return the kind that is declared, else the one whose required columns are there.
+
+    Raises:
+        InputError: when the declared kind is unknown or no kind fits.
+    """
+    if declared:
+        if declared not in KINDS:
+            raise InputError(
+                f"unknown kind {declared!r}", f"{where}, platform_kind", f"use one of {', '.join(KINDS)}"
+            )
+        return str(declared)
+    present = set(frame.columns)
+    share = {kind: len(present & set(REQUIRED[kind])) / len(REQUIRED[kind]) for kind in KINDS}
+    best = max(share, key=lambda kind: share[kind])
+    if share[best] == 0:
+        shown = ", ".join(map(str, list(frame.columns)[:6]))
+        raise InputError(
+            f"no column of a recording is there (columns: {shown})",
+            where,
+            "name the columns as CONTRACT does",
+        )
+    return best
+
+
+def validate(
+    frame: pd.DataFrame, declared: dict[str, str], kind: str, where: str
+) -> tuple[pd.DataFrame, dict[str, str], tuple[str, ...]]:
+    """Check a table and bring it to the contract's columns, units and types.
+
+    Args:
+        frame: the table as stored.
+        declared: column to unit, where the file declares one.
+        kind: quadrotor, swerve or joint.
+        where: the file, to name in an error.
+
+    Returns:
+        The frame (runs contiguous, columns in the order of the contract), units by channel, and remarks on what was
+        left out.
+
+    Raises:
+        InputError: when the table cannot be used.
+    """
+    if frame.empty:
+        raise InputError("has no samples", where, "record it again, or give another file")
+    units = channel_units(kind, _is_sliding(kind, declared))
+    _require_columns(set(frame.columns), kind, where)
+    channels, remarks = _usable(frame, kind, units)
+    runs = _runs(frame["run"], where)
+    result = pd.DataFrame({"run": runs})
+    for column in ["t", *(["segment"] if "segment" in frame else []), *channels]:
+        expected = "s" if column == "t" else units.get(column, "1")
+        numbers = to_numbers(frame[column], runs, where)
+        result[column] = _convert(numbers, declared.get(column), expected, f"{where}, column {column!r}")
+    _check_time(result, where)
+    if "segment" in result:
+        result["segment"] = _segments(result, where)
+    remarks += _drop_empty(result, kind, where)
+    if kind == "quadrotor":
+        _check_quaternions(result, where)
+    codes, _ = pd.factorize(result["run"])
+    result = result.iloc[np.argsort(codes, kind="stable")].reset_index(drop=True)
+    return result, {column: units[column] for column in result.columns if column in units}, tuple(remarks)
+
+
+def _is_sliding(kind: str, declared: dict[str, str]) -> bool:
+    found = {
+        column: conversion(declared[column]) for column in ("position", "velocity") if column in declared
+    }
+    return kind == "joint" and any(entry and entry[0] in ("m", "m/s") for entry in found.values())
+
+
+def _require_columns(present: set[str], kind: str, where: str) -> None:
+    groups = ANY_OF[kind]
+    for column in ("run", "t", *REQUIRED[kind]):
+        if column not in present:
+            raise InputError(f"column {column!r} is missing", where, _remedy(column, present, kind))
+    if groups and not any(set(group) <= present for group in groups):
+        begun = max(groups, key=lambda group: len(present & set(group)))
+        column = next(name for name in begun if name not in present)
+        others = " or ".join(group[0] if len(group) == 1 else f"{group[0]} … {group[-1]}" for group in groups)
+        raise InputError(
+            f"column {column!r} is missing (needed: {others})", where, _remedy(column, present, kind)
+        )
+
+
+def _remedy(column: str, present: Iterable[str], kind: str) -> str:
+    strange = [name for name in present if name not in channel_units(kind) and name not in INDEX_COLUMNS]
+    lowered = {name.lower().replace(" ", "_"): name for name in sorted(strange)}
+    near = difflib.get_close_matches(column.lower(), lowered, n=1, cutoff=0.75 if len(column) > 3 else 0.6)
+    if near:
+        return f"did you mean {lowered[near[0]]!r}? rename it"
+    if column == "run":
+        return "add it: the name of the flight, drive or trial, in every row"
+    return f"add it, a {kind} needs it"
+
+
+def _usable(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> tuple[list[str], list[str]]:
+    """Return the channels to keep, in the order of the contract, and a remark for each column left out."""
+    remarks = []
+    for column in frame.columns:
+        if column not in units and column not in INDEX_COLUMNS:
+            near = difflib.get_close_matches(str(column), [name for name in units if name not in frame], n=1)
+            hint = f" (did you mean {near[0]!r}?)" if near else ""
+            remarks.append(f"Column {str(column)!r} is unknown for a {kind}{hint} and was ignored.")
+    channels = [column for column in units if column in frame.columns]
+    vectors: dict[str, list[str]] = {}
+    for column in units:
+        vectors.setdefault(_vector(column), []).append(column)
+    for name, members in vectors.items():
+        missing = [column for column in members if column not in channels]
+        if missing and len(missing) < len(members):
+            remarks.append(
+                f"Column {missing[0]!r} is missing, so the other components of {name} were ignored."
+            )
+            channels = [column for column in channels if column not in members]
+    return channels, remarks
+
+
+def _vector(column: str) -> str:
+    stem, _, suffix = column.rpartition("_")
+    return stem if suffix in tuple("wxyz1234") else column
+
+
+def _runs(series: pd.Series, where: str) -> pd.Series:
+    absent = series.isna().to_numpy()
+    if absent.any():
+        row = int(np.argmax(absent)) + 1
+        raise InputError("no run is named", f"{where}, row {row}, column 'run'", "name the run in every row")
+    return series.astype(str).reset_index(drop=True)
+
+
+def _convert(numbers: np.ndarray, declared: str | None, expected: str, where: str) -> np.ndarray:
+    if declared is None:
+        return numbers
+    found = conversion(declared)
+    if found is None:
+        raise InputError(f"unknown unit {declared!r}", where, f"use one of {', '.join(KNOWN)}")
+    unit, factor, offset = found
+    if unit != expected:
+        raise InputError(f"unit {declared!r} does not fit", where, f"give it in {expected}")
+    return numbers * factor + offset if (factor, offset) != (1.0, 0.0) else numbers
+
+
+def _check_time(frame: pd.DataFrame, where: str) -> None:
+    unknown = frame["t"].isna().to_numpy()
+    if unknown.any():
+        row = int(np.argmax(unknown))
+        raise InputError(
+            "no time is given", location(where, frame, row, "t"), "give a time, or leave the row out"
+        )
+    steps = frame.groupby("run", sort=False)["t"].diff().to_numpy()
+    wrong = steps <= 0
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        what = "the same time stands twice" if steps[row] == 0 else f"time goes back by {-steps[row]:.6g} s"
+        raise InputError(
+            what, location(where, frame, row, "t"), "sort the run by time and keep one row per time"
+        )
+
+
+def _segments(frame: pd.DataFrame, where: str) -> pd.Series:
+    wrong = ~(frame["segment"] == np.floor(frame["segment"])).to_numpy()
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise InputError(
+            "is not a whole number", location(where, frame, row, "segment"), "leave the column out"
+        )
+    return frame["segment"].astype("int64")
+
+
+def _drop_empty(frame: pd.DataFrame, kind: str, where: str) -> list[str]:
+    """Refuse a required channel without values, drop an optional one, and say where a run lacks one."""
+    empty = [column for column in frame.columns if column != "run" and frame[column].isna().all()]
+    needed = [*REQUIRED[kind]]
+    usable = [group for group in ANY_OF[kind] if set(group) <= set(frame.columns) - set(empty)]
+    if ANY_OF[kind] and not usable:
+        needed += next(group for group in ANY_OF[kind] if set(group) & set(empty))
+    for column in empty:
+        if column in needed:
+            raise InputError(
+                "has no values", f"{where}, all runs, column {column!r}", "give another recording"
+            )
+    frame.drop(columns=empty, inplace=True)
+    remarks = [f"Column {column!r} has no values and was ignored." for column in empty]
+    checked = [*REQUIRED[kind], *(column for group in usable for column in group)]
+    present = frame.groupby("run", sort=False)[checked].count()
+    for run, counts in present.iterrows():
+        lacking = [str(column) for column in counts.index[counts.to_numpy() == 0]]
+        if lacking:
+            remarks.append(f"Run {str(run)!r} has no values in {', '.join(lacking)}.")
+    return remarks
+
+
+def _check_quaternions(frame: pd.DataFrame, where: str) -> None:
+    norm = np.linalg.norm(frame[_QUATERNION].to_numpy(), axis=1)
+    wrong = np.abs(norm - 1.0) > _NORM_TOLERANCE
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        place = location(where, frame, row, "attitude_w … attitude_z")
+        raise InputError(
+            f"the quaternion's norm is {norm[row]:.3g}, not 1", place, "give unit quaternions, or no value"
+        )
