@@ -1,4 +1,4 @@
-"""One step of an ordinary differential equation (Hairer, Nørsett & Wanner 1993, "Solving ODEs I", chapter II).
+"""One step of an ordinary differential equation (Hairer, Nørsett & Wanner 1993, "Solving ODEs I").
 
 A state is a tensor (..., components); `derivative` maps it to its rate of change, of the same shape.
 """
