@@ -1,0 +1,24 @@
+"""Floor 3: the catalogue of physics that the tool can name, one file per effect."""
+
+from pipeline.effects.catalogue import effect_by_key, effects_of
+from pipeline.effects.effect import (
+    ActuatorEffect,
+    CommandEffect,
+    Effect,
+    MeasurementEffect,
+    Parameter,
+    ParameterError,
+    WrenchEffect,
+)
+
+__all__ = [
+    "ActuatorEffect",
+    "CommandEffect",
+    "Effect",
+    "MeasurementEffect",
+    "Parameter",
+    "ParameterError",
+    "WrenchEffect",
+    "effect_by_key",
+    "effects_of",
+]

@@ -1,0 +1,42 @@
+"""The catalogue is the listing of the folders: an effect is in it because its file is there."""
+
+import difflib
+import functools
+import importlib
+import inspect
+import pkgutil
+
+from pipeline.effects.effect import Effect
+from pipeline.errors import InputError
+
+
+@functools.cache
+def effects_of(kind: str) -> tuple[Effect, ...]:
+    """Return every effect of a platform kind, in alphabetical order of its key."""
+    package = importlib.import_module(f"pipeline.effects.{kind}")
+    effects = []
+    for module_info in pkgutil.iter_modules(package.__path__):
+        module = importlib.import_module(f"{package.__name__}.{module_info.name}")
+        effects += [
+            member()
+            for member in vars(module).values()
+            if inspect.isclass(member)
+            and issubclass(member, Effect)
+            and member.__module__ == module.__name__
+            and not inspect.isabstract(member)
+        ]
+    return tuple(sorted(effects, key=lambda effect: effect.key))
+
+
+def effect_by_key(kind: str, key: str) -> Effect:
+    """Return one effect.
+
+    Raises:
+        InputError: when the catalogue of that kind has no such effect; the nearest name is suggested.
+    """
+    known = {effect.key: effect for effect in effects_of(kind)}
+    if key not in known:
+        near = difflib.get_close_matches(key, known, n=1, cutoff=0.4)
+        remedy = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
+        raise InputError(f"unknown effect {key!r} for a {kind}", "effects", remedy)
+    return known[key]

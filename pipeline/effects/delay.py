@@ -1,0 +1,53 @@
+"""A pure delay, shared by every platform's command delay."""
+
+import math
+from typing import Any, ClassVar
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.effect import CommandEffect, Parameter, Signals, Values
+from pipeline.effects.shift import shift_in_time
+
+
+class CommandDelay(CommandEffect):
+    """Commands take effect a fixed time after they are recorded."""
+
+    delayed: ClassVar[tuple[str, ...]]
+    """The signals that are delayed, those of them that are present."""
+
+    remembers = True
+    name = "command_delay"
+    acts_on = "command"
+    parameters = (Parameter("delay", "s", 0.02, 0.0, 0.3),)
+    formula = "command_effective(t) = command(t − delay)"
+    source = "Hwangbo et al. 2019, Learning agile and dynamic motor skills, actuator latency"
+    sentence = "Commands take effect {delay} s after they are recorded; delay them in the simulator."
+    excitation = "command steps or a fast chirp, so that the response's start can be told from its slope"
+
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the commands of `delay` ago; the memory holds what was commanded since."""
+        present = [name for name in self.delayed if name in signals]
+        delay = torch.as_tensor(values["delay"]) / time_step
+        whole = math.floor(delay)
+        history = memory or {name: [signals[name]] * (whole + 2) for name in present}
+        history = {name: [signals[name], *history[name][: whole + 1]] for name in present}
+        fraction = delay - whole
+        out = {
+            name: (1.0 - fraction) * history[name][whole] + fraction * history[name][whole + 1]
+            for name in present
+        }
+        return out, history
+
+    def along_time(
+        self, signals: Signals, values: Values, constants: Values, time_step: float
+    ) -> dict[str, Tensor]:
+        """Shift whole blocks at once: the same as sample by sample, in one step."""
+        shifted = {
+            name: shift_in_time(signals[name], values["delay"], time_step)
+            for name in self.delayed
+            if name in signals
+        }
+        return {**signals, **shifted}

@@ -1,0 +1,164 @@
+"""What an effect is: one piece of physics, written once, for simulator, diagnosis, report and documentation.
+
+An effect acts in one of the places along command → actuator → wrench → measurement, or it corrects a number of the
+platform. Its place is its type. All functions take tensors whose leading dimensions are free (a batch of simulated
+machines, or blocks of a recording), so that the simulator and the diagnosis run the same code.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import torch
+from torch import Tensor
+
+Signals = Mapping[str, Tensor]
+"""Physical signals by name: `velocity` (..., 3), `rotor_speed` (..., 4), `voltage` (...,) and so on."""
+
+Values = Mapping[str, Tensor | float]
+"""Parameter values, or constants of a platform, by name."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of an effect.
+
+    Attributes:
+        name: full word.
+        unit: as written in the diagnosis.
+        default: a realistic size, in `unit`.
+        low: least value that physics allows.
+        high: greatest value that is believable.
+        neutral: the value at which the effect does nothing.
+    """
+
+    name: str
+    unit: str
+    default: float
+    low: float
+    high: float
+    neutral: float = 0.0
+
+
+class Effect(ABC):
+    """A piece of physics that a nominal simulator may lack.
+
+    Attributes:
+        name: fixed by the contract.
+        kind: the platform kind it belongs to.
+        acts_on: what the diagnosis reports (`force`, `torque`, `actuator`, `command`, `measurement`, `drive`, ...).
+        parameters: what is to be identified.
+        needs: signals without which it can be neither simulated nor tested.
+        formula: as a person would write it.
+        source: where it comes from.
+        sentence: what a person can act on; `{name}` is replaced by the value of the parameter `name`.
+        excitation: the manoeuvre that shows it.
+    """
+
+    name: ClassVar[str]
+    kind: ClassVar[str]
+    acts_on: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    needs: ClassVar[tuple[str, ...]] = ()
+    formula: ClassVar[str]
+    source: ClassVar[str]
+    sentence: ClassVar[str]
+    excitation: ClassVar[str]
+
+    @property
+    def key(self) -> str:
+        """The name that is unique inside a kind: an effect in two groups of a swerve drive is two entries."""
+        return f"{self.name}@{self.acts_on}" if self.kind == "swerve" else self.name
+
+    def defaults(self) -> dict[str, float]:
+        """Return a realistic value for each parameter."""
+        return {parameter.name: parameter.default for parameter in self.parameters}
+
+    def neutral(self) -> dict[str, float]:
+        """Return the values at which the effect does nothing."""
+        return {parameter.name: parameter.neutral for parameter in self.parameters}
+
+    def statement(self, values: Mapping[str, float]) -> str:
+        """Return the sentence for people with the values filled in."""
+        return self.sentence.format(**{name: f"{value:.3g}" for name, value in values.items()})
+
+
+class WrenchEffect(Effect):
+    """A force or torque as a function of state and actuator."""
+
+    linear: ClassVar[bool] = True
+    """Whether the wrench is linear in the parameters, which makes identification a least-squares problem."""
+
+    @abstractmethod
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return what is added to each channel of the platform's balance, in that channel's unit."""
+
+    def regressors(self, signals: Signals, constants: Values) -> list[dict[str, Tensor]]:
+        """Return, for each parameter of a linear effect, the wrench per unit of it."""
+        names = [parameter.name for parameter in self.parameters]
+        return [
+            self.wrench(signals, {other: float(other == name) for other in names}, constants) for name in names
+        ]
+
+
+class ActuatorEffect(Effect):
+    """A change in how a command becomes rotor speed, torque or voltage; may remember.
+
+    `memory` is None before the first sample; a memoryless effect returns None and may be given whole blocks of time.
+    """
+
+    remembers: ClassVar[bool] = False
+
+    @abstractmethod
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the changed signals at this sample, and the memory for the next."""
+
+    def along_time(
+        self, signals: Signals, values: Values, constants: Values, time_step: float
+    ) -> dict[str, Tensor]:
+        """Return the signals of recorded blocks (blocks, samples, ...) as the effect changes them.
+
+        The default runs `actuate` sample by sample where the effect remembers, and at once where it does not.
+        """
+        if not self.remembers:
+            return {**signals, **self.actuate(signals, values, constants, None, time_step)[0]}
+        return {**signals, **_scan(self, signals, values, constants, time_step)}
+
+
+class CommandEffect(ActuatorEffect):
+    """A map or filter from command to command, applied before the actuator."""
+
+
+class MeasurementEffect(Effect):
+    """A map from the true state to what was recorded."""
+
+    @abstractmethod
+    def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Tensor]:
+        """Return the signals as they would have been recorded without the effect; time is dimension 1."""
+
+
+class ParameterError(Effect):
+    """A number of the platform that is wrong; the parameter is the ratio of true over nominal."""
+
+    acts_on: ClassVar[str] = "parameter"
+    parameters = (Parameter("ratio", "1", 1.2, 0.2, 5.0, neutral=1.0),)
+
+    @abstractmethod
+    def adjust(self, constants: Values, values: Values) -> dict[str, Tensor | float]:
+        """Return the constants with the ratio applied."""
+
+
+def _scan(
+    effect: ActuatorEffect, signals: Signals, values: Values, constants: Values, time_step: float
+) -> dict[str, Tensor]:
+    memory: Any = None
+    changed: dict[str, list[Tensor]] = {}
+    for sample in range(next(iter(signals.values())).shape[1]):
+        now = {name: series[:, sample] for name, series in signals.items()}
+        out, memory = effect.actuate(now, values, constants, memory, time_step)
+        for name, value in out.items():
+            changed.setdefault(name, []).append(value)
+    return {name: torch.stack(steps, dim=1) for name, steps in changed.items()}

@@ -1,0 +1,30 @@
+"""A motor controller that caps the current of a joint."""
+
+from typing import Any
+
+from torch import Tensor
+
+from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
+
+
+class CurrentLimit(ActuatorEffect):
+    """Motor current held under a limit, whatever voltage is commanded."""
+
+    name = "current_limit"
+    kind = "joint"
+    acts_on = "actuator"
+    parameters = (Parameter("limit", "A", 40.0, 0.01, 1e4, neutral=1e4),)
+    needs = ("voltage",)
+    formula = "|voltage − K·velocity| / resistance ≤ limit"
+    source = "smart motor controllers' stator current limit; Krishnan 2001, Electric motor drives, §2"
+    sentence = "The controller caps the motor's current at {limit} A; limit it in the simulator."
+    excitation = "full-voltage steps from standstill"
+
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the voltage that drives no more than the limit through the winding."""
+        back_emf = constants["torque_constant"] * constants["gear_ratio"] * signals["velocity"]
+        drop = values["limit"] * constants["resistance"]
+        excess = (signals["voltage"] - back_emf).clamp(-drop, drop)
+        return {"voltage": back_emf + excess}, None

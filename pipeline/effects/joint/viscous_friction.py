@@ -1,0 +1,24 @@
+"""Friction of a joint in proportion to its velocity."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.joint.common import on_axis
+
+
+class ViscousFriction(WrenchEffect):
+    """Friction in proportion to velocity."""
+
+    name = "viscous_friction"
+    kind = "joint"
+    acts_on = "torque"
+    parameters = (Parameter("coefficient", "N·m·s/rad", 0.01, 0.0, 1e4),)
+    needs = ("velocity",)
+    formula = "torque = −coefficient · velocity"
+    source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
+    sentence = "Friction grows with speed by {coefficient} {unit}; add viscous friction."
+    excitation = "constant speeds over the whole range, in both directions"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the friction on the axis, N·m or N."""
+        return on_axis(constants, -values["coefficient"] * signals["velocity"])

@@ -1,0 +1,28 @@
+"""Thrust that a rotor loses when it climbs into its own air."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.quadrotor.common import rotor_speed_ratio
+
+
+class AxialInflow(WrenchEffect):
+    """Thrust lost with climb speed along the rotor axis."""
+
+    name = "axial_inflow"
+    kind = "quadrotor"
+    acts_on = "force"
+    parameters = (Parameter("coefficient", "1/s", 0.3, 0.0, 5.0),)
+    needs = ("velocity", "rotor_speed")
+    formula = "a_z = −coefficient · (mean Ω / Ω_hover) · v_z"
+    source = "Leishman 2006, Principles of helicopter aerodynamics, §3.2; linear in inflow as Kaufmann et al. 2023"
+    sentence = (
+        "The rotors lose thrust when they climb: each m/s along the thrust axis costs {coefficient} m/s² at hover "
+        "rotor speed; add axial inflow to the simulator."
+    )
+    excitation = "climb and descend at several speeds with little lateral motion"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return specific force along body z, m/s²."""
+        gain = -values["coefficient"] * rotor_speed_ratio(signals, constants)
+        return {"force_z": gain * signals["velocity"][..., 2]}

@@ -1,0 +1,15 @@
+"""Quantities that several effects of the quadrotor share."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import Signals, Values
+
+
+def rotor_speed_ratio(signals: Signals, constants: Values) -> Tensor:
+    """Mean rotor speed over the nominal hover rotor speed (...,)."""
+    return signals["rotor_speed"].mean(-1) / constants["hover_rotor_speed"]
+
+
+def along_axes(stem: str, vector: Tensor) -> dict[str, Tensor]:
+    """Name the three components of a (..., 3) vector as channels."""
+    return {f"{stem}_{axis}": vector[..., index] for index, axis in enumerate("xyz")}

@@ -1,0 +1,32 @@
+"""State recorded on another clock than the motors."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import MeasurementEffect, Parameter, Signals, Values
+from pipeline.effects.shift import shift_in_time
+
+
+class SensorTimeOffset(MeasurementEffect):
+    """The state reaches the log late with respect to the motors' telemetry (early where negative)."""
+
+    name = "sensor_time_offset"
+    kind = "quadrotor"
+    acts_on = "measurement"
+    parameters = (Parameter("offset", "s", 0.02, -0.1, 0.1),)
+    needs = ("rotor_speed",)
+    formula = "recorded(t) = true(t − offset)"
+    source = "Furgale, Rehder & Siegwart 2013, Unified temporal and spatial calibration for multi-sensor systems"
+    sentence = (
+        "The state was recorded {offset} s late with respect to the motors; shift the clocks before anything is "
+        "fitted."
+    )
+    excitation = "pump the thrust up and down quickly, so that rotor speed and acceleration can be aligned"
+
+    def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Tensor]:
+        """Delay the motors' signals by the offset so that both clocks agree."""
+        shifted = {
+            name: shift_in_time(signals[name], values["offset"], time_step)
+            for name in ("rotor_speed", "motor_command")
+            if name in signals
+        }
+        return {**signals, **shifted}

@@ -1,0 +1,27 @@
+"""Thrust that a rotor gains when air moves through its plane."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+
+
+class TranslationalLift(WrenchEffect):
+    """Thrust gained with in-plane airspeed."""
+
+    name = "translational_lift"
+    kind = "quadrotor"
+    acts_on = "force"
+    parameters = (Parameter("coefficient", "1/m", 0.02, 0.0, 2.0),)
+    needs = ("velocity",)
+    formula = "a_z = +coefficient · (v_x² + v_y²)"
+    source = "Kaufmann et al. 2023, Champion-level drone racing, Methods: term v_xy² of f_z"
+    sentence = (
+        "The rotors lift more when air moves through their plane: {coefficient} m/s² at 1 m/s, growing with the "
+        "square of in-plane airspeed; add translational lift to the simulator."
+    )
+    excitation = "fly level straight lines at several speeds and compare the thrust needed to hold height"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return specific force along body z, m/s²."""
+        in_plane = signals["velocity"][..., :2].square().sum(-1)
+        return {"force_z": values["coefficient"] * in_plane}

@@ -1,0 +1,41 @@
+"""Dry friction in a swerve drive's wheels and in its steering."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.swerve.common import direction, on_modules, on_wheels, wheel_speed
+
+
+class DriveCoulombFriction(WrenchEffect):
+    """Constant friction against each wheel's rotation."""
+
+    name = "coulomb_friction"
+    kind = "swerve"
+    acts_on = "drive"
+    parameters = (Parameter("level", "N·m", 0.5, 0.0, 1e3),)
+    formula = "wheel torque = −level · sign(wheel speed)"
+    source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
+    sentence = "Dry friction holds each driven wheel back with {level} N·m; add Coulomb friction to the drive."
+    excitation = "slow voltage ramps forward and backward, through standstill"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the friction summed on the chassis."""
+        speed = wheel_speed(signals, constants)
+        return on_wheels(-values["level"] * direction(speed, constants), signals, constants)
+
+
+class SteerCoulombFriction(WrenchEffect):
+    """Constant friction against each module's turning."""
+
+    name = "coulomb_friction"
+    kind = "swerve"
+    acts_on = "steer"
+    parameters = (Parameter("level", "N·m", 0.5, 0.0, 1e3),)
+    formula = "module torque = −level · sign(module speed)"
+    source = DriveCoulombFriction.source
+    sentence = "Dry friction holds each steering module back with {level} N·m; add Coulomb friction to the steering."
+    excitation = "turn the modules slowly to and fro, through standstill"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the friction on each module, N·m."""
+        return on_modules(-values["level"] * direction(signals["steer_velocity"], constants))

@@ -1,0 +1,63 @@
+"""The nominal joint: inertia, gravity, a spring and a motor without losses of its own."""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from pipeline.platforms.joint import Joint
+from pipeline.platforms.mechanism import Channel, Constants, Mechanism, Signals
+
+
+class JointMechanism(Mechanism):
+    """One axis: I·a = effort − gravity_torque·sin(position) − stiffness·position.
+
+    Signals: `position`, `velocity` and `effort` (at the joint) or `voltage` (at the motor); shape (...,).
+    """
+
+    kind = "joint"
+    actuator_signals = ("effort", "voltage")
+
+    def __init__(self, platform: Joint, position_unit: str = "rad") -> None:
+        self.platform = platform
+        self.channels = (
+            Channel("torque", "N·m", "torque") if position_unit == "rad" else Channel("force", "N", "force"),
+        )
+
+    def constants(self) -> dict[str, Any]:
+        """Return inertia, load and motor of the platform."""
+        platform, motor = self.platform, self.platform.motor
+        constants = {
+            "inertia": platform.inertia,
+            "gravity_torque": platform.gravity_torque,
+            "stiffness": platform.stiffness,
+            "sliding_velocity": 0.01,
+            "channel": self.channels[0].name,
+        }
+        if motor is not None:
+            constants["resistance"] = motor.resistance
+            constants["torque_constant"] = motor.torque_constant
+            constants["gear_ratio"] = motor.gear_ratio
+        return constants
+
+    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Turn the voltage into effort by the motor's resistance and back-EMF, unless effort is given."""
+        if "voltage" not in signals:
+            return dict(signals)
+        constant = constants["torque_constant"] * constants["gear_ratio"]
+        current = (signals["voltage"] - constant * signals["velocity"]) / constants["resistance"]
+        return {**signals, "effort": constant * current}
+
+    def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Effort less gravity and spring."""
+        position = signals["position"]
+        load = constants["gravity_torque"] * torch.sin(position) + constants["stiffness"] * position
+        return {self.channels[0].name: signals["effort"] - load}
+
+    def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Nothing: the frame of an axis does not turn."""
+        return {}
+
+    def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Inertia times velocity."""
+        return {self.channels[0].name: constants["inertia"] * signals["velocity"]}

@@ -1,0 +1,59 @@
+"""What every platform's nominal mechanism answers, for the simulator and for the diagnosis alike."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torch import Tensor
+
+Signals = Mapping[str, Tensor]
+Constants = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One equation of motion: the rate of a momentum equals what acts on it.
+
+    Attributes:
+        name: as in the diagnosis, for example `force_x`.
+        unit: of the wrench.
+        group: what kind of effect acts here (`force`, `torque`, `drive`, `steer`).
+    """
+
+    name: str
+    unit: str
+    group: str
+
+
+class Mechanism(ABC):
+    """The nominal physics of one platform kind.
+
+    The rate of `momentum` equals `wrench` + `inertial`, channel by channel. Effects add to the wrench.
+    All methods take signals with free leading dimensions.
+    """
+
+    kind: ClassVar[str]
+    channels: tuple[Channel, ...]
+    actuator_signals: ClassVar[tuple[str, ...]]
+    """Signals on the clock of the command: what a time offset of the sensors moves against the rest."""
+
+    @abstractmethod
+    def constants(self) -> dict[str, Any]:
+        """Return the numbers of the nominal equations, which parameter errors scale."""
+
+    @abstractmethod
+    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Return the signals with the nominal actuator's output (`rotor_speed`, `effort`) added."""
+
+    @abstractmethod
+    def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Return what the actuators and the nominal environment do, per channel."""
+
+    @abstractmethod
+    def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Return gravity and the terms of a turning frame, per channel (absent where zero)."""
+
+    @abstractmethod
+    def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Return the quantity whose rate balances the wrench, per channel."""

@@ -1,0 +1,88 @@
+"""The nominal quadrotor: quadratic rotors on a rigid body, and nothing of the air but lift."""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from pipeline.physics import rotations
+from pipeline.platforms.mechanism import Channel, Constants, Mechanism, Signals
+from pipeline.platforms.quadrotor import Quadrotor
+
+_AXES = ("x", "y", "z")
+
+
+class QuadrotorMechanism(Mechanism):
+    """Newton and Euler in the body frame (FLU).
+
+    Signals: `velocity` body-frame airspeed (..., 3) m/s, `body_rate` (..., 3) rad/s, `attitude` (..., 4),
+    `rotor_speed` (..., 4) rad/s or `motor_command` (..., 4) 0..1.
+    Force channels are mass-normalised (what an ideal accelerometer reads), m/s²; torque channels are N·m.
+    Source: Mahony, Kumar & Corke 2012, "Multirotor aerial vehicles", eqs. 1–4.
+    """
+
+    kind = "quadrotor"
+    actuator_signals = ("rotor_speed", "motor_command")
+    channels = (
+        *(Channel(f"force_{axis}", "m/s²", "force") for axis in _AXES),
+        *(Channel(f"torque_{axis}", "N·m", "torque") for axis in _AXES),
+    )
+
+    def __init__(self, platform: Quadrotor) -> None:
+        self.platform = platform
+
+    def constants(self) -> dict[str, Any]:
+        """Return mass, coefficients, inertia and geometry of the platform."""
+        platform = self.platform
+        return {
+            "mass": platform.mass,
+            "gravity": platform.gravity,
+            "thrust_coefficient": platform.thrust_coefficient,
+            "torque_coefficient": platform.torque_coefficient,
+            "motor_speed_max": platform.motor_speed_max,
+            "nominal_voltage": platform.nominal_voltage,
+            "hover_rotor_speed": platform.hover_rotor_speed,
+            "inertia": torch.tensor(platform.inertia, dtype=torch.float64),
+            "rotor_positions": torch.tensor(platform.rotor_positions, dtype=torch.float64),
+            "rotor_directions": torch.tensor(platform.rotor_directions, dtype=torch.float64),
+        }
+
+    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Rotor speed follows the command at once and in proportion, unless it is given."""
+        if "rotor_speed" in signals:
+            return dict(signals)
+        return {**signals, "rotor_speed": constants["motor_speed_max"] * signals["motor_command"]}
+
+    def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Thrust along body z; torques by lever arms and reaction."""
+        squared = signals["rotor_speed"] ** 2  # (..., 4)
+        thrust = constants["thrust_coefficient"] * squared
+        positions = constants["rotor_positions"].to(squared)
+        reaction = constants["torque_coefficient"] * constants["rotor_directions"].to(squared)
+        zero = torch.zeros_like(squared[..., 0])
+        return {
+            "force_x": zero,
+            "force_y": zero,
+            "force_z": thrust.sum(-1) / constants["mass"],
+            "torque_x": (positions[:, 1] * thrust).sum(-1),
+            "torque_y": -(positions[:, 0] * thrust).sum(-1),
+            "torque_z": (reaction * squared).sum(-1),
+        }
+
+    def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Gravity and the transport terms ω × u of the body frame, and the gyroscopic torque ω × Jω."""
+        rate, velocity = signals["body_rate"], signals["velocity"]
+        down = torch.zeros_like(velocity)
+        down[..., 2] = -constants["gravity"]
+        force = rotations.rotate_inverse(signals["attitude"], down) - torch.linalg.cross(rate, velocity)
+        torque = -torch.linalg.cross(rate, constants["inertia"].to(rate) * rate)
+        return _named("force", force) | _named("torque", torque)
+
+    def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Body-frame velocity (mass-normalised momentum) and angular momentum."""
+        angular = constants["inertia"].to(signals["body_rate"]) * signals["body_rate"]
+        return _named("force", signals["velocity"]) | _named("torque", angular)
+
+
+def _named(stem: str, vector: Tensor) -> dict[str, Tensor]:
+    return {f"{stem}_{axis}": vector[..., index] for index, axis in enumerate(_AXES)}
