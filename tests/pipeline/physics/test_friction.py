@@ -51,7 +51,7 @@ def test_lugre_step_solves_the_bristle_equation():
     for _ in range(2_000):
         fine = fine + 5e-6 * friction.lugre_bristle_rate(fine, velocity, 0.4, 1e3)
     coarse = friction.lugre_bristle_step(deflection, velocity, 0.4, 1e3, 1e-2)
-    torch.testing.assert_close(coarse, fine, rtol=1e-4, atol=0)
+    torch.testing.assert_close(coarse, fine, rtol=1e-3, atol=0)
 
 
 def test_lugre_holds_still_and_stores_no_more_than_it_is_given():
