@@ -23,6 +23,7 @@ def effects_of(kind: str) -> tuple[Effect, ...]:
             if inspect.isclass(member)
             and issubclass(member, Effect)
             and member.__module__ == module.__name__
+            and not member.__name__.startswith("_")
             and not inspect.isabstract(member)
         ]
     return tuple(sorted(effects, key=lambda effect: effect.key))

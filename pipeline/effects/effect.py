@@ -52,7 +52,7 @@ class Effect(ABC):
         needs: signals without which it can be neither simulated nor tested.
         formula: as a person would write it.
         source: where it comes from.
-        sentence: what a person can act on; `{name}` is replaced by the value of the parameter `name`.
+        sentence: what a person can act on; `{name}` is replaced by the value of a parameter, `{name_unit}` by its unit.
         excitation: the manoeuvre that shows it.
     """
 
@@ -79,9 +79,18 @@ class Effect(ABC):
         """Return the values at which the effect does nothing."""
         return {parameter.name: parameter.neutral for parameter in self.parameters}
 
-    def statement(self, values: Mapping[str, float]) -> str:
-        """Return the sentence for people with the values filled in."""
-        return self.sentence.format(**{name: f"{value:.3g}" for name, value in values.items()})
+    def units(self, position_unit: str = "rad") -> dict[str, str]:
+        """Return the unit of each parameter; on a sliding axis N·m becomes N and rad becomes m."""
+        units = {parameter.name: parameter.unit for parameter in self.parameters}
+        if position_unit == "rad":
+            return units
+        return {name: unit.replace("N·m", "N").replace("rad", "m") for name, unit in units.items()}
+
+    def statement(self, values: Mapping[str, float], position_unit: str = "rad") -> str:
+        """Return the sentence for people; `{name}` becomes the value, `{name_unit}` its unit."""
+        filled = {name: f"{value:.3g}" for name, value in values.items()}
+        filled |= {f"{name}_unit": unit for name, unit in self.units(position_unit).items()}
+        return self.sentence.format(**filled)
 
 
 class WrenchEffect(Effect):

@@ -16,7 +16,7 @@ class CoulombFriction(WrenchEffect):
     needs = ("velocity",)
     formula = "torque = −level · sign(velocity)"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
-    sentence = "Dry friction holds the axis back with {level} {unit} whichever way it moves; add Coulomb friction."
+    sentence = "Dry friction holds the axis back with {level} {level_unit} whichever way it moves; add Coulomb friction."
     excitation = "slow ramps in both directions, through standstill"
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:

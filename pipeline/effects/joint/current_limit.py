@@ -23,8 +23,6 @@ class CurrentLimit(ActuatorEffect):
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:
-        """Return the voltage that drives no more than the limit through the winding."""
-        back_emf = constants["torque_constant"] * constants["gear_ratio"] * signals["velocity"]
-        drop = values["limit"] * constants["resistance"]
-        excess = (signals["voltage"] - back_emf).clamp(-drop, drop)
-        return {"voltage": back_emf + excess}, None
+        """Return the effort that no more than the limiting current can give."""
+        most = values["limit"] * constants["torque_constant"] * constants["gear_ratio"]
+        return {"effort": signals["effort"].clamp(-most, most)}, None

@@ -16,7 +16,7 @@ class ViscousFriction(WrenchEffect):
     needs = ("velocity",)
     formula = "torque = −coefficient · velocity"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
-    sentence = "Friction grows with speed by {coefficient} {unit}; add viscous friction."
+    sentence = "Friction grows with speed by {coefficient} {coefficient_unit}; add viscous friction."
     excitation = "constant speeds over the whole range, in both directions"
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:

@@ -20,13 +20,10 @@ class _SwerveCurrentLimit(ActuatorEffect):
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:
-        """Return the voltages that drive no more than the limit through each winding."""
+        """Return the torques that no more than the limiting current can give."""
         group = self.acts_on
-        ratio = constants["steer_gear_ratio"] if group == "steer" else 1.0
-        back_emf = constants[f"{group}_back_emf_constant"] * ratio * signals[f"{group}_velocity"]
-        drop = values["limit"] * constants[f"{group}_resistance"]
-        excess = (signals[f"{group}_voltage"] - back_emf).clamp(-drop, drop)
-        return {f"{group}_voltage": back_emf + excess}, None
+        most = values["limit"] * constants[f"{group}_gear_ratio"] * constants[f"{group}_torque_constant"]
+        return {f"{group}_torque": signals[f"{group}_torque"].clamp(-most, most)}, None
 
 
 class DriveCurrentLimit(_SwerveCurrentLimit):

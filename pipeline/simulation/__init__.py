@@ -1,0 +1,15 @@
+"""Floor 4: a simulator is a platform, its nominal mechanism and the effects that were named."""
+
+from pipeline.simulation.rollout import rollout, step
+from pipeline.simulation.simulator import Balance, FittedEffect, Simulator
+from pipeline.simulation.storage import read_simulator, write_simulator
+
+__all__ = [
+    "Balance",
+    "FittedEffect",
+    "Simulator",
+    "read_simulator",
+    "rollout",
+    "step",
+    "write_simulator",
+]

@@ -1,0 +1,149 @@
+"""How each kind of machine moves: its state as a tensor, its signals, and the state's rate of change."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import torch
+from torch import Tensor
+
+from pipeline.physics import rigid_body, rotations
+from pipeline.platforms import Platform, Swerve
+
+Signals = Mapping[str, Tensor]
+
+
+class Motion(ABC):
+    """The state of one platform kind.
+
+    `parts` names the slices of the state tensor (..., n); the same names, with recorded signals, make a state.
+    """
+
+    parts: ClassVar[dict[str, slice]]
+
+    @abstractmethod
+    def pack(self, signals: Signals) -> Tensor:
+        """Return the state tensor (..., n) that these signals describe."""
+
+    @abstractmethod
+    def signals(self, state: Tensor) -> dict[str, Tensor]:
+        """Return the signals that effects and mechanism read from a state."""
+
+    @abstractmethod
+    def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
+        """Return the rate of change of the state under a wrench."""
+
+    def normalise(self, state: Tensor) -> Tensor:
+        """Return the state with what integration let drift put right."""
+        return state
+
+
+class QuadrotorMotion(Motion):
+    """Position (world), attitude, velocity (world), body rate."""
+
+    parts = {
+        "position": slice(0, 3),
+        "attitude": slice(3, 7),
+        "velocity": slice(7, 10),
+        "body_rate": slice(10, 13),
+    }
+
+    def pack(self, signals: Signals) -> Tensor:
+        """Return (..., 13); the velocity among the signals is in the body frame."""
+        velocity = rotations.rotate(signals["attitude"], signals["velocity"])
+        return torch.cat([signals["position"], signals["attitude"], velocity, signals["body_rate"]], dim=-1)
+
+    def signals(self, state: Tensor) -> dict[str, Tensor]:
+        """Return the parts, with velocity in the body frame."""
+        parts = {name: state[..., where] for name, where in self.parts.items()}
+        return parts | {"velocity": rotations.rotate_inverse(parts["attitude"], parts["velocity"])}
+
+    def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
+        """Newton and Euler; specific force and torque in the body frame."""
+        attitude, velocity, rate = (state[..., self.parts[n]] for n in ("attitude", "velocity", "body_rate"))
+        force = torch.stack([wrench[f"force_{axis}"] for axis in "xyz"], dim=-1)
+        torque = torch.stack([wrench[f"torque_{axis}"] for axis in "xyz"], dim=-1)
+        inertia = constants["inertia"].to(state)
+        return torch.cat(
+            [
+                velocity,
+                rotations.quaternion_derivative(attitude, rate),
+                rigid_body.linear_acceleration(attitude, force, constants["gravity"]),
+                rigid_body.angular_acceleration(rate, torque, inertia),
+            ],
+            dim=-1,
+        )
+
+    def normalise(self, state: Tensor) -> Tensor:
+        """Return the state with a unit quaternion."""
+        attitude = rotations.normalize(state[..., self.parts["attitude"]])
+        return torch.cat([state[..., :3], attitude, state[..., 7:]], dim=-1)
+
+
+class JointMotion(Motion):
+    """Position and velocity of the axis."""
+
+    parts = {"position": slice(0, 1), "velocity": slice(1, 2)}
+
+    def pack(self, signals: Signals) -> Tensor:
+        """Return (..., 2)."""
+        return torch.stack([signals["position"], signals["velocity"]], dim=-1)
+
+    def signals(self, state: Tensor) -> dict[str, Tensor]:
+        """Return position and velocity."""
+        return {"position": state[..., 0], "velocity": state[..., 1]}
+
+    def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
+        """Velocity, and wrench over inertia."""
+        acceleration = wrench[constants["channel"]] / constants["inertia"]
+        return torch.stack([state[..., 1], acceleration], dim=-1)
+
+
+class SwerveMotion(Motion):
+    """Chassis velocity (robot frame, with yaw rate), steering angles and steering rates."""
+
+    parts = {"chassis_velocity": slice(0, 3), "steer_angle": slice(3, 7), "steer_velocity": slice(7, 11)}
+
+    def __init__(self, platform: Swerve) -> None:
+        self.platform = platform
+
+    def pack(self, signals: Signals) -> Tensor:
+        """Return (..., 11)."""
+        return torch.cat([signals[name] for name in self.parts], dim=-1)
+
+    def signals(self, state: Tensor) -> dict[str, Tensor]:
+        """Return the parts and the drive motors' speeds, which follow from rolling without slip."""
+        parts = {name: state[..., where] for name, where in self.parts.items()}
+        return parts | {"drive_velocity": self._motor_speed(parts)}
+
+    def _motor_speed(self, parts: Mapping[str, Tensor]) -> Tensor:
+        x, y, yaw = parts["chassis_velocity"].unbind(-1)
+        positions = torch.tensor(self.platform.module_positions, dtype=x.dtype)
+        along_x = x[..., None] - yaw[..., None] * positions[:, 1]
+        along_y = y[..., None] + yaw[..., None] * positions[:, 0]
+        angle = parts["steer_angle"]
+        rolling = along_x * torch.cos(angle) + along_y * torch.sin(angle)
+        return rolling * (self.platform.drive.gear_ratio / self.platform.wheel_radius)
+
+    def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
+        """Chassis and modules as rigid bodies, seen from the turning robot frame."""
+        x, y, yaw = state[..., 0], state[..., 1], state[..., 2]
+        chassis = torch.stack(
+            [
+                wrench["drive_x"] / constants["mass"] + yaw * y,
+                wrench["drive_y"] / constants["mass"] - yaw * x,
+                wrench["drive_yaw"] / constants["inertia"],
+            ],
+            dim=-1,
+        )
+        steer = torch.stack([wrench[f"steer_{module}"] for module in range(1, 5)], dim=-1)
+        return torch.cat([chassis, state[..., 7:11], steer / constants["steer_inertia"]], dim=-1)
+
+
+def motion_of(platform: Platform) -> Motion:
+    """Return the motion that belongs to a platform."""
+    if isinstance(platform, Swerve):
+        return SwerveMotion(platform)
+    return QuadrotorMotion() if platform.kind == "quadrotor" else JointMotion()
+
+

@@ -1,0 +1,121 @@
+"""A simulator: platform, nominal mechanism and effects, evaluated on simulated or on recorded signals."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from torch import Tensor
+
+from pipeline.effects import (
+    ActuatorEffect,
+    CommandEffect,
+    Effect,
+    MeasurementEffect,
+    ParameterError,
+    WrenchEffect,
+)
+from pipeline.platforms import Platform
+from pipeline.platforms.mechanism import Mechanism
+from pipeline.platforms.mechanisms import mechanism_of
+
+Signals = Mapping[str, Tensor]
+
+
+@dataclass(frozen=True)
+class FittedEffect:
+    """An effect with the values it has in one simulator.
+
+    Attributes:
+        effect: the entry of the catalogue.
+        values: parameter values in the effect's units.
+        std: standard errors, empty where the values were set by hand.
+    """
+
+    effect: Effect
+    values: Mapping[str, float]
+    std: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Both sides of the equations of motion, per channel.
+
+    Attributes:
+        momentum: the quantity whose rate is balanced.
+        wrench: what acts on it: what an ideal accelerometer or torque sensor would read.
+        rate: the wrench, gravity and the terms of a turning frame.
+    """
+
+    momentum: dict[str, Tensor]
+    wrench: dict[str, Tensor]
+    rate: dict[str, Tensor]
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """A platform with the physics that it is believed to have.
+
+    Attributes:
+        platform: what a person knew before identification.
+        effects: the effects that act, with their values.
+        position_unit: of a joint, rad or m.
+        settings: constants that are not physics but resolution, such as `sliding_velocity`.
+    """
+
+    platform: Platform
+    effects: tuple[FittedEffect, ...] = ()
+    position_unit: str = "rad"
+    settings: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The nominal mechanism of the platform."""
+        return mechanism_of(self.platform, self.position_unit)
+
+    def of_type(self, kind: type[Effect]) -> list[FittedEffect]:
+        """Return the effects that act in one place."""
+        return [fitted for fitted in self.effects if isinstance(fitted.effect, kind)]
+
+    def with_effects(self, effects: tuple[FittedEffect, ...]) -> "Simulator":
+        """Return the same platform with other effects."""
+        return replace(self, effects=effects)
+
+    def constants(self) -> dict[str, Any]:
+        """Return the constants of the platform with every parameter error applied."""
+        constants: dict[str, Any] = {**self.mechanism.constants(), **self.settings}
+        for fitted in self.of_type(ParameterError):
+            constants = fitted.effect.adjust(constants, fitted.values)  # type: ignore[attr-defined]
+        return constants
+
+    def along_time(self, signals: Signals, time_step: float) -> dict[str, Tensor]:
+        """Return recorded blocks (blocks, samples, ...) with everything up to the actuator applied.
+
+        Clock offsets are undone, commands delayed, the nominal actuator and the actuator effects run.
+        """
+        constants, out = self.constants(), dict(signals)
+        for fitted in self.of_type(MeasurementEffect):
+            out = fitted.effect.undo(out, fitted.values, time_step)  # type: ignore[attr-defined]
+        for fitted in self.of_type(CommandEffect):
+            out = _along_time(fitted, out, constants, time_step)
+        out = self.mechanism.actuate(out, constants)
+        for fitted in self.of_type(ActuatorEffect):
+            if not isinstance(fitted.effect, CommandEffect):
+                out = _along_time(fitted, out, constants, time_step)
+        return out
+
+    def balance(self, signals: Signals) -> Balance:
+        """Return both sides of the equations of motion for signals that went through the actuator."""
+        constants, mechanism = self.constants(), self.mechanism
+        wrench = mechanism.wrench(signals, constants)
+        for fitted in self.of_type(WrenchEffect):
+            added = fitted.effect.wrench(signals, fitted.values, constants)  # type: ignore[attr-defined]
+            wrench = {**wrench, **{name: wrench[name] + value for name, value in added.items()}}
+        inertial = mechanism.inertial(signals, constants)
+        rate = {name: value + inertial[name] if name in inertial else value for name, value in wrench.items()}
+        return Balance(mechanism.momentum(signals, constants), wrench, rate)
+
+
+def _along_time(
+    fitted: FittedEffect, signals: dict[str, Tensor], constants: dict[str, Any], time_step: float
+) -> dict[str, Tensor]:
+    return fitted.effect.along_time(signals, fitted.values, constants, time_step)  # type: ignore[attr-defined]

@@ -1,0 +1,62 @@
+"""A simulator as a folder: `simulator.yaml`, which a person can read and which loads without running anything."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from pipeline.effects import effect_by_key
+from pipeline.errors import InputError
+from pipeline.platforms import platform_from_config, platform_to_config
+from pipeline.simulation.simulator import FittedEffect, Simulator
+
+_FILE = "simulator.yaml"
+_SCHEMA = "simgap.simulator/1"
+
+
+def write_simulator(simulator: Simulator, folder: Path) -> None:
+    """Write the simulator into a folder that is made if needed."""
+    folder.mkdir(parents=True, exist_ok=True)
+    content = {
+        "schema": _SCHEMA,
+        "position_unit": simulator.position_unit,
+        "platform": platform_to_config(simulator.platform),
+        "settings": dict(simulator.settings),
+        "effects": [_describe(fitted, simulator.position_unit) for fitted in simulator.effects],
+    }
+    (folder / _FILE).write_text(yaml.safe_dump(content, sort_keys=False, allow_unicode=True), encoding="utf-8")
+
+
+def _describe(fitted: FittedEffect, position_unit: str) -> dict[str, Any]:
+    units = fitted.effect.units(position_unit)
+    parameters = {}
+    for name, value in fitted.values.items():
+        parameters[name] = {"value": float(value), "unit": units[name]}
+        if name in fitted.std:
+            parameters[name]["std"] = float(fitted.std[name])
+    return {"effect": fitted.effect.key, "formula": fitted.effect.formula, "parameters": parameters}
+
+
+def read_simulator(folder: Path) -> Simulator:
+    """Read a simulator that `write_simulator` wrote.
+
+    Raises:
+        InputError: when the file is missing, is not such a file or names an unknown effect.
+    """
+    path = folder / _FILE
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise InputError(f"no simulator can be read: {error}", str(path), "give the folder that build_sim wrote") from error
+    if not isinstance(content, dict) or content.get("schema") != _SCHEMA:
+        raise InputError(f"is not a {_SCHEMA} file", str(path), "give the folder that build_sim wrote")
+    platform = platform_from_config(content["platform"], f"{path}: platform")
+    effects = tuple(_fitted(platform.kind, entry) for entry in content["effects"])
+    return Simulator(platform, effects, content["position_unit"], content["settings"])
+
+
+def _fitted(kind: str, entry: dict[str, Any]) -> FittedEffect:
+    parameters = entry["parameters"]
+    values = {name: float(parameter["value"]) for name, parameter in parameters.items()}
+    std = {name: float(parameter["std"]) for name, parameter in parameters.items() if "std" in parameter}
+    return FittedEffect(effect_by_key(kind, entry["effect"]), values, std)
