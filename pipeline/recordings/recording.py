@@ -1,6 +1,6 @@
 """A recording: what a robot did, in SI units, by the names of the contract."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -98,6 +98,27 @@ def read_recording(path: str | Path, kind: str | None = None) -> Recording:
         warnings=tuple(dict.fromkeys((*known, *noticed))),
         cleaned=cleaned,
     )
+
+
+def recording_from_frame(
+    frame: pd.DataFrame, kind: str, sliding: bool = False, warnings: Iterable[str] = (), where: str = "recording"
+) -> Recording:
+    """Make a recording of samples that are in the contract's units and frames already.
+
+    Args:
+        frame: `run`, `t` and channels.
+        kind: quadrotor, swerve or joint.
+        sliding: whether a joint's position is in metres.
+        warnings: what is known to be doubtful.
+        where: what to name in an error.
+
+    Raises:
+        InputError: when the samples break the contract.
+    """
+    declared = {"position": "m"} if sliding else {}
+    checked, units, remarks = validation.validate(frame, declared, kind, where)
+    noticed = doubts.doubts(checked, kind, units)
+    return Recording(checked, kind, units, warnings=(*warnings, *remarks, *noticed))
 
 
 def write_recording(recording: Recording, path: str | Path) -> None:

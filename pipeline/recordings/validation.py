@@ -8,7 +8,7 @@ import pandas as pd
 
 from pipeline.errors import InputError
 from pipeline.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, channel_units
-from pipeline.recordings.numbers import location, to_numbers
+from pipeline.recordings.numeric import location, to_numbers
 from pipeline.recordings.units import KNOWN, conversion
 
 _QUATERNION = [f"attitude_{axis}" for axis in "wxyz"]

@@ -1,0 +1,87 @@
+"""Samples that were repeated because a newer message was missing, while the machine moved on."""
+
+import numpy as np
+from scipy.ndimage import median_filter
+from scipy.spatial.transform import Rotation
+
+from pipeline.recordings.cleaning.channels import ATTITUDE, COMMANDS, RATES, SPECIFIC_FORCE, telegrams
+from pipeline.recordings.cleaning.work import RunUnderCleaning, stretches_of
+
+_CHANCE = 0.01  # a repetition likelier than this may be a coincidence
+_AROUND = 11  # changes over which the usual step is taken
+_LOW_RATE = 0.5  # share of repetitions above which the channel is simply logged less often
+_REST = 1e-3  # of a channel's largest value: below, it stands still
+_SAME = 1e-9
+
+
+def erase_frozen(run: RunUnderCleaning) -> None:
+    """Make missing the repetitions of a whole message that cannot be chance.
+
+    A quantised channel repeats by chance when it moves by less than its quantum q per sample; with the usual step s
+    around the repetition the chance is about q / 2s per channel, and the product over the channels of a message.
+    Standstill (all rates zero), commands at their limits and channels logged at a lower rate are left.
+    """
+    for columns in telegrams(run.kind, run.columns):
+        values = run.channel(*columns)
+        known = np.isfinite(values).all(axis=1)
+        if known.sum() < 3 * _AROUND:
+            continue
+        repeated = _repeated(values, run.stretch)
+        if columns == SPECIFIC_FORCE and run.has(ATTITUDE):
+            repeated |= _repeated_in_world(values, run.channel(*ATTITUDE), run.stretch)
+        rows = _unlikely(values, repeated) & ~_at_rest(run, columns, values) & known
+        moving = ~_at_rest(run, columns, values) & known
+        name = columns[0].rsplit("_", 1)[0]
+        share = rows.sum() / max(1, moving.sum())
+        if share > _LOW_RATE:
+            run.note("frozen", name, "logged at a lower rate, left", 0, f"{share:.0%} repeat", seconds=0.0)
+        else:
+            longest = max((past - first for first, past in stretches_of(rows)), default=0)
+            run.erase(rows, columns, "frozen", "held for want of a newer message", f"at most {longest} in a row")
+
+
+def _repeated(values: np.ndarray, stretch: np.ndarray) -> np.ndarray:
+    same = (values[1:] == values[:-1]).all(axis=1) & (stretch[1:] == stretch[:-1])
+    return np.concatenate([[False], same])
+
+
+def _repeated_in_world(force: np.ndarray, attitude: np.ndarray, stretch: np.ndarray) -> np.ndarray:
+    """Find held accelerations of loggers that turn them into world axes: held there, they move in body axes."""
+    result = np.zeros(len(force), dtype=bool)
+    known = np.flatnonzero(np.isfinite(force).all(axis=1) & np.isfinite(attitude).all(axis=1))
+    if len(known) > 1:
+        world = Rotation.from_quat(attitude[known], scalar_first=True).apply(force[known])
+        close = np.abs(np.diff(world, axis=0)).max(axis=1) <= _SAME * np.abs(world[1:]).max(axis=1)
+        neighbours = (np.diff(known) == 1) & (stretch[known[1:]] == stretch[known[:-1]])
+        result[known[1:][close & neighbours]] = True
+    return result
+
+
+def _unlikely(values: np.ndarray, repeated: np.ndarray) -> np.ndarray:
+    """Return which repetitions are too unlikely, shape (samples,)."""
+    fresh = np.flatnonzero(~repeated)
+    if len(fresh) < 2 or not repeated.any():
+        return np.zeros(len(values), dtype=bool)
+    step = np.abs(np.diff(values[fresh], axis=0))
+    step[np.isnan(step)] = 0.0
+    quantum = np.min(step, axis=0, where=step > 0, initial=np.inf)
+    usual = median_filter(step, size=(_AROUND, 1), mode="nearest")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        chance = np.where(usual > 0, np.minimum(1.0, 0.5 * quantum / usual), 1.0)
+    chance = chance.prod(axis=1)  # of the step from one fresh sample to the next
+    before = np.searchsorted(fresh, np.arange(len(values)), side="right") - 1  # the sample that is repeated
+    last = len(chance) - 1
+    likelier = np.maximum(chance[np.clip(before - 1, 0, last)], chance[np.clip(before, 0, last)])
+    return repeated & (likelier < _CHANCE)
+
+
+def _at_rest(run: RunUnderCleaning, columns: list[str], values: np.ndarray) -> np.ndarray:
+    """Return where all rates of the message are zero, or all its commands at their limits."""
+    if set(columns) <= COMMANDS:
+        low, high = np.nanmin(values, axis=0), np.nanmax(values, axis=0)
+        return ((values == low) | (values == high)).all(axis=1)
+    rates = [place for place, column in enumerate(columns) if column in RATES[run.kind]]
+    if not rates:
+        return np.zeros(len(values), dtype=bool)
+    size = np.abs(values[:, rates])
+    return (size <= _REST * np.nanmax(size, axis=0)).all(axis=1)

@@ -1,0 +1,22 @@
+"""Values that no machine can have."""
+
+import numpy as np
+
+from pipeline.recordings.cleaning.channels import MOTOR_COMMAND, MOTOR_SPEED
+from pipeline.recordings.cleaning.work import RunUnderCleaning
+
+_ROUNDING = 1e-3  # a command logged as 1.0005 is a full command
+_BOUNDS = {column: (0.0, 1.0) for column in MOTOR_COMMAND} | {column: (0.0, np.inf) for column in MOTOR_SPEED}
+_BOUNDS["battery_voltage"] = (0.0, np.inf)
+
+
+def erase_beyond_limits(run: RunUnderCleaning) -> None:
+    """Make missing what lies outside the bounds of its channel: commands in 0 to 1, speeds and voltage not negative."""
+    for column, (low, high) in _BOUNDS.items():
+        if column in run.columns:
+            values = run.channel(column)[:, 0]
+            with np.errstate(invalid="ignore"):
+                beyond = (values < low - _ROUNDING) | (values > high + _ROUNDING)
+            if beyond.any():
+                extreme = values[beyond][np.argmax(np.abs(values[beyond]))]
+                run.erase(beyond, [column], "limits", f"outside {low:g} to {high:g}", f"up to {extreme:.4g}")

@@ -1,0 +1,44 @@
+"""Runs that lack a channel throughout."""
+
+import numpy as np
+import pandas as pd
+
+from pipeline.recordings.contract import ANY_OF, REQUIRED
+
+_LEAST = 2  # samples that make a channel
+_USABLE = 0.5  # share of samples from which on a group counts as recorded
+
+
+def lacking(frame: pd.DataFrame, kind: str) -> str:
+    """Return why a run cannot be used, "" where it can."""
+    empty = [column for column in REQUIRED[kind] if frame[column].count() < _LEAST]
+    if empty:
+        return f"no values in {', '.join(empty)}"
+    if ANY_OF[kind] and not needed_groups(frame, kind):
+        return f"no values in {' nor '.join(group[0] for group in ANY_OF[kind])}"
+    return ""
+
+
+def needed_groups(frame: pd.DataFrame, kind: str) -> list[str]:
+    """Return the channels of those any-of groups that a run was recorded with.
+
+    A group that is there for a small part of the run must not cut off the rest, so it counts only when it has at least
+    half the samples of the best one.
+    """
+    shares = {
+        group: float(frame[list(group)].notna().all(axis=1).mean())
+        for group in ANY_OF[kind]
+        if set(group) <= set(frame.columns)
+    }
+    best = max(shares.values(), default=0.0)
+    if best * len(frame) < _LEAST:
+        return []
+    return [column for group, share in shares.items() if share >= _USABLE * best for column in group]
+
+
+def erase_sparse_groups(frame: pd.DataFrame, kind: str) -> tuple[pd.DataFrame, dict[str, int]]:
+    """Empty the any-of groups that do not count; return the frame and how many values each channel lost."""
+    needed = set(needed_groups(frame, kind))
+    sparse = [column for group in ANY_OF[kind] for column in group if column in frame and column not in needed]
+    lost = {column: int(frame[column].count()) for column in sparse}
+    return (frame.assign(**dict.fromkeys(sparse, np.nan)) if sparse else frame), lost

@@ -1,0 +1,101 @@
+"""Isolated samples that leave and come back faster than anything around them moves."""
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from pipeline.recordings.cleaning.channels import COMMANDS, INPUTS, QUATERNIONS
+from pipeline.recordings.cleaning.work import RunUnderCleaning
+
+_WIDEST = 3  # samples
+_CALM = 4.0  # times the largest step just before and after
+_NOISE = 10.0  # times the noise of the whole run
+_LOCAL = 5.0  # times the roughness around, which rules out bursts
+_QUANTA = 6.0
+_AROUND = 15  # samples on either side that make the roughness
+_PARTNER = {"velocity": "position"} | {f"steer_velocity_{i}": f"steer_angle_{i}" for i in range(1, 5)}
+
+
+def erase_spikes(run: RunUnderCleaning) -> None:
+    """Make missing what no machine does: an excursion of one to three samples out of a calm course and back into it.
+
+    A step does not come back, a transient is not calm on either side, a burst is rough around; and a pulse of speed
+    that the position confirms is true. Inputs and commands may jump and are left.
+    """
+    for column in run.columns:
+        if column in INPUTS[run.kind] or column in COMMANDS:
+            continue
+        partner = _PARTNER.get(column, "")
+        integral = run.channel(partner)[:, 0] if partner in run.columns else None
+        rows = find_spikes(run.channel(column)[:, 0], run.time, integral)
+        if rows.any():
+            quaternion = next((columns for columns in QUATERNIONS if column in columns), [column])
+            worst = run.channel(column)[rows, 0]
+            detail = f"up to {worst[np.argmax(np.abs(worst))]:.4g}"
+            run.erase(rows, quaternion, "spikes", "isolated impossible sample", detail)
+
+
+def find_spikes(values: np.ndarray, time: np.ndarray, integral: np.ndarray | None = None) -> np.ndarray:
+    """Return the mask of spikes.
+
+    Args:
+        values: the channel, shape (samples,); NaN where missing.
+        time: s, shape (samples,).
+        integral: the channel of which `values` is the rate of change, to confirm pulses.
+    """
+    result = np.zeros(len(values), dtype=bool)
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) < 2 * _AROUND:
+        return result
+    present = values[known]
+    roughness = np.abs(present - median_filter(present, size=5, mode="nearest"))
+    step = np.abs(np.diff(present))
+    quantum = np.min(step, where=step > 0, initial=np.inf)
+    floor = max(_NOISE * 1.4826 * float(np.median(roughness)), _QUANTA * quantum)
+    for width in range(1, _WIDEST + 1):
+        for first in _candidates(present, width, floor):
+            inside = slice(first, first + width)
+            if not _rough_around(roughness, inside, _height(present, inside)):
+                rows = known[inside]
+                if integral is None or not _confirmed(values, integral, time, rows):
+                    result[rows] = True
+    return result
+
+
+def _candidates(values: np.ndarray, width: int, floor: float) -> np.ndarray:
+    """Return where excursions of `width` samples begin that tower above the calm on either side."""
+    before, after = values[1 : -width - 2], values[width + 2 : -1]
+    calm = np.maximum(np.abs(np.diff(values[: -width - 2])), np.abs(np.diff(values[width + 2 :])))
+    calm = np.maximum(calm, np.abs(after - before))
+    least = np.full(len(before), np.inf)
+    sign = np.zeros((width, len(before)))
+    for offset in range(width):
+        share = (offset + 1) / (width + 1)
+        excursion = values[2 + offset : len(values) - width - 1 + offset] - (before + share * (after - before))
+        least = np.minimum(least, np.abs(excursion))
+        sign[offset] = np.sign(excursion)
+    alike = np.abs(sign.sum(axis=0)) == width
+    return 2 + np.flatnonzero(alike & (least > _CALM * calm) & (least > floor))
+
+
+def _height(values: np.ndarray, inside: slice) -> float:
+    base = 0.5 * (values[inside.start - 1] + values[inside.stop])
+    return float(np.abs(values[inside] - base).min())
+
+
+def _rough_around(roughness: np.ndarray, inside: slice, height: float) -> bool:
+    around = np.concatenate(
+        [
+            roughness[max(0, inside.start - _AROUND) : max(0, inside.start - 2)],
+            roughness[inside.stop + 2 : inside.stop + _AROUND],
+        ]
+    )
+    return height < _LOCAL * float(np.quantile(around, 0.9))
+
+
+def _confirmed(values: np.ndarray, integral: np.ndarray, time: np.ndarray, rows: np.ndarray) -> bool:
+    """Return whether the integral moved by at least half of what the pulse, taken as true, would have moved it."""
+    first, last = max(0, rows[0] - 1), min(len(values) - 1, rows[-1] + 1)
+    base = 0.5 * (values[first] + values[last])
+    pulse = float(((values[rows] - base) * np.gradient(time)[rows]).sum())
+    moved = float(integral[last] - integral[first] - base * (time[last] - time[first]))
+    return bool(np.isfinite(moved)) and moved * np.sign(pulse) >= 0.5 * abs(pulse)

@@ -1,0 +1,45 @@
+"""Stretches that somebody filled with a straight line, as when a log ends before the others and is extrapolated."""
+
+import numpy as np
+
+from pipeline.recordings.cleaning.channels import BODY_RATE, MOTOR_COMMAND, MOTOR_SPEED, SPECIFIC_FORCE
+from pipeline.recordings.cleaning.work import RunUnderCleaning, stretches_of
+
+# noisy measurements in flight; positions and program inputs may well be straight
+_VECTORS = (BODY_RATE, SPECIFIC_FORCE, MOTOR_SPEED, MOTOR_COMMAND)
+_BEND = 1e-2  # second difference over first, from sample to sample
+_CHORD = 1e-4  # largest distance from the chord over the whole way
+
+
+def erase_straight(run: RunUnderCleaning, max_gap: float) -> None:
+    """Make missing what is a straight line, in every component at once, for longer than `max_gap` s."""
+    if run.kind != "quadrotor":
+        return
+    for columns in _VECTORS:
+        if run.has(columns):
+            rows = _straight(run.time, run.channel(*columns), run.stretch, max_gap)
+            run.erase(rows, columns, "straight", "straight line in place of a measurement")
+
+
+def _straight(time: np.ndarray, values: np.ndarray, stretch: np.ndarray, max_gap: float) -> np.ndarray:
+    """Return the mask of samples inside made-up stretches, shape (samples,)."""
+    result = np.zeros(len(time), dtype=bool)
+    if len(time) < 3:
+        return result
+    slope = np.diff(values, axis=0) / np.diff(time)[:, None]
+    with np.errstate(invalid="ignore"):
+        bend = np.abs(np.diff(slope, axis=0)) <= _BEND * np.abs(slope[1:])
+    level = (np.abs(slope) > 0).sum(axis=1) >= 2
+    straight = np.concatenate([[False], bend.all(axis=1) & level[1:], [False]])
+    straight &= (np.roll(stretch, 1) == stretch) & (np.roll(stretch, -1) == stretch)
+    for first, past in stretches_of(straight):
+        first, last = first - 1, past  # the neighbours lie on the line too
+        if time[last] - time[first] > max_gap and _on_chord(time[first : last + 1], values[first : last + 1]):
+            result[first + 1 : last + 1] = True
+    return result
+
+
+def _on_chord(time: np.ndarray, values: np.ndarray) -> bool:
+    share = ((time - time[0]) / (time[-1] - time[0]))[:, None]
+    way = values[-1] - values[0]
+    return bool((np.abs(values - values[0] - share * way).max(axis=0) <= _CHORD * np.abs(way)).all())

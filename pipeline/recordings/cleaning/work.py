@@ -1,0 +1,115 @@
+"""A run while it is being cleaned, and the ledger of what was done to it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+CHANGE_COLUMNS = ("run", "step", "column", "reason", "samples", "seconds", "detail")
+"""A change concerns `samples` values of `column`; where `column` is empty, whole samples that were added (positive)
+or dropped (negative), so that recorded + Σ samples = kept for every run."""
+
+COVERAGE_COLUMNS = ("run", "start", "end", "state", "reason")
+"""`state` is kept, interpolated, dropped or missing from `start` to `end`, s."""
+
+Change = dict[str, object]
+
+
+@dataclass
+class RunUnderCleaning:
+    """One run as arrays.
+
+    Attributes:
+        name: the run.
+        kind: quadrotor, swerve or joint.
+        time: s, shape (samples,).
+        columns: names of the channels.
+        values: shape (samples, channels); NaN where missing.
+        stretch: number of the stretch a sample belongs to; between two stretches nothing is interpolated.
+        needed: channels without which a sample is useless.
+        time_step: s, the typical one.
+        cause: why a value is missing or replaced ("" where it is as recorded), shape (samples, channels).
+        dropped: why a sample is dropped, "" where it is kept, shape (samples,).
+        changes: the ledger.
+    """
+
+    name: str
+    kind: str
+    time: np.ndarray
+    columns: list[str]
+    values: np.ndarray
+    stretch: np.ndarray
+    needed: list[str]
+    time_step: float
+    cause: np.ndarray = field(init=False)
+    dropped: np.ndarray = field(init=False)
+    changes: list[Change] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Start with everything as recorded."""
+        self.cause = np.full(self.values.shape, "", dtype=object)
+        self.cause[np.isnan(self.values)] = "missing"
+        self.dropped = np.full(len(self.time), "", dtype=object)
+
+    def index(self, columns: list[str]) -> list[int]:
+        """Return where the channels stand in `values`."""
+        return [self.columns.index(column) for column in columns]
+
+    def has(self, columns: list[str]) -> bool:
+        """Return whether every one of the channels is there."""
+        return set(columns) <= set(self.columns)
+
+    def channel(self, *columns: str) -> np.ndarray:
+        """Return channels as an array of shape (samples, len(columns))."""
+        return self.values[:, self.index(list(columns))]
+
+    def erase(self, rows: np.ndarray, columns: list[str], step: str, reason: str, detail: str = "") -> None:
+        """Make values missing and write it down, once per channel.
+
+        Args:
+            rows: mask over samples, shape (samples,).
+            columns: the channels concerned.
+            step: which step of cleaning does it.
+            reason: why, one short sentence.
+            detail: what a reader may want to know beyond that.
+        """
+        for column in columns:
+            place = self.columns.index(column)
+            wanted = rows & ~np.isnan(self.values[:, place])
+            self.values[wanted, place] = np.nan
+            self.cause[wanted, place] = step
+            self.note(step, column, reason, int(wanted.sum()), detail)
+
+    def drop(self, rows: np.ndarray, step: str, reason: str, detail: str = "") -> None:
+        """Drop whole samples that are not dropped yet, and write it down."""
+        wanted = rows & (self.dropped == "")
+        self.dropped[wanted] = reason
+        self.note(step, "", reason, -int(wanted.sum()), detail)
+
+    def note(self, step: str, column: str, reason: str, samples: int, detail: str = "", seconds: float | None = None) -> None:
+        """Write a change into the ledger; nothing is written where no sample changed and no seconds are given."""
+        if samples == 0 and seconds is None:
+            return
+        self.changes.append(
+            {
+                "run": self.name,
+                "step": step,
+                "column": column,
+                "reason": reason,
+                "samples": samples,
+                "seconds": abs(samples) * self.time_step if seconds is None else seconds,
+                "detail": detail,
+            }
+        )
+
+
+def changes_table(changes: list[Change]) -> pd.DataFrame:
+    """Return the ledger as a table with the columns `CHANGE_COLUMNS`."""
+    table = pd.DataFrame(changes, columns=list(CHANGE_COLUMNS))
+    return table.astype({"samples": "int64", "seconds": "float64"} | dict.fromkeys(("run", "step", "column", "reason", "detail"), "str"))
+
+
+def stretches_of(mask: np.ndarray) -> np.ndarray:
+    """Return the unbroken stretches of True as rows [first, one past last], shape (stretches, 2)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
+    return edges.reshape(-1, 2)

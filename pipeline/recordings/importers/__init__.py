@@ -1,0 +1,32 @@
+"""Importers: one file per format, each from files as published to a recording in SI units and contract frames."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pipeline.errors import InputError
+from pipeline.recordings.importers import nanobench, nanodrone, sysid_json, table
+from pipeline.recordings.recording import Recording
+
+Importer = Callable[[Sequence[Path], Mapping[str, Any]], Recording]
+
+IMPORTERS: dict[str, Importer] = {
+    "table": table.read,
+    "sysid_json": sysid_json.read,
+    "nanodrone": nanodrone.read,
+    "nanobench": nanobench.read,
+}
+
+
+def importer(name: str) -> Importer:
+    """Return the importer of a format.
+
+    Raises:
+        InputError: when there is none of that name.
+    """
+    if name not in IMPORTERS:
+        raise InputError(f"unknown importer {name!r}", "dataset.importer", f"use one of {', '.join(IMPORTERS)}")
+    return IMPORTERS[name]
+
+
+__all__ = ["IMPORTERS", "Importer", "importer"]

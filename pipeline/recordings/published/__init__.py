@@ -1,0 +1,1 @@
+"""The published recordings: one YAML file per dataset with its address, licence, citation and hashes."""
