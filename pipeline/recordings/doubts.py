@@ -35,7 +35,7 @@ def _gaps(frame: pd.DataFrame) -> Iterator[str]:
             continue
         typical = float(np.median(steps))
         if typical > _GAP_SECONDS:
-            yield f"Run {run!r} has a sample every {typical:.3g} s: its time may be in milliseconds instead of seconds."
+            yield f"Run {run!r} has a sample every {typical:.3g} s: milliseconds where seconds belong?"
         wide = steps > max(_GAP_SECONDS, _GAP_STEPS * typical)
         if wide.any():
             longest = int(np.argmax(steps))

@@ -23,25 +23,33 @@ def load_dataset(dataset: Dataset) -> Recording:
     if dataset.source == "published":
         entry = published(dataset.name)
         if dataset.importer is None:
-            raise InputError("no importer is named", "dataset.importer", f"name the format of {dataset.name!r}")
+            raise InputError(
+                "no importer is named", "dataset.importer", f"name the format of {dataset.name!r}"
+            )
         recording = importer(dataset.importer)(fetch(dataset.name, dataset.files), dataset.options)
         return dataclasses.replace(recording, source=entry.source, licence=entry.licence)
     if dataset.source != "file":
-        raise InputError(f"unknown source {dataset.source!r}", "dataset.source", "use published, file or reality")
+        raise InputError(
+            f"unknown source {dataset.source!r}", "dataset.source", "use published, file or reality"
+        )
     paths = _own_files(dataset)
     if dataset.importer is not None:
         recording = importer(dataset.importer)(paths, dataset.options)
         return dataclasses.replace(recording, source=recording.source or dataset.name)
     if len(paths) > 1:
         raise InputError(
-            f"{len(paths)} files without an importer", "dataset.files", "give one recording, or dataset.importer=table"
+            f"{len(paths)} files without an importer",
+            "dataset.files",
+            "give one recording, or dataset.importer=table",
         )
     return read_recording(paths[0])
 
 
 def _own_files(dataset: Dataset) -> list[Path]:
     if not dataset.files:
-        raise InputError("no recording is given", "dataset.files", "choose dataset=NAME, or give recording=PATH")
+        raise InputError(
+            "no recording is given", "dataset.files", "choose dataset=NAME, or give recording=PATH"
+        )
     paths: list[Path] = []
     for pattern in dataset.files:
         found = sorted(glob.glob(str(Path(pattern).expanduser())))

@@ -20,7 +20,7 @@ def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> 
     angles = [column for column in units if units[column] == "rad"]
     for column in angles:
         if _swings_wide(frame, column):
-            yield f"Channel {column!r} swings to and fro over more than two turns: degrees where radians belong?"
+            yield f"Channel {column!r} swings over more than two turns: degrees where radians belong?"
     if "battery_voltage" in frame and frame["battery_voltage"].median() > 1000:
         yield "Channel 'battery_voltage' is above 1000 V: millivolts where volts belong?"
 
@@ -89,7 +89,7 @@ def _compare(rate: str, measured: np.ndarray, derivative: np.ndarray, angle: str
         return
     ratio = float(np.copysign(measured.std() / derivative.std(), correlation))
     if ratio < 0:
-        yield f"Channel {rate!r} runs against the change of {angle!r}: a sign or a frame is not the contract's."
+        yield f"Channel {rate!r} runs against the change of {angle!r}: another sign or frame?"
     reason = _factor(abs(ratio))
     if reason:
         yield f"Channel {rate!r} is {abs(ratio):.3g} times the rate of change of {angle!r}: {reason}"
@@ -129,7 +129,7 @@ def _quadrotor(frame: pd.DataFrame) -> Iterator[str]:
 
 
 def _swings_wide(frame: pd.DataFrame, column: str) -> bool:
-    """Whether an angle goes back and forth, rather than on and on, over more than two turns but a circle of degrees."""
+    """Whether an angle goes back and forth, not on and on, over more than two turns but a circle of degrees."""
     for _, values in frame.groupby("run", sort=False)[column]:
         known = values.dropna().to_numpy()
         if len(known) < 20:

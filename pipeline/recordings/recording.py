@@ -15,17 +15,17 @@ from pipeline.recordings import doubts, storage, validation
 class Recording:
     """Samples of one or more runs of one robot.
 
-    World frame x forward, y left, z up; body frame x forward, y left, z up; quaternions scalar-first, body to world.
+    World and body frame x forward, y left, z up; quaternions scalar-first, body to world.
 
     Attributes:
-        frame: columns `run` (text), `t` (s), `segment` (integer, once cleaned) and channels (float64), as recorded.
+        frame: columns `run` (text), `t` (s), `segment` (integer, once cleaned) and channels (float64).
         kind: quadrotor, swerve or joint.
         units: unit of each channel.
         source: where the recording comes from, to be cited.
         licence: under which licence it was published.
         split: run to train, validation or holdout; empty until cleaned.
-        clock_offset: run to the time by which the state channels lag the motor telemetry, s (positive: the state
-            is late), as cleaning estimated it; not applied to the data.
+        clock_offset: run to the time by which the state channels lag the motor telemetry, s (positive: the
+            state is late), as cleaning estimated it; not applied to the data.
         warnings: what looks wrong, one sentence each.
         cleaned: uniform in time inside each (run, segment) and no gap in a required channel.
     """
@@ -69,7 +69,7 @@ class Recording:
 def read_recording(path: str | Path, kind: str | None = None) -> Recording:
     """Read a recording from Parquet, or from CSV with the same header.
 
-    Units declared in the file are converted to the contract's; where none is declared the contract's are assumed.
+    Units declared in the file are converted to the contract's; where none is declared, those are assumed.
     Rows are counted from 1, the first sample.
 
     Args:
@@ -101,7 +101,11 @@ def read_recording(path: str | Path, kind: str | None = None) -> Recording:
 
 
 def recording_from_frame(
-    frame: pd.DataFrame, kind: str, sliding: bool = False, warnings: Iterable[str] = (), where: str = "recording"
+    frame: pd.DataFrame,
+    kind: str,
+    sliding: bool = False,
+    warnings: Iterable[str] = (),
+    where: str = "recording",
 ) -> Recording:
     """Make a recording of samples that are in the contract's units and frames already.
 

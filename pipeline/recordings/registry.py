@@ -62,7 +62,9 @@ class Published:
         """
         for pattern in patterns:
             if not any(fnmatchcase(file.name, pattern) for file in self.files):
-                raise InputError(f"{pattern!r} matches no file of {self.name!r}", "dataset.files", "correct it")
+                raise InputError(
+                    f"{pattern!r} matches no file of {self.name!r}", "dataset.files", "correct it"
+                )
         chosen = [f for f in self.files if not patterns or any(fnmatchcase(f.name, p) for p in patterns)]
         return sorted(chosen, key=lambda file: file.name)
 
@@ -85,7 +87,9 @@ def published(name: str) -> Published:
         raise InputError(f"no published dataset {name!r}", "dataset.name", remedy)
     table = yaml.safe_load(path.read_text(encoding="utf-8"))
     files = tuple(_files(table))
-    return Published(name, *(table[key] for key in ("title", "repository", "commit", "licence", "citation")), files)
+    return Published(
+        name, *(table[key] for key in ("title", "repository", "commit", "licence", "citation")), files
+    )
 
 
 def _files(table: dict) -> Iterator[PublishedFile]:
@@ -153,14 +157,22 @@ def _download(entry: Published, file: PublishedFile) -> Path:
     target = next(path for _, path in _candidates(entry, file))
     downloader = pooch.HTTPDownloader(progressbar=sys.stderr.isatty(), timeout=(_CONNECT, _READ))
     try:
-        return Path(pooch.retrieve(file.address, f"sha256:{file.sha256}", target.name, target.parent, downloader=downloader))
+        return Path(
+            pooch.retrieve(
+                file.address, f"sha256:{file.sha256}", target.name, target.parent, downloader=downloader
+            )
+        )
     except requests.RequestException as error:
         remedy = f"connect to the network, or name the folder of the recordings in {FOLDER_VARIABLE}"
         raise InputError(f"cannot be downloaded ({type(error).__name__})", file.address, remedy) from None
     except ValueError:
-        raise InputError("what was downloaded is not the published file", file.address, "try again later") from None
+        raise InputError(
+            "what was downloaded is not the published file", file.address, "try again later"
+        ) from None
     except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", str(target), f"set {CACHE_VARIABLE}") from None
+        raise InputError(
+            f"cannot be written ({error.strerror})", str(target), f"set {CACHE_VARIABLE}"
+        ) from None
 
 
 def locate(dataset: str, patterns: Sequence[str] = ()) -> str | None:

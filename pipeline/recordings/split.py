@@ -57,7 +57,9 @@ def _matched(run: str, split: Split) -> str:
 def _by_fraction(runs: Sequence[str], split: Split, seed: int) -> dict[str, str]:
     for key in ("validation_fraction", "holdout_fraction"):
         if not 0 <= getattr(split, key) < 1:
-            raise InputError(f"{getattr(split, key)} is not a fraction", f"dataset.split.{key}", "give 0 to below 1")
+            raise InputError(
+                f"{getattr(split, key)} is not a fraction", f"dataset.split.{key}", "give 0 to below 1"
+            )
     count = len(runs)
     held = min(max(round(split.holdout_fraction * count), 1), count - 1) if split.holdout_fraction else 0
     chosen = min(round(split.validation_fraction * count), count - 1 - held)

@@ -1,4 +1,4 @@
-"""Importers: one file per format, each from files as published to a recording in SI units and contract frames."""
+"""Importers: one file per format, from what was published to SI units and the contract's frames."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -25,7 +25,9 @@ def importer(name: str) -> Importer:
         InputError: when there is none of that name.
     """
     if name not in IMPORTERS:
-        raise InputError(f"unknown importer {name!r}", "dataset.importer", f"use one of {', '.join(IMPORTERS)}")
+        raise InputError(
+            f"unknown importer {name!r}", "dataset.importer", f"use one of {', '.join(IMPORTERS)}"
+        )
     return IMPORTERS[name]
 
 

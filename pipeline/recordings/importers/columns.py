@@ -40,7 +40,12 @@ def vector(
 
 
 def take(
-    frame: pd.DataFrame, columns: Mapping[str, Column], kind: str, run: pd.Series, where: str, sliding: bool = False
+    frame: pd.DataFrame,
+    columns: Mapping[str, Column],
+    kind: str,
+    run: pd.Series,
+    where: str,
+    sliding: bool = False,
 ) -> pd.DataFrame:
     """Return `run`, `t` and the channels that `columns` names, in the contract's units.
 
@@ -63,11 +68,15 @@ def take(
             remedy = f"did you mean {near[0]!r}?" if near else "see CONTRACT for the names"
             raise InputError(f"unknown channel {channel!r} for a {kind}", "dataset.options.columns", remedy)
         if source.column not in frame:
-            raise InputError(f"column {source.column!r} is missing", where, "is it the file that the dataset names?")
+            raise InputError(
+                f"column {source.column!r} is missing", where, "is it the file that the dataset names?"
+            )
         values = to_numbers(frame[source.column], run, where)
         if source.missing is not None:
             values[values == source.missing] = np.nan
-        result[channel] = _to_contract(values * source.scale + source.offset, source.unit, expected[channel], channel)
+        result[channel] = _to_contract(
+            values * source.scale + source.offset, source.unit, expected[channel], channel
+        )
     return result
 
 

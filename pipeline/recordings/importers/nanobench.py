@@ -1,4 +1,4 @@
-"""Flights of NanoBench (arXiv 2603.09908): CSV of Vicon, inertial, motor and estimator channels, one run per file."""
+"""Flights of NanoBench (arXiv 2603.09908): CSV, one run per file."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,8 +14,8 @@ _FULL_COMMAND = 65535  # of the 16-bit pulse-width command
 _ESTIMATE = "est_stateEstimate"
 _ESTIMATED_ATTITUDE = "att_stateEstimate"
 
-# Position, attitude and velocity are Vicon's, the body rate is the gyroscope's: Vicon's rates are differentiated,
-# noisy and along world axes.
+# Position, attitude and velocity are Vicon's, the body rate is the gyroscope's: Vicon's rates are differentiated
+# twice, noisy and along world axes.
 _COLUMNS = (
     {"t": Column("t", "s")}
     | vector("position", ("px", "py", "pz"), "m")

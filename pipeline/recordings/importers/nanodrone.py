@@ -15,8 +15,8 @@ from pipeline.recordings.storage import read_table
 _POLE_PAIRS = 6
 _MECHANICAL = 2 * math.pi / (60 * _POLE_PAIRS)  # rad/s of the rotor per electrical turn per minute
 
-# The state is the one that the benchmark predicts: the on-board estimate, which is fed by motion capture. The motion
-# capture's own position is left out: in some runs it lags by over 0.1 s, in others it jumps.
+# The state is the one that the benchmark predicts: the on-board estimate, which is fed by motion capture. The
+# motion capture's own position is left out: in some runs it lags by over 0.1 s, in others it jumps.
 _COLUMNS = (
     {"t": Column("t", "s")}
     | vector("position", ("x", "y", "z"), "m")

@@ -27,10 +27,10 @@ _UNITS = {
 
 
 def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
-    """Read SysId files as a joint: voltage, position and velocity; one run per test, and per side of a drivetrain.
+    """Read SysId files as a joint; one run per test, and per side of a drivetrain.
 
-    SysId stores rotations and, beside them, the `units` that one rotation gives `unitsPerRotation` of; some robots'
-    code stores positions or velocities in those units already, which the options say.
+    SysId stores rotations and, beside them, of which `units` one rotation gives `unitsPerRotation`; some robots
+    store positions or velocities in those units already, which the options say.
 
     Args:
         paths: JSON files; with several, the file's name precedes that of the run.
@@ -49,7 +49,9 @@ def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
         prefix = f"{path.stem}-" if len(paths) > 1 else ""
         frames += [frame.assign(run=prefix + frame["run"]) for frame in _frames(content, scales, path)]
     if len(lengths) > 1:
-        raise InputError("some files are in lengths, others in angles", str(paths[0]), "import them one by one")
+        raise InputError(
+            "some files are in lengths, others in angles", str(paths[0]), "import them one by one"
+        )
     return recording_from_frame(pd.concat(frames, ignore_index=True), "joint", sliding="m" in lengths)
 
 
@@ -57,7 +59,9 @@ def _load(path: Path) -> dict[str, Any]:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(f"cannot be read as JSON ({error})", str(path), "give the file that SysId saved") from None
+        raise InputError(
+            f"cannot be read as JSON ({error})", str(path), "give the file that SysId saved"
+        ) from None
     if not isinstance(content, dict) or not any(test in content for test in _TESTS):
         raise InputError("holds no SysId test", str(path), f"one of {', '.join(_TESTS)} is needed")
     return content
@@ -65,11 +69,15 @@ def _load(path: Path) -> dict[str, Any]:
 
 def _unit(content: Mapping[str, Any], path: Path) -> tuple[str, float]:
     if content.get("units") not in _UNITS:
-        raise InputError(f"unknown units {content.get('units')!r}", str(path), f"use one of {', '.join(_UNITS)}")
+        raise InputError(
+            f"unknown units {content.get('units')!r}", str(path), f"use one of {', '.join(_UNITS)}"
+        )
     return _UNITS[content["units"]]
 
 
-def _scale(options: Mapping[str, Any], channel: str, content: Mapping[str, Any], factor: float, path: Path) -> float:
+def _scale(
+    options: Mapping[str, Any], channel: str, content: Mapping[str, Any], factor: float, path: Path
+) -> float:
     """Return what one of the file's numbers is, in m or rad (per s)."""
     stored = options.get(channel, "rotations")
     if stored not in ("rotations", "units"):
@@ -87,7 +95,9 @@ def _frames(content: Mapping[str, Any], scales: Sequence[float], path: Path) -> 
         try:
             rows = np.array(content[test], dtype=float)
         except (TypeError, ValueError):
-            raise InputError("holds rows that are not numbers", f"{path}, {test}", "record the test again") from None
+            raise InputError(
+                "holds rows that are not numbers", f"{path}, {test}", "record the test again"
+            ) from None
         if rows.ndim != 2 or rows.shape[1] not in (4, 9):
             raise InputError("rows have neither 4 nor 9 numbers", f"{path}, {test}", "record the test again")
         for side, (voltage, position, velocity) in (_SIDES if rows.shape[1] == 9 else _AXIS).items():

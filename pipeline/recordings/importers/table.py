@@ -24,9 +24,9 @@ def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
 
     Args:
         paths: CSV or Parquet files.
-        options: `kind`: quadrotor, swerve or joint; `columns`: channel to the name of a column, or to {column, unit,
-            scale, offset, missing}; `run_column`: the column that names the run (else each file is a run, named as the
-            file); `integrate`: channel to the channel whose integral over time it is, starting from zero.
+        options: `kind`: quadrotor, swerve or joint; `columns`: channel to the name of a column, or to {column,
+            unit, scale, offset, missing}; `run_column`: the column that names the run (else each file is a run,
+            named as the file); `integrate`: channel to the channel whose integral over time, from zero, it is.
 
     Raises:
         InputError: when a file, a column or an option cannot be used.
@@ -34,8 +34,12 @@ def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
     check_options(options, _OPTIONS, "table")
     kind = options.get("kind")
     if kind not in KINDS:
-        raise InputError(f"{kind!r} is no kind of platform", "dataset.options.kind", f"use one of {', '.join(KINDS)}")
-    columns = {str(channel): _column(channel, entry) for channel, entry in (options.get("columns") or {}).items()}
+        raise InputError(
+            f"{kind!r} is no kind of platform", "dataset.options.kind", f"use one of {', '.join(KINDS)}"
+        )
+    columns = {
+        str(channel): _column(channel, entry) for channel, entry in (options.get("columns") or {}).items()
+    }
     if "t" not in columns:
         raise InputError("no column of time is named", "dataset.options.columns", "add t")
     integrals = dict(options.get("integrate") or {})
@@ -45,7 +49,9 @@ def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
         raw = read_table(path).frame
         frame = take(raw, columns, kind, _runs(raw, options.get("run_column"), path), str(path), sliding)
         frames.append(_integrate(frame, integrals))
-    remarks = [f"Channel {channel!r} was integrated from {rate!r}, from zero." for channel, rate in integrals.items()]
+    remarks = [
+        f"Channel {channel!r} was integrated from {rate!r}, from zero." for channel, rate in integrals.items()
+    ]
     return recording_from_frame(pd.concat(frames, ignore_index=True), kind, sliding=sliding, warnings=remarks)
 
 
@@ -54,7 +60,9 @@ def _column(channel: str, entry: Any) -> Column:
         return Column(entry)
     where = f"dataset.options.columns.{channel}"
     if not isinstance(entry, Mapping) or "column" not in entry:
-        raise InputError(f"{entry!r} names no column", where, "give a name, or {column, unit, scale, offset, missing}")
+        raise InputError(
+            f"{entry!r} names no column", where, "give a name, or {column, unit, scale, offset, missing}"
+        )
     known = [field.name for field in fields(Column)]
     if strange := set(entry) - set(known):
         raise InputError(f"unknown key {min(strange)!r}", where, f"use {', '.join(known)}")
@@ -77,7 +85,9 @@ def _runs(frame: pd.DataFrame, column: str | None, path: Path) -> pd.Series:
 def _integrate(frame: pd.DataFrame, integrals: Mapping[str, str]) -> pd.DataFrame:
     for channel, rate in integrals.items():
         if rate not in frame:
-            raise InputError(f"there is no channel {rate!r} to integrate", "dataset.options.integrate", "name one")
+            raise InputError(
+                f"there is no channel {rate!r} to integrate", "dataset.options.integrate", "name one"
+            )
         frame[channel] = 0.0
         for _, samples in frame.groupby("run", sort=False):
             values = samples[rate].interpolate(limit_direction="both").to_numpy(dtype=float)
