@@ -49,7 +49,7 @@ def _parse(series: pd.Series, runs: pd.Series, where: str, column: str) -> np.nd
             f"holds {series.dtype}, not numbers", f"{where}, column {column!r}", "give plain numbers"
         )
     if pd.api.types.is_timedelta64_dtype(series.dtype):
-        return (series / pd.Timedelta(seconds=1)).to_numpy(dtype="float64", copy=True)
+        return series.dt.total_seconds().to_numpy(dtype="float64", copy=True)
     if pd.api.types.is_numeric_dtype(series.dtype):
         return series.to_numpy(dtype="float64", copy=True, na_value=np.nan)
     text = series.astype(object).where(series.notna(), None)

@@ -129,7 +129,7 @@ def _quadrotor(frame: pd.DataFrame) -> Iterator[str]:
 
 
 def _swings_wide(frame: pd.DataFrame, column: str) -> bool:
-    """Whether an angle goes back and forth, not on and on, over more than two turns but a circle of degrees."""
+    """Whether an angle goes back and forth, not on and on, over more than two turns."""
     for _, values in frame.groupby("run", sort=False)[column]:
         known = values.dropna().to_numpy()
         if len(known) < 20:

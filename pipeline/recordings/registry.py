@@ -1,4 +1,4 @@
-"""Published recordings: where each file lies, under which licence, and the hash that proves it is the same."""
+"""Published recordings: where each file lies, under which licence, and the hash that proves it the same."""
 
 import difflib
 import os
@@ -88,7 +88,13 @@ def published(name: str) -> Published:
     table = yaml.safe_load(path.read_text(encoding="utf-8"))
     files = tuple(_files(table))
     return Published(
-        name, *(table[key] for key in ("title", "repository", "commit", "licence", "citation")), files
+        name=name,
+        title=table["title"],
+        repository=table["repository"],
+        commit=table["commit"],
+        licence=table["licence"],
+        citation=table["citation"],
+        files=files,
     )
 
 
@@ -101,7 +107,7 @@ def _files(table: dict) -> Iterator[PublishedFile]:
 
 
 def cache_folder() -> Path:
-    """Return the folder of downloaded recordings (the environment's `SIMGAP_CACHE`, else the system's cache)."""
+    """Return the folder of downloaded recordings (`SIMGAP_CACHE`, else the system's cache)."""
     import pooch
 
     return Path(os.environ.get(CACHE_VARIABLE) or pooch.os_cache("simgap"))
@@ -176,9 +182,9 @@ def _download(entry: Published, file: PublishedFile) -> Path:
 
 
 def locate(dataset: str, patterns: Sequence[str] = ()) -> str | None:
-    """Say from where a dataset would come, without fetching it: cache, SIMGAP_DATA, download, or None.
+    """Say from where a dataset would come, without fetching it: cache, SIMGAP_DATA, download or None.
 
-    A connection is tried only where a file is neither cached nor in the folder, and for a few seconds at most.
+    A connection is tried only where a file is neither cached nor in the folder, for a few seconds at most.
 
     Raises:
         InputError: when there is no such dataset.
@@ -194,7 +200,7 @@ def locate(dataset: str, patterns: Sequence[str] = ()) -> str | None:
 
 
 def _reachable(address: str) -> bool:
-    """Whether an address answers in time; in a thread, because name resolution has no time limit of its own."""
+    """Whether an address answers in time; in a thread, as name resolution has no time limit of its own."""
     answers: list[bool] = []
 
     def probe() -> None:

@@ -15,8 +15,8 @@ PARTS = ("train", "validation", "holdout")
 class Split:
     """How the runs of a dataset are divided.
 
-    Patterns name runs as file names are matched (`melon_*`); a run that no pattern names is trained on. Without any
-    pattern the fractions say how many runs, drawn with the seed, go where.
+    Patterns name runs as file names are matched (`melon_*`); a run that no pattern names is trained on.
+    Without any pattern the fractions say how many runs, drawn with the seed, go where.
     """
 
     validation: list[str] = field(default_factory=list)  # patterns of runs to choose a model by

@@ -129,7 +129,7 @@ def _refuse_duplicates(names: list[str], path: Path) -> None:
 def write_table(
     frame: pd.DataFrame, units: Mapping[str, str], metadata: Mapping[str, object], path: Path
 ) -> None:
-    """Write Parquet with an explicit schema: a unit per field, metadata for the file; same content, same bytes.
+    """Write Parquet with an explicit schema, a unit per field and metadata; same content, same bytes.
 
     Raises:
         InputError: when the file cannot be written.

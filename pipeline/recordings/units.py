@@ -10,7 +10,8 @@ _ALIASES = {
     "Nm": "N·m", "N*m": "N·m", "N m": "N·m", "N.m": "N·m",
     "degC": "°C", "C": "°C", "celsius": "°C",
     "sec": "s", "seconds": "s", "volt": "V", "ampere": "A",
-    "radians": "rad", "radian": "rad", "degrees": "deg", "degree": "deg", "°": "deg", "°/s": "deg/s", "dps": "deg/s",
+    "radians": "rad", "radian": "rad", "degrees": "deg", "degree": "deg", "°": "deg",
+    "°/s": "deg/s", "dps": "deg/s",
     "µs": "us", "μs": "us", "RPM": "rpm", "rev/min": "rpm", "rotations": "rev", "revolutions": "rev",
     "%": "percent", "mNm": "mN·m", "rotations/s": "rev/s", "rps": "rev/s",
 }  # fmt: skip
@@ -45,6 +46,6 @@ KNOWN = (*_BASE, *_CONVERSIONS)
 
 
 def conversion(unit: str) -> tuple[str, float, float] | None:
-    """Return (contract unit, factor, offset) with contract value = factor · value + offset; None if unknown."""
+    """Return (contract unit, factor, offset): contract value = factor · value + offset; None if unknown."""
     name = _ALIASES.get(unit.strip(), unit.strip())
     return (name, 1.0, 0.0) if name in _BASE else _CONVERSIONS.get(name)

@@ -52,8 +52,8 @@ def validate(
         where: the file, to name in an error.
 
     Returns:
-        The frame (runs contiguous, columns in the order of the contract), units by channel, and remarks on what was
-        left out.
+        The frame (runs contiguous, columns in the order of the contract), units by channel, and remarks on
+        what was left out.
 
     Raises:
         InputError: when the table cannot be used.

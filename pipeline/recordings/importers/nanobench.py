@@ -14,8 +14,8 @@ _FULL_COMMAND = 65535  # of the 16-bit pulse-width command
 _ESTIMATE = "est_stateEstimate"
 _ESTIMATED_ATTITUDE = "att_stateEstimate"
 
-# Position, attitude and velocity are Vicon's, the body rate is the gyroscope's: Vicon's rates are differentiated
-# twice, noisy and along world axes.
+# Position, attitude and velocity are Vicon's, the body rate is the gyroscope's: Vicon's rates are
+# differentiated, noisy and along world axes.
 _COLUMNS = (
     {"t": Column("t", "s")}
     | vector("position", ("px", "py", "pz"), "m")

@@ -29,8 +29,8 @@ _UNITS = {
 def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
     """Read SysId files as a joint; one run per test, and per side of a drivetrain.
 
-    SysId stores rotations and, beside them, of which `units` one rotation gives `unitsPerRotation`; some robots
-    store positions or velocities in those units already, which the options say.
+    SysId stores rotations and, beside them, of which `units` one rotation gives `unitsPerRotation`; some
+    robots store positions or velocities in those units already, which the options say.
 
     Args:
         paths: JSON files; with several, the file's name precedes that of the run.
@@ -82,10 +82,12 @@ def _scale(
     stored = options.get(channel, "rotations")
     if stored not in ("rotations", "units"):
         raise InputError(f"{stored!r} is neither", f"dataset.options.{channel}", "say rotations or units")
+    if stored == "units":
+        return factor
     per_rotation = content.get("unitsPerRotation")
-    if stored == "rotations" and (not isinstance(per_rotation, int | float) or per_rotation <= 0):
+    if not isinstance(per_rotation, int | float) or per_rotation <= 0:
         raise InputError("is missing or not positive", f"{path}, unitsPerRotation", "correct the file")
-    return factor * (float(per_rotation) if stored == "rotations" else 1.0)
+    return factor * float(per_rotation)
 
 
 def _frames(content: Mapping[str, Any], scales: Sequence[float], path: Path) -> Iterator[pd.DataFrame]:

@@ -24,9 +24,9 @@ def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
 
     Args:
         paths: CSV or Parquet files.
-        options: `kind`: quadrotor, swerve or joint; `columns`: channel to the name of a column, or to {column,
-            unit, scale, offset, missing}; `run_column`: the column that names the run (else each file is a run,
-            named as the file); `integrate`: channel to the channel whose integral over time, from zero, it is.
+        options: `kind`: quadrotor, swerve or joint; `columns`: channel to the name of a column, or {column,
+            unit, scale, offset, missing}; `run_column`: the column that names the run (else each file is one,
+            named as the file); `integrate`: channel to the channel whose integral over time, from 0, it is.
 
     Raises:
         InputError: when a file, a column or an option cannot be used.
