@@ -1,0 +1,44 @@
+"""How far long work has come: a bar on a terminal, plain lines in a log."""
+
+import logging
+import sys
+import time
+from collections.abc import Iterable, Iterator, Sized
+from typing import TypeVar
+
+Item = TypeVar("Item")
+
+QUIET_SECONDS = 2.0
+LINE_SECONDS = 10.0
+
+_log = logging.getLogger("simgap")
+
+
+def progress(iterable: Iterable[Item], label: str, total: int | None = None) -> Iterator[Item]:
+    """Yield the items of `iterable` and show how many are done, once this has taken more than two seconds.
+
+    Args:
+        iterable: what is worked through.
+        label: what a person calls the work.
+        total: the number of items, where `iterable` does not know its length.
+    """
+    if total is None and isinstance(iterable, Sized):
+        total = len(iterable)
+    if sys.stderr.isatty():
+        from tqdm import tqdm
+
+        yield from tqdm(iterable, desc=label, total=total, delay=QUIET_SECONDS, leave=False)
+    else:
+        yield from _with_lines(iterable, label, total)
+
+
+def _with_lines(iterable: Iterable[Item], label: str, total: int | None) -> Iterator[Item]:
+    start = time.monotonic()
+    due = start + QUIET_SECONDS
+    for done, item in enumerate(iterable):
+        now = time.monotonic()
+        if now >= due:
+            count = f"{done} of {total}" if total is not None else str(done)
+            _log.info("%s: %s after %.0f s", label, count, now - start)
+            due = now + LINE_SECONDS
+        yield item

@@ -1,0 +1,80 @@
+"""What a stage is given beside its configuration: a place to write, and ways to say what it does."""
+
+import json
+import math
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pipeline.artifacts import hash_path, progress
+from pipeline.errors import InputError
+from pipeline.tracking import Tracker
+
+Item = TypeVar("Item")
+
+METRICS_FILE = "metrics.json"
+
+
+class StageRun:
+    """One run of a stage.
+
+    Attributes:
+        output: the directory to write into; it takes its final place when the stage returns.
+        inputs: SHA-256 of every input, by path.
+        metrics: the last value of every metric that was logged without a step.
+        warnings: what was warned of, in order.
+    """
+
+    def __init__(self, output: str | Path, tracker: Tracker | None = None) -> None:
+        """Write into `output`, which is there, and log with `tracker`, if any."""
+        self.output = Path(output)
+        self.tracker = tracker or Tracker.none()
+        self.inputs: dict[str, str] = {}
+        self.metrics: dict[str, float] = {}
+        self.warnings: list[str] = []
+
+    def input(self, path: str | Path) -> Path:
+        """Return the path of an input that exists; its hash is logged.
+
+        Raises:
+            InputError: when the path is not there or cannot be read.
+        """
+        path = Path(path)
+        if not path.exists():
+            raise InputError("does not exist", str(path), "check the path, or run the stage that writes it")
+        self.inputs[str(path)] = hash_path(path)
+        self.tracker.log_input(str(path), self.inputs[str(path)])
+        return path
+
+    def log_metrics(self, metrics: Mapping[str, float], step: int | None = None) -> None:
+        """Log numbers; those without a step are also written to `metrics.json` of the output."""
+        values = {name: float(value) for name, value in metrics.items()}
+        if step is None:
+            self.metrics |= values
+        self.tracker.log_metrics(values, step)
+
+    def log_results(self, metrics: Mapping[str, float]) -> None:
+        """Log the final numbers of the whole reproduction to the parent of the stages' runs."""
+        self.tracker.log_results({name: float(value) for name, value in metrics.items()})
+
+    def log_figure(self, figure: Any, name: str) -> None:
+        """Log a plotly (or matplotlib) figure under a name without suffix."""
+        self.tracker.log_figure(figure, name)
+
+    def warn(self, text: str) -> None:
+        """Say a doubt in one line on standard error."""
+        line = " ".join(text.split())
+        self.warnings.append(line)
+        print(f"warning: {line}", file=sys.stderr, flush=True)
+
+    def progress(self, iterable: Iterable[Item], label: str, total: int | None = None) -> Iterator[Item]:
+        """Yield the items and show how far the work is; see `pipeline.artifacts.progress`."""
+        return progress(iterable, label, total)
+
+    def write_metrics(self) -> None:
+        """Write the metrics beside the other output, unless the stage wrote such a file itself."""
+        path = self.output / METRICS_FILE
+        if self.metrics and not path.exists():
+            plain = {key: value if math.isfinite(value) else None for key, value in self.metrics.items()}
+            path.write_text(json.dumps(plain, indent=2, sort_keys=True) + "\n")

@@ -1,0 +1,182 @@
+"""One run of a stage as MLflow sees it: a child of its reproduction or of its sweep."""
+
+import re
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeline.tracking.config import Tracking
+from pipeline.tracking.store import locked, open_store, store_uri
+
+if TYPE_CHECKING:
+    from mlflow import MlflowClient
+
+PARENT_TAG = "simgap.parent"
+STAGE_TAG = "simgap.stage"
+
+_LONGEST_VALUE = 500
+_BATCH = 100
+
+
+class Tracker:
+    """Logs one run, and does nothing where tracking is switched off.
+
+    The store is opened when the first value is logged, so that a stage that refuses its input leaves none.
+    Tracking that cannot work warns once and lets the stage go on.
+    """
+
+    def __init__(
+        self,
+        settings: Tracking,
+        stage: str,
+        parent_name: str,
+        parent_key: str,
+        run_name: str | None = None,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Describe the run; nothing is opened yet.
+
+        Args:
+            settings: where to log.
+            stage: name of the stage.
+            parent_name: what the reproduction or sweep is called.
+            parent_key: identifies it: runs with the same key become children of one parent.
+            run_name: what this run is called among its siblings; the stage's name when None.
+            parameters: the resolved configuration.
+        """
+        self.settings = settings
+        self.stage = stage
+        self.parent_name = parent_name
+        self.parent_key = parent_key
+        self.run_name = run_name or stage
+        self.parameters = dict(parameters or {})
+        self._inputs: dict[str, str] = {}
+        self._client: MlflowClient | None = None
+        self._experiment = self._parent = self._run = ""
+        self._silent = not settings.enabled
+
+    @classmethod
+    def none(cls) -> "Tracker":
+        """Return a tracker that does nothing."""
+        return cls(Tracking(enabled=False), "", "", "")
+
+    @property
+    def uri(self) -> str:
+        """The address of the store, for a library that logs by itself."""
+        return store_uri(self.settings.uri)
+
+    def run_id(self) -> str | None:
+        """Return the id of this run, started now if need be; None where there is no tracking."""
+        self._attempt(lambda client: None)
+        return None if self._silent else self._run
+
+    def log_input(self, path: str, digest: str) -> None:
+        """Tag the run with the hash of an input."""
+        self._inputs[path] = digest
+        if self._run:
+            self._attempt(lambda client: client.set_tag(self._run, _tag_name(path), digest))
+
+    def log_metrics(self, metrics: Mapping[str, float], step: int | None = None) -> None:
+        """Log numbers of this run."""
+        self._attempt(lambda client: _log_metrics(client, self._run, metrics, step))
+
+    def log_results(self, metrics: Mapping[str, float]) -> None:
+        """Log numbers of the parent."""
+        self._attempt(lambda client: _log_metrics(client, self._parent, metrics, None))
+
+    def log_figure(self, figure: Any, name: str) -> None:
+        """Log a figure: plotly as a page, matplotlib as a picture."""
+        suffix = "html" if hasattr(figure, "to_html") else "png"
+        self._attempt(lambda client: client.log_figure(self._run, figure, f"{name}.{suffix}"))
+
+    def finish(self, succeeded: bool) -> None:
+        """Close the run; one that failed before anything was logged is not opened for it."""
+        if not (self._run or succeeded):
+            return
+        status = "FINISHED" if succeeded else "FAILED"
+        self._attempt(lambda client: client.set_terminated(self._run, status))
+        if succeeded:
+            self._attempt(lambda client: client.set_terminated(self._parent, status))
+
+    def _attempt(self, action: "Callable[[MlflowClient], object]") -> None:
+        if self._silent:
+            return
+        try:
+            if self._client is None:
+                self._client = self._start()
+            action(self._client)
+        except Exception as error:  # tracking is a convenience: whatever ails it, the stage goes on
+            self._silent = True
+            reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
+            print(f"warning: this run is not tracked in {self.uri}: {reason}", file=sys.stderr, flush=True)
+
+    def _start(self) -> "MlflowClient":
+        client, self._experiment = open_store(self.uri)
+        with locked(self.uri):
+            self._parent = self._find(client, {PARENT_TAG: self.parent_key}) or self._create(
+                client, self.parent_name, {PARENT_TAG: self.parent_key}
+            )
+        tags = {
+            "mlflow.parentRunId": self._parent,
+            "mlflow.source.name": f"simgap {self.stage}",
+            STAGE_TAG: self.stage,
+        }
+        siblings = {
+            "mlflow.parentRunId": self._parent,
+            STAGE_TAG: self.stage,
+            "mlflow.runName": self.run_name,
+        }
+        earlier = self._find(client, siblings)
+        if earlier:  # parameters cannot change, so a run that is repeated takes the place of the earlier one
+            client.delete_run(earlier)
+        hashes = {_tag_name(path): digest for path, digest in self._inputs.items()}
+        self._run = self._create(client, self.run_name, tags | hashes)
+        _log_parameters(client, self._run, self.parameters)
+        return client
+
+    def _find(self, client: "MlflowClient", tags: Mapping[str, str]) -> str | None:
+        condition = " and ".join(f"tags.`{key}` = '{value}'" for key, value in tags.items())
+        runs = client.search_runs([self._experiment], condition, max_results=1)
+        return runs[0].info.run_id if runs else None
+
+    def _create(self, client: "MlflowClient", name: str, tags: Mapping[str, str]) -> str:
+        return client.create_run(self._experiment, tags=dict(tags), run_name=name).info.run_id
+
+
+def _log_metrics(client: "MlflowClient", run: str, metrics: Mapping[str, float], step: int | None) -> None:
+    import time
+
+    from mlflow.entities import Metric
+
+    now = int(time.time() * 1000)
+    entries = [Metric(_allowed(name), value, now, step or 0) for name, value in metrics.items()]
+    for start in range(0, len(entries), _BATCH):
+        client.log_batch(run, metrics=entries[start : start + _BATCH])
+
+
+def _log_parameters(client: "MlflowClient", run: str, parameters: Mapping[str, Any]) -> None:
+    from mlflow.entities import Param
+
+    entries = [Param(_allowed(key), value[:_LONGEST_VALUE]) for key, value in _flat(parameters).items()]
+    for start in range(0, len(entries), _BATCH):
+        client.log_batch(run, params=entries[start : start + _BATCH])
+
+
+def _flat(values: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
+    flat: dict[str, str] = {}
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            flat |= _flat(value, f"{prefix}{key}.")
+        else:
+            flat[f"{prefix}{key}"] = str(value)
+    return flat
+
+
+def _tag_name(path: str) -> str:
+    return _allowed(f"input.{Path(path).as_posix()}")
+
+
+def _allowed(name: str) -> str:
+    """Return the name in the characters and the length that MLflow takes."""
+    return re.sub(r"[^\w.\-:/ ]", "_", name)[-250:]

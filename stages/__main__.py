@@ -1,0 +1,46 @@
+"""The command `simgap`: one subcommand per file of this folder."""
+
+import importlib
+import sys
+from typing import NoReturn
+
+from pipeline.stage.project import commands, nearest
+
+ORDER = ("reproduce", "configure", "record", "clean", "sysid", "train", "build_sim", "diagnose", "report")
+
+USAGE = """\
+simgap: from recordings of a real robot to a simulator that explains them
+
+usage: simgap COMMAND [key=value ...]      simgap COMMAND --help
+
+{commands}
+
+A recording of your own:
+  simgap diagnose [--config-dir DIR] platform=NAME recording=PATH output=DIR
+"""
+
+
+def main(argv: list[str] | None = None) -> NoReturn:
+    """Run the command that the first argument names, with the others."""
+    arguments = sys.argv[1:] if argv is None else argv
+    known = commands()
+    if not arguments or arguments[0] in ("-h", "--help", "help"):
+        print(_usage(known), end="")
+        sys.exit(0)
+    name = arguments[0]
+    if name not in known:
+        print(f"simgap: unknown command {name!r}; {nearest(name, known)}", file=sys.stderr)
+        sys.exit(2)
+    module = importlib.import_module(f"stages.{name}")
+    getattr(module, name).main(arguments[1:])
+    sys.exit(0)
+
+
+def _usage(known: dict[str, str]) -> str:
+    names = sorted(known, key=lambda name: (ORDER.index(name) if name in ORDER else len(ORDER), name))
+    width = max(map(len, names))
+    return USAGE.format(commands="\n".join(f"  {name:{width}}  {known[name]}" for name in names))
+
+
+if __name__ == "__main__":
+    main()
