@@ -45,7 +45,12 @@ TELEGRAMS: dict[str, tuple[list[str], ...]] = {
 among them: an input that stays the same is no lost message."""
 
 RATES: dict[str, list[str]] = {
-    "quadrotor": [*VELOCITY, *BODY_RATE, *MOTOR_SPEED, *(f"estimate_{name}" for name in (*VELOCITY, *BODY_RATE))],
+    "quadrotor": [
+        *VELOCITY,
+        *BODY_RATE,
+        *MOTOR_SPEED,
+        *(f"estimate_{name}" for name in (*VELOCITY, *BODY_RATE)),
+    ],
     "swerve": [
         *axes("drive_velocity", "1234"),
         *axes("steer_velocity", "1234"),

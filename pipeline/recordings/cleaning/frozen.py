@@ -37,7 +37,9 @@ def erase_frozen(run: RunUnderCleaning) -> None:
             run.note("frozen", name, "logged at a lower rate, left", 0, f"{share:.0%} repeat", seconds=0.0)
         else:
             longest = max((past - first for first, past in stretches_of(rows)), default=0)
-            run.erase(rows, columns, "frozen", "held for want of a newer message", f"at most {longest} in a row")
+            run.erase(
+                rows, columns, "frozen", "held for want of a newer message", f"at most {longest} in a row"
+            )
 
 
 def _repeated(values: np.ndarray, stretch: np.ndarray) -> np.ndarray:

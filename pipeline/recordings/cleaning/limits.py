@@ -6,7 +6,7 @@ from pipeline.recordings.cleaning.channels import MOTOR_COMMAND, MOTOR_SPEED
 from pipeline.recordings.cleaning.work import RunUnderCleaning
 
 _ROUNDING = 1e-3  # a command logged as 1.0005 is a full command
-_BOUNDS = {column: (0.0, 1.0) for column in MOTOR_COMMAND} | {column: (0.0, np.inf) for column in MOTOR_SPEED}
+_BOUNDS = dict.fromkeys(MOTOR_COMMAND, (0.0, 1.0)) | dict.fromkeys(MOTOR_SPEED, (0.0, np.inf))
 _BOUNDS["battery_voltage"] = (0.0, np.inf)
 
 

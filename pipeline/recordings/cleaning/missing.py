@@ -39,6 +39,8 @@ def needed_groups(frame: pd.DataFrame, kind: str) -> list[str]:
 def erase_sparse_groups(frame: pd.DataFrame, kind: str) -> tuple[pd.DataFrame, dict[str, int]]:
     """Empty the any-of groups that do not count; return the frame and how many values each channel lost."""
     needed = set(needed_groups(frame, kind))
-    sparse = [column for group in ANY_OF[kind] for column in group if column in frame and column not in needed]
+    sparse = [
+        column for group in ANY_OF[kind] for column in group if column in frame and column not in needed
+    ]
     lost = {column: int(frame[column].count()) for column in sparse}
     return (frame.assign(**dict.fromkeys(sparse, np.nan)) if sparse else frame), lost

@@ -44,11 +44,17 @@ class Cleaning:
             InputError: naming the key.
         """
         if self.time_step is not None and self.time_step <= 0:
-            raise InputError(f"must be positive, is {self.time_step}", "clean.time_step", "give seconds, or null")
+            raise InputError(
+                f"must be positive, is {self.time_step}", "clean.time_step", "give seconds, or null"
+            )
         for key in ("max_gap", "max_slow_gap", "jitter", "min_duration", "min_idle", "crash_margin"):
             if getattr(self, key) < 0:
-                raise InputError(f"must not be negative, is {getattr(self, key)}", f"clean.{key}", "give seconds")
+                raise InputError(
+                    f"must not be negative, is {getattr(self, key)}", f"clean.{key}", "give seconds"
+                )
         if self.jitter >= 0.5:
-            raise InputError(f"must be below 0.5, is {self.jitter}", "clean.jitter", "give a share of the time step")
+            raise InputError(
+                f"must be below 0.5, is {self.jitter}", "clean.jitter", "give a share of the time step"
+            )
         if self.max_clock_offset <= 0:
             raise InputError("must be positive", "clean.max_clock_offset", "give seconds")

@@ -70,7 +70,9 @@ def _candidates(values: np.ndarray, width: int, floor: float) -> np.ndarray:
     sign = np.zeros((width, len(before)))
     for offset in range(width):
         share = (offset + 1) / (width + 1)
-        excursion = values[2 + offset : len(values) - width - 1 + offset] - (before + share * (after - before))
+        excursion = values[2 + offset : len(values) - width - 1 + offset] - (
+            before + share * (after - before)
+        )
         least = np.minimum(least, np.abs(excursion))
         sign[offset] = np.sign(excursion)
     alike = np.abs(sign.sum(axis=0)) == width

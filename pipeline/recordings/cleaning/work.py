@@ -31,6 +31,7 @@ class RunUnderCleaning:
         cause: why a value is missing or replaced ("" where it is as recorded), shape (samples, channels).
         dropped: why a sample is dropped, "" where it is kept, shape (samples,).
         changes: the ledger.
+        clock_offset: s, how late the state is with respect to the motors; None where that is unknown.
     """
 
     name: str
@@ -44,6 +45,7 @@ class RunUnderCleaning:
     cause: np.ndarray = field(init=False)
     dropped: np.ndarray = field(init=False)
     changes: list[Change] = field(default_factory=list)
+    clock_offset: float | None = None
 
     def __post_init__(self) -> None:
         """Start with everything as recorded."""
@@ -86,7 +88,15 @@ class RunUnderCleaning:
         self.dropped[wanted] = reason
         self.note(step, "", reason, -int(wanted.sum()), detail)
 
-    def note(self, step: str, column: str, reason: str, samples: int, detail: str = "", seconds: float | None = None) -> None:
+    def note(
+        self,
+        step: str,
+        column: str,
+        reason: str,
+        samples: int,
+        detail: str = "",
+        seconds: float | None = None,
+    ) -> None:
         """Write a change into the ledger; nothing is written where no sample changed and no seconds are given."""
         if samples == 0 and seconds is None:
             return
@@ -106,7 +116,10 @@ class RunUnderCleaning:
 def changes_table(changes: list[Change]) -> pd.DataFrame:
     """Return the ledger as a table with the columns `CHANGE_COLUMNS`."""
     table = pd.DataFrame(changes, columns=list(CHANGE_COLUMNS))
-    return table.astype({"samples": "int64", "seconds": "float64"} | dict.fromkeys(("run", "step", "column", "reason", "detail"), "str"))
+    return table.astype(
+        {"samples": "int64", "seconds": "float64"}
+        | dict.fromkeys(("run", "step", "column", "reason", "detail"), "str")
+    )
 
 
 def stretches_of(mask: np.ndarray) -> np.ndarray:

@@ -1,0 +1,14 @@
+"""Cleaning: what a recording cannot mean is taken out, what is missing is filled as far as honest, all is accounted for."""
+
+from pipeline.recordings.cleaning.clean import Cleaned, clean_recording, clean_with_coverage
+from pipeline.recordings.cleaning.settings import Cleaning
+from pipeline.recordings.cleaning.work import CHANGE_COLUMNS, COVERAGE_COLUMNS
+
+__all__ = [
+    "CHANGE_COLUMNS",
+    "COVERAGE_COLUMNS",
+    "Cleaned",
+    "Cleaning",
+    "clean_recording",
+    "clean_with_coverage",
+]

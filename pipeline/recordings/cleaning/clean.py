@@ -1,0 +1,158 @@
+"""Clean a recording, step by step, and say what was changed."""
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from pipeline.errors import InputError
+from pipeline.recordings.cleaning.clock import estimate_clock_offset
+from pipeline.recordings.cleaning.coverage import coverage
+from pipeline.recordings.cleaning.crash import cut_crash
+from pipeline.recordings.cleaning.frozen import erase_frozen
+from pipeline.recordings.cleaning.idle import drop_idle
+from pipeline.recordings.cleaning.limits import erase_beyond_limits
+from pipeline.recordings.cleaning.missing import erase_sparse_groups, lacking, needed_groups
+from pipeline.recordings.cleaning.quaternions import mend_quaternions
+from pipeline.recordings.cleaning.resample import resample, split_at_gaps, typical_step
+from pipeline.recordings.cleaning.segments import drop_incomplete, drop_short, segment_numbers
+from pipeline.recordings.cleaning.settings import Cleaning
+from pipeline.recordings.cleaning.spikes import erase_spikes
+from pipeline.recordings.cleaning.straight import erase_straight
+from pipeline.recordings.cleaning.work import RunUnderCleaning, changes_table
+from pipeline.recordings.contract import REQUIRED
+from pipeline.recordings.recording import Recording
+from pipeline.recordings.split import Split, split_runs
+
+
+@dataclass(frozen=True)
+class Cleaned:
+    """A cleaned recording with the account of its cleaning.
+
+    Attributes:
+        recording: uniform in time inside each (run, segment), complete in every needed channel, split by runs.
+        changes: one row per change, columns `CHANGE_COLUMNS`.
+        coverage: what became of every moment, columns `COVERAGE_COLUMNS`.
+    """
+
+    recording: Recording
+    changes: pd.DataFrame
+    coverage: pd.DataFrame
+
+
+def clean_recording(
+    recording: Recording, settings: Cleaning | None = None, split: Split | None = None, seed: int = 0
+) -> tuple[Recording, pd.DataFrame]:
+    """Clean a recording; see `clean_with_coverage`, of which this is all but the coverage."""
+    cleaned = clean_with_coverage(recording, settings, split, seed)
+    return cleaned.recording, cleaned.changes
+
+
+def clean_with_coverage(
+    recording: Recording, settings: Cleaning | None = None, split: Split | None = None, seed: int = 0
+) -> Cleaned:
+    """Resample, fill, cut and split a recording, and account for every sample.
+
+    Values are first made missing where they cannot be true (beyond limits, straight lines, held messages, spikes), then
+    all that is missing is filled or cut out in one place; crashes, idle and short stretches are cut from the result.
+    A recording that is clean already is only split.
+
+    Args:
+        recording: as read.
+        settings: the limits.
+        split: how the runs are divided.
+        seed: for the draw where fractions divide them.
+
+    Raises:
+        InputError: when nothing usable is left, or a limit makes no sense.
+    """
+    settings = settings or Cleaning()
+    settings.check()
+    split = split or Split()
+    if recording.cleaned:
+        parts = split_runs(recording.runs, split, seed)
+        runs = [_begin(recording, name, rows) for name, rows in _by_run(recording)]
+        return Cleaned(dataclasses.replace(recording, split=parts), changes_table([]), coverage(runs))
+    runs = [_begin(recording, name, rows) for name, rows in _by_run(recording)]
+    steps = [run.time_step for run in runs if (run.dropped == "").any()]
+    time_step = settings.time_step or (float(np.median(steps)) if steps else 0.0)
+    runs = [_clean_run(run, time_step, settings) if (run.dropped == "").any() else run for run in runs]
+    changes = changes_table([change for run in runs for change in run.changes])
+    usable = [run for run in runs if (run.dropped == "").any()]
+    if not usable:
+        raise InputError(_why_nothing(changes), recording.source or "recording", "give another recording")
+    result = dataclasses.replace(
+        recording,
+        frame=_frame(usable, recording),
+        split=split_runs([run.name for run in usable], split, seed),
+        clock_offset={run.name: run.clock_offset for run in usable if run.clock_offset is not None},
+        cleaned=True,
+    )
+    return Cleaned(result, changes, coverage(runs))
+
+
+def _by_run(recording: Recording) -> list[tuple[str, pd.DataFrame]]:
+    return [(str(name), rows) for name, rows in recording.frame.groupby("run", sort=False)]
+
+
+def _begin(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCleaning:
+    """Take up one run; where it cannot be used it is dropped whole at once."""
+    reason = lacking(rows, recording.kind)
+    lost: dict[str, int] = {}
+    if not reason:
+        rows, lost = erase_sparse_groups(rows, recording.kind)
+    time = rows["t"].to_numpy(dtype="float64", copy=True)
+    run = RunUnderCleaning(
+        name=name,
+        kind=recording.kind,
+        time=time,
+        columns=recording.channels,
+        values=rows[recording.channels].to_numpy(dtype="float64", copy=True),
+        stretch=rows["segment"].to_numpy() if recording.cleaned else np.zeros(len(time), dtype=np.int64),
+        needed=[*REQUIRED[recording.kind], *(needed_groups(rows, recording.kind) if not reason else [])],
+        time_step=typical_step(time) if len(time) > 1 else 0.0,
+    )
+    for column, samples in lost.items():
+        run.note("missing", column, "recorded in too small a part of the run, left out", samples)
+    if reason:
+        run.drop(np.ones(len(time), dtype=bool), "missing", reason)
+    return run
+
+
+def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
+    gap = max(settings.max_gap, 1.5 * time_step)
+    run.stretch = split_at_gaps(run.time, run.stretch, gap)
+    mend_quaternions(run)
+    erase_beyond_limits(run)
+    erase_straight(run, gap)
+    if settings.frozen:
+        erase_frozen(run)
+    if settings.spikes:
+        erase_spikes(run)
+    run = resample(run, time_step, settings)
+    drop_incomplete(run)
+    if settings.crash:
+        cut_crash(run, settings.crash_margin)
+    if settings.idle:
+        drop_idle(run, settings.min_idle)
+    drop_short(run, settings.min_duration)
+    run.clock_offset = estimate_clock_offset(run, settings.max_clock_offset)
+    return run
+
+
+def _frame(runs: list[RunUnderCleaning], recording: Recording) -> pd.DataFrame:
+    frames = []
+    for run in runs:
+        kept = run.dropped == ""
+        index = {"run": run.name, "t": run.time[kept], "segment": segment_numbers(run)[kept]}
+        channels = dict(zip(run.columns, run.values[kept].T, strict=True))
+        frames.append(pd.DataFrame(index | channels))
+    return pd.concat(frames, ignore_index=True).astype({"run": recording.frame["run"].dtype})
+
+
+def _why_nothing(changes: pd.DataFrame) -> str:
+    dropped = changes[(changes["column"] == "") & (changes["samples"] < 0)]
+    reasons = dropped.groupby("reason")["samples"].sum().sort_values()
+    told = "; ".join(f"{reason} ({-count} samples)" for reason, count in reasons.items())
+    return f"nothing usable is left after cleaning: {told}"

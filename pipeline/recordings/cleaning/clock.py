@@ -1,0 +1,175 @@
+"""How late the state is with respect to the motor telemetry: two clocks, compared through the physics."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.signal import butter, sosfiltfilt
+
+from pipeline.recordings.cleaning.channels import (
+    BODY_RATE,
+    MOTOR_COMMAND,
+    MOTOR_SPEED,
+    SPECIFIC_FORCE,
+)
+from pipeline.recordings.cleaning.segments import unbroken
+from pipeline.recordings.cleaning.work import RunUnderCleaning
+
+_BAND = (1.0, 20.0)  # Hz; below lies drag and sag, above noise
+_EDGE = 0.2  # s at either end of a stretch in which the filters ring
+_LEAST = 5.0  # s of flight
+_SOUND = 0.3  # explained share of variance from which on the estimate is believed
+_LARGEST_ERROR = 0.5  # of a time step: a larger standard error is no estimate
+_BLOCK = 1.0  # s; residuals farther apart than this are taken as independent
+_SPACING = 0.5  # of a time step, between the offsets that are tried first
+
+
+@dataclass
+class ClockOffset:
+    """An estimate of how late measurements are.
+
+    Attributes:
+        seconds: positive where the measurements are late with respect to the motors.
+        error: standard error, s.
+        explained: share of the measurements' variance in the band that the motors explain at that offset.
+        at_bound: whether the best offset is the largest that was tried.
+    """
+
+    seconds: float
+    error: float
+    explained: float
+    at_bound: bool
+
+    def is_sound(self, time_step: float) -> bool:
+        """Return whether the estimate can be believed."""
+        return not self.at_bound and self.explained >= _SOUND and self.error <= _LARGEST_ERROR * time_step
+
+
+def estimate_clock_offset(run: RunUnderCleaning, largest: float) -> float | None:
+    """Compare clocks of a flight and write the outcome down; return the state's offset in s if it is sound.
+
+    The squared rotor speeds explain the angular acceleration about roll and pitch, which shows the clock of the
+    state (gyroscope), and the specific force along z, which shows that of the accelerometer where it has its own.
+    With commands alone, the lag of the motors cannot be told from an offset: it is written down and not returned.
+    """
+    if run.kind != "quadrotor":
+        return None
+    inputs = next((group for group in (MOTOR_SPEED, MOTOR_COMMAND) if set(group) <= set(run.needed)), None)
+    if inputs is None:
+        return None
+    offsets = {"body_rate": _offset(run, inputs, BODY_RATE[:2], True, largest)}
+    if run.has(SPECIFIC_FORCE):
+        offsets["specific_force_z"] = _offset(run, inputs, SPECIFIC_FORCE[2:], False, largest)
+    for column, offset in offsets.items():
+        if offset is not None:
+            _note(run, inputs, column, offset)
+    if inputs is MOTOR_COMMAND:
+        return None
+    sound = [offset for offset in offsets.values() if offset is not None and offset.is_sound(run.time_step)]
+    return sound[0].seconds if sound else None
+
+
+def _note(run: RunUnderCleaning, inputs: list[str], column: str, offset: ClockOffset) -> None:
+    if not offset.is_sound(run.time_step):
+        reason = "clock offset could not be estimated"
+    elif inputs is MOTOR_COMMAND:
+        reason = "late with respect to the motor commands (lag of the motors included), not applied"
+    else:
+        reason = "late with respect to the motor speeds, not applied"
+    detail = f"{offset.seconds:.5f} ± {offset.error:.5f} s, explains {offset.explained:.0%}"
+    run.note("clock", column, reason, 0, detail, seconds=offset.seconds)
+
+
+def _offset(
+    run: RunUnderCleaning, inputs: list[str], outputs: list[str], differentiate: bool, largest: float
+) -> ClockOffset | None:
+    """Gather the stretches of flight and compare; None where there is too little."""
+    nyquist = 0.5 / run.time_step
+    if _BAND[0] >= 0.5 * nyquist:
+        return None
+    band = butter(2, [_BAND[0], min(_BAND[1], 0.8 * nyquist)], "band", fs=2 * nyquist, output="sos")
+    edge = int(np.ceil((_EDGE + largest) / run.time_step))
+    pieces = []
+    for first, past in unbroken(run):
+        motors = run.channel(*inputs)[first:past] ** 2
+        measured = run.channel(*outputs)[first:past]
+        if past - first > 4 * edge and np.isfinite(measured).all():
+            if differentiate:
+                measured = np.gradient(measured, run.time_step, axis=0)
+            pieces.append((sosfiltfilt(band, motors, axis=0), sosfiltfilt(band, measured, axis=0)))
+    if sum(len(motors) - 2 * edge for motors, _ in pieces) * run.time_step < _LEAST:
+        return None
+    return compare_clocks(pieces, run.time_step, largest, edge)
+
+
+def compare_clocks(
+    pieces: list[tuple[np.ndarray, np.ndarray]], time_step: float, largest: float, edge: int
+) -> ClockOffset | None:
+    """Estimate by how much outputs lag the inputs that drive them linearly.
+
+    For each offset the inputs are delayed (exactly, by their Fourier transform) and the outputs regressed on them; the
+    best offset leaves the smallest residual. Its standard error follows from the slope of the residual there, with
+    residuals correlated within blocks (the sandwich estimator of Liang and Zeger, 1986).
+
+    Args:
+        pieces: inputs of shape (samples, inputs) and outputs of shape (samples, outputs), both through one filter.
+        time_step: s.
+        largest: s, the largest offset that is tried.
+        edge: samples at either end of a piece that are left out.
+    """
+    measured = np.concatenate([outputs[edge:-edge] for _, outputs in pieces])
+    scale = measured.std(axis=0)
+    if not (scale > 0).all() or not all(np.ptp(inputs) > 0 for inputs, _ in pieces):
+        return None
+    measured = measured / scale
+    spectra = [_spectrum(inputs) for inputs, _ in pieces]
+
+    def delayed(offset: float, derivative: bool = False) -> np.ndarray:
+        return np.concatenate([_delay(*each, offset / time_step, derivative)[edge:-edge] for each in spectra])
+
+    def residual(offset: float) -> np.ndarray:
+        return measured - _regress(delayed(offset), measured)
+
+    def loss(offset: float) -> float:
+        return float((residual(offset) ** 2).mean())
+
+    tried = np.arange(-largest, largest + 1e-9, _SPACING * time_step)
+    losses = [loss(offset) for offset in tried]
+    best = int(np.argmin(losses))
+    if best in (0, len(tried) - 1):
+        return ClockOffset(float(tried[best]), np.inf, 1.0 - losses[best], True)
+    found = minimize_scalar(
+        loss, bounds=(tried[best - 1], tried[best + 1]), method="bounded", options={"xatol": 1e-3 * time_step}
+    )
+    offset = float(found.x)
+    error = _standard_error(delayed(offset), delayed(offset, True) / time_step, measured, time_step)
+    return ClockOffset(offset, error, 1.0 - float(found.fun), False)
+
+
+def _spectrum(inputs: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return the transform of the inputs, padded so that the delay does not wrap around, and their length."""
+    return np.fft.rfft(inputs, axis=0, n=2 * len(inputs)), len(inputs)
+
+
+def _delay(spectrum: np.ndarray, count: int, samples: float, derivative: bool) -> np.ndarray:
+    """Return the inputs delayed by `samples`, or their derivative with respect to time in samples."""
+    frequency = 2j * np.pi * np.fft.rfftfreq(2 * count)[:, None]
+    shifted = spectrum * np.exp(-frequency * samples) * (frequency if derivative else 1.0)
+    return np.fft.irfft(shifted, axis=0, n=2 * count)[:count]
+
+
+def _regress(inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:
+    """Return the part of the outputs that the inputs explain."""
+    return inputs @ np.linalg.lstsq(inputs, outputs, rcond=None)[0]
+
+
+def _standard_error(
+    inputs: np.ndarray, derivative: np.ndarray, outputs: np.ndarray, time_step: float
+) -> float:
+    gains = np.linalg.lstsq(inputs, outputs, rcond=None)[0]
+    residual = outputs - inputs @ gains
+    slope = -derivative @ gains  # of the prediction, per second of offset
+    slope = slope - _regress(inputs, slope)
+    score = (slope * residual).sum(axis=1)
+    blocks = np.add.reduceat(score, np.arange(0, len(score), max(1, round(_BLOCK / time_step))))
+    return float(np.sqrt((blocks**2).sum()) / (slope**2).sum())

@@ -1,0 +1,73 @@
+"""Stretches in which nothing happens: no input and no motion, or a quadrotor on the ground."""
+
+import numpy as np
+
+from pipeline.recordings.cleaning.channels import (
+    BODY_RATE,
+    INPUTS,
+    MOTOR_COMMAND,
+    MOTOR_SPEED,
+    RATES,
+    VELOCITY,
+)
+from pipeline.recordings.cleaning.work import RunUnderCleaning, stretches_of
+
+_OFF = 0.4  # of the typical rotor speed or command in flight; a rotor at idle turns at about 0.3
+_ON_FLOOR = 0.1  # m above the lowest height: a landing bounces
+_RESTING = 0.03  # m
+_STILL_SPEED = 0.05  # m/s
+_STILL_RATE = 0.1  # rad/s
+_NO_INPUT = 0.01  # of the largest input
+_NO_MOTION = 0.01  # of the largest speed
+
+
+def drop_idle(run: RunUnderCleaning, min_idle: float) -> None:
+    """Drop what lasts at least `min_idle` s without input and motion (swerve, joint) or on the ground (quadrotor)."""
+    if run.kind == "quadrotor":
+        off, resting = _rotors_off(run), _resting(run)
+        on_floor = _height(run) < _ON_FLOOR
+        _drop(run, off | resting, min_idle, off & on_floor | resting, "on the ground, not flying")
+        _drop(run, off, max(min_idle, 1.0), off, "rotors off")
+        return
+    inputs = [column for column in INPUTS[run.kind] if column in run.columns]
+    rates = [column for column in RATES[run.kind] if column in run.columns]
+    still = _quiet(run.channel(*inputs), _NO_INPUT) & _quiet(run.channel(*rates), _NO_MOTION)
+    _drop(run, still, min_idle, still, "no input on any motor and no motion")
+
+
+def _drop(run: RunUnderCleaning, rest: np.ndarray, least: float, wanted: np.ndarray, reason: str) -> None:
+    rows = np.zeros(len(run.time), dtype=bool)
+    for first, past in stretches_of(rest):
+        if run.time[past - 1] - run.time[first] + run.time_step >= least:
+            rows[first:past] = True
+    run.drop(rows & wanted, "idle", reason)
+
+
+def _quiet(values: np.ndarray, share: float) -> np.ndarray:
+    """Return where every channel is below a share of its largest size; a channel that is missing does not speak."""
+    size = np.abs(values)
+    largest = np.nanmax(np.where(np.isfinite(size), size, 0.0), axis=0, initial=0.0)
+    return (~(size > share * largest)).all(axis=1)
+
+
+def _rotors_off(run: RunUnderCleaning) -> np.ndarray:
+    levels = [run.channel(*group) for group in (MOTOR_SPEED, MOTOR_COMMAND) if run.has(group)]
+    known = [level for level in levels if np.isfinite(level).any()]
+    if not known:
+        return np.zeros(len(run.time), dtype=bool)
+    strongest = np.nan_to_num(known[0], nan=np.inf).max(axis=1)
+    finite = strongest[np.isfinite(strongest)]
+    typical = float(np.quantile(finite, 0.75)) if len(finite) else 0.0
+    return strongest < _OFF * typical
+
+
+def _height(run: RunUnderCleaning) -> np.ndarray:
+    height = run.channel("position_z")[:, 0]
+    return height - np.nanmin(height)
+
+
+def _resting(run: RunUnderCleaning) -> np.ndarray:
+    speed = np.linalg.norm(run.channel(*VELOCITY), axis=1)
+    rate = np.linalg.norm(run.channel(*BODY_RATE), axis=1)
+    with np.errstate(invalid="ignore"):
+        return (_height(run) < _RESTING) & (speed < _STILL_SPEED) & (rate < _STILL_RATE)

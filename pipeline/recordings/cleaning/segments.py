@@ -1,0 +1,52 @@
+"""Unbroken stretches: samples that cannot be used are dropped, what is left is numbered, the short ones go."""
+
+import itertools
+
+import numpy as np
+
+from pipeline.recordings.cleaning.work import RunUnderCleaning, stretches_of
+
+
+def drop_incomplete(run: RunUnderCleaning) -> None:
+    """Drop samples in which a needed channel is missing for longer than is interpolated."""
+    absent = np.isnan(run.channel(*run.needed))
+    for place, column in enumerate(run.needed):
+        causes = run.cause[:, run.columns.index(column)]
+        rows = absent[:, place] & (run.dropped == "")
+        for cause in sorted(set(causes[rows])):
+            run.drop(
+                rows & (causes == cause), "gaps", "needed channel missing for too long", f"{column} ({cause})"
+            )
+
+
+def drop_short(run: RunUnderCleaning, min_duration: float) -> None:
+    """Drop unbroken stretches shorter than `min_duration` s."""
+    for first, past in unbroken(run):
+        if (past - first) * run.time_step < min_duration * (1.0 - 1e-9):
+            rows = np.zeros(len(run.time), dtype=bool)
+            rows[first:past] = True
+            run.drop(rows, "short", f"unbroken for less than {min_duration:g} s")
+
+
+def unbroken(run: RunUnderCleaning) -> np.ndarray:
+    """Return the kept stretches as rows [first, one past last], shape (stretches, 2)."""
+    kept = stretches_of(run.dropped == "")
+    cuts = np.flatnonzero(np.diff(run.stretch)) + 1
+    pieces = [
+        (low, high)
+        for first, past in kept
+        for low, high in _pairs([first, *cuts[(cuts > first) & (cuts < past)], past])
+    ]
+    return np.array(pieces, dtype=np.int64).reshape(-1, 2)
+
+
+def segment_numbers(run: RunUnderCleaning) -> np.ndarray:
+    """Return the number of the unbroken stretch of each sample, −1 where dropped, shape (samples,)."""
+    numbers = np.full(len(run.time), -1, dtype=np.int64)
+    for number, (first, past) in enumerate(unbroken(run)):
+        numbers[first:past] = number
+    return numbers
+
+
+def _pairs(edges: list[int]) -> list[tuple[int, int]]:
+    return list(itertools.pairwise(edges))
