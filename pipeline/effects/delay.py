@@ -25,6 +25,10 @@ class CommandDelay(CommandEffect):
     sentence = "Commands take effect {delay} s after they are recorded; delay them in the simulator."
     excitation = "command steps or a fast chirp, so that the response's start can be told from its slope"
 
+    def starts(self) -> list[dict[str, float]]:
+        """Start from none, and from a scan: a periodic command has a valley at each period."""
+        return [{"delay": delay} for delay in (0.0, 0.01, 0.02, 0.04, 0.08, 0.16)]
+
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:

@@ -79,6 +79,10 @@ class Effect(ABC):
         """Return the values at which the effect does nothing."""
         return {parameter.name: parameter.neutral for parameter in self.parameters}
 
+    def starts(self) -> list[dict[str, float]]:
+        """Return values from which a fit may start; more than one where the cost has several valleys."""
+        return [self.neutral()]
+
     def units(self, position_unit: str = "rad") -> dict[str, str]:
         """Return the unit of each parameter; on a sliding axis N·m becomes N and rad becomes m."""
         units = {parameter.name: parameter.unit for parameter in self.parameters}
@@ -153,7 +157,7 @@ class ParameterError(Effect):
     """A number of the platform that is wrong; the parameter is the ratio of true over nominal."""
 
     acts_on: ClassVar[str] = "parameter"
-    parameters = (Parameter("ratio", "1", 1.2, 0.2, 5.0, neutral=1.0),)
+    parameters = (Parameter("ratio", "1", 1.2, 1 / 3, 3.0, neutral=1.0),)
 
     @abstractmethod
     def adjust(self, constants: Values, values: Values) -> dict[str, Tensor | float]:

@@ -20,6 +20,10 @@ class CurrentLimit(ActuatorEffect):
     sentence = "The controller caps the motor's current at {limit} A; limit it in the simulator."
     excitation = "full-voltage steps from standstill"
 
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a scan: a limit that is never reached leaves no slope to follow."""
+        return [{"limit": 0.25 * 1.6**step} for step in range(15)]
+
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:

@@ -17,6 +17,10 @@ class _SwerveCurrentLimit(ActuatorEffect):
     source = "smart motor controllers' stator current limit; Krishnan 2001, Electric motor drives, §2"
     excitation = "full-voltage steps from standstill"
 
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a scan: a limit that is never reached leaves no slope to follow."""
+        return [{"limit": 0.25 * 1.6**step} for step in range(15)]
+
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:

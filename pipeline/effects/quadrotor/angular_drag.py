@@ -1,0 +1,24 @@
+"""Air that resists turning."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.quadrotor.common import along_axes
+
+
+class AngularDrag(WrenchEffect):
+    """Torque opposing the body rate."""
+
+    name = "angular_drag"
+    kind = "quadrotor"
+    acts_on = "torque"
+    parameters = (Parameter("coefficient", "N·m·s/rad", 1e-3, 0.0, 1.0),)
+    needs = ("body_rate",)
+    formula = "τ = −coefficient · ω"
+    source = "Bouabdallah & Siegwart 2007, Full control of a quadrotor, §II"
+    sentence = "The air resists turning with {coefficient} N·m per rad/s of body rate; add angular drag."
+    excitation = "roll, pitch and yaw at several constant rates"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the torque, N·m."""
+        return along_axes("torque", -values["coefficient"] * signals["body_rate"])

@@ -1,0 +1,30 @@
+"""A centre of mass that is not where the rotors' lever arms are measured from."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+
+
+class CenterOfMassOffset(WrenchEffect):
+    """Torque proportional to thrust, because thrust does not pass through the centre of mass."""
+
+    name = "center_of_mass_offset"
+    kind = "quadrotor"
+    acts_on = "torque"
+    parameters = (
+        Parameter("offset_x", "m", 0.003, -0.1, 0.1),
+        Parameter("offset_y", "m", 0.003, -0.1, 0.1),
+    )
+    needs = ("rotor_speed",)
+    formula = "τ_x = −offset_y · T, τ_y = +offset_x · T"
+    source = "rigid-body statics: τ = −c × T·e_z for a centre of mass at c"
+    sentence = (
+        "The centre of mass lies {offset_x} m forward and {offset_y} m left of where the rotors balance; move the "
+        "battery or the centre of mass of the simulator."
+    )
+    excitation = "climb and descend hard without turning, so that thrust changes while torque should not"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the torque of the total thrust about the displaced centre, N·m."""
+        thrust = constants["thrust_coefficient"] * signals["rotor_speed"].square().sum(-1)
+        return {"torque_x": -values["offset_y"] * thrust, "torque_y": values["offset_x"] * thrust}

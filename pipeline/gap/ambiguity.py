@@ -1,0 +1,57 @@
+"""Effects that a recording cannot tell apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import torch
+from scipy import stats
+from torch import Tensor
+
+from pipeline.gap.scoring import log_score
+
+if TYPE_CHECKING:
+    from pipeline.effects import Effect
+    from pipeline.gap.name import Candidate
+
+_CHANCE = 0.05
+_HALF = 0.5
+
+
+@dataclass(frozen=True)
+class Rivalry:
+    """A named effect and those that explain the same residual about as well.
+
+    Attributes:
+        winner: what was named.
+        rivals: what could stand in for it.
+        weight: posterior weight of the winner among them all, 0..1.
+    """
+
+    winner: Effect
+    rivals: tuple[Effect, ...]
+    weight: float
+
+
+def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> Rivalry | None:
+    """Return the others that do the named effect's work, or None where there are none.
+
+    An other is a rival when it gains at least half as much and the difference to the winner, taken over clusters of
+    correlated residuals, is within chance (one-sided t test).
+    """
+    rivals = [o for o in others if o.gain > _HALF * winner.gain and _within_chance(winner, o, cluster)]
+    if not rivals:
+        return None
+    gains = torch.tensor([winner.gain, *(rival.gain for rival in rivals)], dtype=torch.float64)
+    weight = float(torch.softmax(gains, dim=0)[0])
+    return Rivalry(winner.effect, tuple(rival.effect for rival in rivals), weight)
+
+
+def _within_chance(winner: Candidate, other: Candidate, cluster: Tensor) -> bool:
+    difference = log_score(winner.residual, winner.fit.scale) - log_score(other.residual, other.fit.scale)
+    groups = int(cluster.max()) + 1
+    summed = difference.new_zeros(groups).index_add(0, cluster, difference)
+    if float(summed.abs().max()) < 1e-9:
+        return True
+    return float(stats.ttest_1samp(summed.numpy(), 0.0, alternative="greater").pvalue) > _CHANCE

@@ -1,0 +1,107 @@
+"""A recording cut into blocks of equal length: what every question of the diagnosis is asked of."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+import torch
+from torch import Tensor
+
+from pipeline.errors import InputError
+from pipeline.gap.settings import Gap
+from pipeline.gap.signals import recorded_signals
+from pipeline.platforms import Platform
+from pipeline.recordings.recording import Recording
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Stretches of a recording with a margin on both sides.
+
+    Attributes:
+        signals: by name, (blocks, margin + samples + margin, ...), float64.
+        run: which run each block is from, (blocks,), an index into `runs`.
+        runs: names of the runs.
+        start: time of the first sample after the margin, (blocks,) s.
+        time_step: s.
+        margin: samples on each side that belong to no block: for delays, clock shifts and effects that remember.
+        samples: length of a block without its margins.
+    """
+
+    signals: dict[str, Tensor]
+    run: Tensor
+    runs: tuple[str, ...]
+    start: Tensor
+    time_step: float
+    margin: int
+    samples: int
+
+    def __len__(self) -> int:
+        return len(self.run)
+
+    def take(self, index: Tensor) -> "Blocks":
+        """Return some of the blocks."""
+        signals = {name: series[index] for name, series in self.signals.items()}
+        return replace(self, signals=signals, run=self.run[index], start=self.start[index])
+
+    def of_runs(self, names: list[str]) -> "Blocks":
+        """Return the blocks of some runs."""
+        wanted = torch.tensor([name in set(names) for name in self.runs])
+        return self.take(torch.nonzero(wanted[self.run]).squeeze(1))
+
+    def inner(self, series: Tensor) -> Tensor:
+        """Return a series without its margins."""
+        return series[:, self.margin : self.margin + self.samples]
+
+    def thinned(self, most: int) -> "Blocks":
+        """Return at most so many blocks, drawn evenly over the recording."""
+        if len(self) <= most:
+            return self
+        return self.take(torch.linspace(0, len(self) - 1, most, dtype=torch.float64).round().long())
+
+
+def cut_blocks(recording: Recording, platform: Platform, settings: Gap) -> Blocks:
+    """Cut a cleaned recording into blocks that do not overlap; margins may.
+
+    Blocks never reach over the end of a run or of a segment. Where no segment is long enough for the wanted length, the
+    blocks are shortened to a third of the median segment.
+
+    Raises:
+        InputError: when no segment holds even ten samples and their margins.
+    """
+    time_step = recording.time_step
+    keys = ["run", "segment"] if "segment" in recording.frame else ["run"]
+    segments = [segment for _, segment in recording.frame.groupby(keys, sort=False)]
+    samples, margin = _lengths(segments, settings, time_step)
+    runs = tuple(recording.runs)
+    index = {name: position for position, name in enumerate(runs)}
+    pieces: list[dict[str, Tensor]] = []
+    run: list[int] = []
+    start: list[float] = []
+    for segment in segments:
+        firsts = range(margin, len(segment) - samples - margin + 1, samples)
+        signals = recorded_signals(segment, platform) if firsts else {}
+        for first in firsts:
+            pieces.append({n: s[first - margin : first + samples + margin] for n, s in signals.items()})
+            run.append(index[str(segment["run"].iloc[0])])
+            start.append(float(segment["t"].iloc[first]))
+    if not pieces:
+        raise InputError("is too short to diagnose", recording.source or "recording", "record at least a few seconds")
+    shared = set.intersection(*(set(piece) for piece in pieces))
+    return Blocks(
+        signals={name: torch.stack([piece[name] for piece in pieces]) for name in sorted(shared)},
+        run=torch.tensor(run),
+        runs=runs,
+        start=torch.tensor(start, dtype=torch.float64),
+        time_step=time_step,
+        margin=margin,
+        samples=samples,
+    )
+
+
+def _lengths(segments: list[pd.DataFrame], settings: Gap, time_step: float) -> tuple[int, int]:
+    """Return samples and margin of a block, shortened where the recording is made of short pieces."""
+    usual = float(np.median([len(segment) for segment in segments]))
+    samples = round(min(settings.block_duration / time_step, usual / 3))
+    margin = round(min(settings.margin / time_step, usual / 6))
+    return max(samples, 10), max(margin, 2)

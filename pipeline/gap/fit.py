@@ -1,0 +1,228 @@
+"""Fitting the parameters of a simulator's effects to a recording, with standard errors that forgive an imperfect model."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from pipeline.effects import Effect, Parameter, WrenchEffect
+from pipeline.gap.blocks import Blocks
+from pipeline.gap.residuals import residual_rows
+from pipeline.gap.weak_form import WindowFunctions, mean_of
+from pipeline.simulation import FittedEffect, Simulator
+
+_STEPS = 12
+_TOLERANCE = 1e-7  # of the cost of one standard deviation per row
+_DIFFERENCE = 1e-4
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What every fit of one diagnosis shares.
+
+    Attributes:
+        blocks: the stretches that are fitted.
+        functions: the windows that residuals are averaged over.
+        noise: standard deviation of a row by sensor noise alone, (channels,).
+        cluster: stretches within which residuals may be correlated, (blocks,).
+    """
+
+    blocks: Blocks
+    functions: WindowFunctions
+    noise: Tensor
+    cluster: Tensor
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted simulator and how the residual answers to its parameters.
+
+    Attributes:
+        simulator: with the fitted values and their standard errors.
+        residual: (blocks, rows, channels).
+        jacobian: of the prediction in the parameters, (blocks, rows, channels, parameters).
+        scale: standard deviation that each channel's residual is weighed with, (channels,).
+        covariance: of the parameters, robust to correlation inside clusters, (parameters, parameters).
+    """
+
+    simulator: Simulator
+    residual: Tensor
+    jacobian: Tensor
+    scale: Tensor
+    covariance: Tensor
+
+    @property
+    def values(self) -> Tensor:
+        """The parameters of all effects in order, (parameters,)."""
+        return torch.tensor(
+            [v for fitted in self.simulator.effects for v in fitted.values.values()], dtype=torch.float64
+        )
+
+
+def parameters_of(effects: Sequence[FittedEffect]) -> list[Parameter]:
+    """Return the parameters of the effects in the order of a fit's columns."""
+    return [parameter for fitted in effects for parameter in fitted.effect.parameters]
+
+
+def columns_of(fit: Fit, effect: Effect) -> list[int]:
+    """Return the columns of a fit that belong to one effect."""
+    owners = [f.effect.key for f in fit.simulator.effects for _ in f.effect.parameters]
+    return [column for column, owner in enumerate(owners) if owner == effect.key]
+
+
+def with_values(simulator: Simulator, values: Tensor) -> Simulator:
+    """Return the simulator with all its parameters replaced, in order."""
+    remaining = values.tolist()
+    effects = []
+    for fitted in simulator.effects:
+        names = [parameter.name for parameter in fitted.effect.parameters]
+        effects.append(FittedEffect(fitted.effect, dict(zip(names, remaining, strict=False))))
+        remaining = remaining[len(names) :]
+    return simulator.with_effects(tuple(effects))
+
+
+def fit(simulator: Simulator, problem: Problem) -> Fit:
+    """Fit all parameters together by Gauss–Newton steps from the values that the simulator has.
+
+    Channels are weighed by their own residual, never below the noise, which is the maximum-likelihood weight when the
+    variances are unknown. Bounds are respected by clipping.
+    """
+    low, high = _bounds(simulator)
+    values = _vector(simulator).clamp(low, high)
+    residual = residual_rows(with_values(simulator, values), problem.blocks, problem.functions)
+    jacobian = _jacobian(with_values(simulator, values), problem, residual)
+    for _ in range(_STEPS):
+        scale = _scale(residual, problem.noise)
+        change, promised = _newton_step(jacobian, residual, scale, values, low, high)
+        if promised < _TOLERANCE * residual.numel():
+            break
+        values, residual = _line_search(simulator, problem, values, change, residual, scale, low, high)
+        jacobian = _jacobian(with_values(simulator, values), problem, residual)
+    scale = _scale(residual, problem.noise)
+    covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)
+    fitted = _with_errors(with_values(simulator, values), covariance)
+    return Fit(fitted, residual, jacobian, scale, covariance)
+
+
+def _vector(simulator: Simulator) -> Tensor:
+    return torch.tensor([v for f in simulator.effects for v in f.values.values()], dtype=torch.float64)
+
+
+def _bounds(simulator: Simulator) -> tuple[Tensor, Tensor]:
+    parameters = parameters_of(simulator.effects)
+    low = torch.tensor([parameter.low for parameter in parameters], dtype=torch.float64)
+    return low, torch.tensor([parameter.high for parameter in parameters], dtype=torch.float64)
+
+
+def _scale(residual: Tensor, noise: Tensor) -> Tensor:
+    return torch.maximum(residual.square().mean((0, 1)).sqrt(), noise).clamp_min(1e-12)
+
+
+def _jacobian(simulator: Simulator, problem: Problem, residual: Tensor) -> Tensor:
+    """Return how the prediction changes with each parameter, exactly where it is linear."""
+    columns = []
+    values, offset = _vector(simulator), 0
+    linear = _linear_columns(simulator, problem)
+    for fitted in simulator.effects:
+        for position, parameter in enumerate(fitted.effect.parameters):
+            column = linear.get((fitted.effect.key, position))
+            if column is None:
+                column = _difference(simulator, problem, residual, values, offset, parameter)
+            columns.append(column)
+            offset += 1
+    return torch.stack(columns, dim=-1) if columns else residual.new_zeros((*residual.shape, 0))
+
+
+def _linear_columns(simulator: Simulator, problem: Problem) -> dict[tuple[str, int], Tensor]:
+    effects = [f for f in simulator.of_type(WrenchEffect) if f.effect.linear]  # type: ignore[attr-defined]
+    if not effects:
+        return {}
+    blocks, constants = problem.blocks, simulator.constants()
+    signals = simulator.along_time(blocks.signals, blocks.time_step)
+    inner = {name: blocks.inner(series) for name, series in signals.items()}
+    channels = [channel.name for channel in simulator.mechanism.channels]
+    zero = problem.functions.weights.new_zeros((len(blocks), len(problem.functions.centres)))
+    columns = {}
+    for fitted in effects:
+        for position, wrench in enumerate(fitted.effect.regressors(inner, constants)):  # type: ignore[attr-defined]
+            rows = [mean_of(problem.functions, wrench[n]) if n in wrench else zero for n in channels]
+            columns[fitted.effect.key, position] = torch.stack(rows, dim=-1)
+    return columns
+
+
+def _difference(
+    simulator: Simulator, problem: Problem, residual: Tensor, values: Tensor, column: int, parameter: Parameter
+) -> Tensor:
+    step = _DIFFERENCE * max(abs(float(values[column])), abs(parameter.default))
+    if values[column] + step > parameter.high:
+        step = -step
+    moved = values.clone()
+    moved[column] += step
+    rows = residual_rows(with_values(simulator, moved), problem.blocks, problem.functions)
+    return -(rows - residual) / step
+
+
+def _newton_step(
+    jacobian: Tensor, residual: Tensor, scale: Tensor, values: Tensor, low: Tensor, high: Tensor
+) -> tuple[Tensor, float]:
+    """Solve the weighted normal equations; a parameter on its bound that wants to leave it stays.
+
+    Also return by how much the step promises to lower the weighted cost.
+    """
+    weighted = jacobian / scale[:, None]
+    gram = torch.einsum("brcp,brcq->pq", weighted, weighted)
+    gradient = torch.einsum("brcp,brc->p", weighted, residual / scale)
+    free = ~(((values <= low) & (gradient < 0)) | ((values >= high) & (gradient > 0)))
+    change = torch.zeros_like(values)
+    if free.any():
+        size = gram.diagonal().clamp_min(1e-30).sqrt()
+        normal = (gram / size / size[:, None])[free][:, free]
+        normal = normal + 1e-10 * torch.eye(len(normal), dtype=normal.dtype)
+        change[free] = torch.linalg.solve(normal, (gradient / size)[free]) / size[free]
+    return change, float(gradient @ change)
+
+
+def _line_search(
+    simulator: Simulator,
+    problem: Problem,
+    values: Tensor,
+    change: Tensor,
+    residual: Tensor,
+    scale: Tensor,
+    low: Tensor,
+    high: Tensor,
+) -> tuple[Tensor, Tensor]:
+    """Take the longest step of 1, ½, ¼, … that lowers the weighted cost; return the values and their residual."""
+    cost = (residual / scale).square().sum()
+    for halving in range(6):
+        tried = (values + change * 0.5**halving).clamp(low, high)
+        rows = residual_rows(with_values(simulator, tried), problem.blocks, problem.functions)
+        if (rows / scale).square().sum() < cost:
+            return tried, rows
+    return values, residual
+
+
+def clustered_covariance(jacobian: Tensor, residual: Tensor, scale: Tensor, cluster: Tensor) -> Tensor:
+    """Return the sandwich covariance of the parameters with residuals correlated inside clusters.
+
+    Source: Liang & Zeger 1986, Longitudinal data analysis using generalized linear models (Biometrika 73), with the
+    small-sample factor G/(G − 1).
+    """
+    weighted = jacobian / scale[:, None]
+    gram = torch.einsum("brcp,brcq->pq", weighted, weighted)
+    score = torch.einsum("brcp,brc->bp", weighted, residual / scale)
+    groups = int(cluster.max()) + 1
+    summed = score.new_zeros((groups, score.shape[1])).index_add(0, cluster, score)
+    bread = torch.linalg.pinv(gram, hermitian=True)
+    return bread @ (summed.T @ summed) @ bread * (groups / max(groups - 1, 1))
+
+
+def _with_errors(simulator: Simulator, covariance: Tensor) -> Simulator:
+    errors = covariance.diagonal().clamp_min(0.0).sqrt().tolist()
+    effects = []
+    for fitted in simulator.effects:
+        names = list(fitted.values)
+        effects.append(FittedEffect(fitted.effect, fitted.values, dict(zip(names, errors, strict=False))))
+        errors = errors[len(names) :]
+    return simulator.with_effects(tuple(effects))

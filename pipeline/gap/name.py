@@ -1,0 +1,211 @@
+"""Which physics is missing: effects of the catalogue compete to explain the residual on runs they were not fitted on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from torch import Tensor
+
+from pipeline.effects import Effect, MeasurementEffect, ParameterError, effect_by_key, effects_of
+from pipeline.gap.ambiguity import Rivalry, rivals_of
+from pipeline.gap.fit import Fit, Problem, columns_of, fit
+from pipeline.gap.residuals import residual_rows
+from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
+from pipeline.gap.settings import Gap
+from pipeline.simulation import FittedEffect, Simulator
+
+_LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect's entry in a round of the competition.
+
+    Attributes:
+        effect: what was added to the simulator of that round.
+        fit: the refitted simulator.
+        residual: cross-validated, (blocks, rows, channels).
+        gain: cross-validated log likelihood gained, corrected for correlated rows.
+        share: of the excess over the noise floor, in the channel that gains most.
+        p_value: of the effect's parameters differing from doing nothing.
+        refusal: why it may not be named; empty where it may.
+    """
+
+    effect: Effect
+    fit: Fit
+    residual: Tensor
+    gain: float
+    share: float
+    p_value: float
+    refusal: str = ""
+
+
+@dataclass(frozen=True)
+class Round:
+    """A round of the competition: every candidate, and the one that won (None where none may be named)."""
+
+    candidates: tuple[Candidate, ...]
+    winner: Candidate | None
+
+
+@dataclass(frozen=True)
+class Naming:
+    """What was named.
+
+    Attributes:
+        base: fit of the nominal simulator.
+        fit: fit of the simulator with every named effect.
+        named: the effects in the final simulator, each as if it had been the last to enter.
+        rounds: the competition.
+        rivalries: effects that this recording cannot tell apart.
+    """
+
+    base: Fit
+    fit: Fit
+    named: tuple[Candidate, ...]
+    rounds: tuple[Round, ...]
+    rivalries: tuple[Rivalry, ...]
+
+
+def candidates_for(simulator: Simulator, available: set[str], names: Sequence[str] | None) -> list[Effect]:
+    """Return the effects of the catalogue that this recording allows to test.
+
+    Raises:
+        InputError: when `names` holds an effect that the catalogue does not have.
+    """
+    kind = simulator.platform.kind
+    wanted = effects_of(kind) if names is None else [effect_by_key(kind, name) for name in names]
+    return [effect for effect in wanted if set(effect.needs) <= available]
+
+
+def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
+    """Let the catalogue compete for the residual of a nominal simulator.
+
+    Clock offsets and the platform's own numbers are settled first: what they explain is no missing physics. Then one
+    effect is added at a time; each that stays must earn it again when the others are there.
+    """
+    competition = _Competition(simulator, problem, settings)
+    settled = [e for e in competition.catalogue if isinstance(e, MeasurementEffect | ParameterError)]
+    competition.run(settled)
+    competition.run(competition.catalogue)
+    return competition.result()
+
+
+class _Competition:
+    def __init__(self, simulator: Simulator, problem: Problem, settings: Gap) -> None:
+        self.problem, self.settings = problem, settings
+        available = set(problem.blocks.signals) | _derived(problem.blocks.signals)
+        self.catalogue = candidates_for(simulator, available, settings.effects)
+        self.fold = folds_of(problem.blocks, settings.folds)
+        self.clusters = int(problem.cluster.max()) + 1
+        self.base = self.current = fit(simulator, problem)
+        self.rounds: list[Round] = []
+        self.dropped: set[str] = set()
+
+    def run(self, contestants: list[Effect]) -> None:
+        """Add effects until none may be named any more."""
+        while len(self.current.simulator.effects) < self.settings.most_effects:
+            present = {fitted.effect.key for fitted in self.current.simulator.effects} | self.dropped
+            candidates = [self.candidate(e) for e in contestants if e.key not in present]
+            admitted = [candidate for candidate in candidates if not candidate.refusal]
+            winner = max(admitted, key=lambda candidate: candidate.gain, default=None)
+            self.rounds.append(Round(tuple(candidates), winner))
+            if winner is None:
+                return
+            self.current = winner.fit
+            self.prune(newest=winner.effect.key)
+
+    def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
+        """Refit with the effect added and compare with the simulator without it."""
+        without = without or self.current
+        fitted = self.best_fit(without.simulator, effect)
+        before, after = cross_validated(without, self.fold), cross_validated(fitted, self.fold)
+        return self.judged(effect, without, fitted, before, after)
+
+    def best_fit(self, simulator: Simulator, effect: Effect) -> Fit:
+        """Fit from the most promising of the effect's starting points."""
+        starts = [
+            simulator.with_effects((*simulator.effects, FittedEffect(effect, values))) for values in effect.starts()
+        ]
+        if len(starts) > 1:
+            starts = [min(starts, key=self.cost)]
+        return fit(starts[0], self.problem)
+
+    def cost(self, simulator: Simulator) -> float:
+        """Weighted squared residual of a simulator as it stands."""
+        rows = residual_rows(simulator, self.problem.blocks, self.problem.functions)
+        return float((rows / self.current.scale).square().sum())
+
+    def judged(self, effect: Effect, without: Fit, fitted: Fit, before: Tensor, after: Tensor) -> Candidate:
+        """Measure a candidate and say why it may not be named, if so."""
+        columns = columns_of(fitted, effect)
+        neutral = [parameter.neutral for parameter in effect.parameters]
+        significance = significance_of(fitted, columns, neutral, self.clusters)
+        gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
+        share, energy = self.explained(before, after)
+        candidate = Candidate(
+            effect, fitted, after, gain / significance.design_effect, share, significance.p_value
+        )
+        return replace(candidate, refusal=self.refusal(candidate, energy))
+
+    def explained(self, before: Tensor, after: Tensor) -> tuple[float, float]:
+        """Return the share of the excess over the noise and the energy over the noise's, in the best channel."""
+        noise = self.problem.noise.square()
+        excess = (self.base.residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
+        energy = before.square().mean((0, 1)) - after.square().mean((0, 1))
+        return float((energy / excess).max()), float((energy / noise).max())
+
+    def refusal(self, candidate: Candidate, energy: float) -> str:
+        """Return why a candidate may not be named; empty where it may."""
+        values = candidate.fit.values[columns_of(candidate.fit, candidate.effect)].tolist()
+        for value, parameter in zip(values, candidate.effect.parameters, strict=True):
+            if value <= parameter.low and parameter.low != parameter.neutral:
+                return f"{parameter.name} rests on its lower bound"
+            if value >= parameter.high:
+                return f"{parameter.name} rests on its upper bound"
+        if candidate.p_value > self.settings.significance / max(len(self.catalogue), 1):
+            return "not significant"
+        if candidate.gain <= 0:
+            return "does not predict runs it was not fitted on"
+        if candidate.share < self.settings.least_share or energy < _LEAST_ENERGY:
+            return "explains too little to matter"
+        return ""
+
+    def prune(self, newest: str) -> None:
+        """Drop every effect that the others have made needless, the least needed first."""
+        while True:
+            older = [f.effect for f in self.current.simulator.effects if f.effect.key != newest]
+            needless = [c for c in (self.alone(effect) for effect in older) if c.refusal]
+            if not needless:
+                return
+            worst = min(needless, key=lambda candidate: candidate.gain)
+            self.dropped.add(worst.effect.key)
+            self.current = fit(_without(self.current.simulator, worst.effect), self.problem)
+
+    def alone(self, effect: Effect) -> Candidate:
+        """Judge an effect of the current simulator as if it had been the last to enter."""
+        without = fit(_without(self.current.simulator, effect), self.problem)
+        before, after = cross_validated(without, self.fold), cross_validated(self.current, self.fold)
+        return self.judged(effect, without, self.current, before, after)
+
+    def result(self) -> Naming:
+        """Judge every named effect for the last time and look for those it cannot be told from."""
+        named = tuple(self.alone(fitted.effect) for fitted in self.current.simulator.effects)
+        rivalries = tuple(rivalry for winner in named if (rivalry := self.rivalry(winner)))
+        return Naming(self.base, self.current, named, tuple(self.rounds), rivalries)
+
+    def rivalry(self, winner: Candidate) -> Rivalry | None:
+        """Return the effects that could stand in for a named one."""
+        without = fit(_without(self.current.simulator, winner.effect), self.problem)
+        present = {fitted.effect.key for fitted in self.current.simulator.effects}
+        others = [self.candidate(e, without) for e in self.catalogue if e.key not in present]
+        return rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
+
+
+def _without(simulator: Simulator, effect: Effect) -> Simulator:
+    return simulator.with_effects(tuple(f for f in simulator.effects if f.effect.key != effect.key))
+
+
+def _derived(signals: dict[str, Tensor]) -> set[str]:
+    """Return what a nominal actuator makes of the recorded signals."""
+    made = {"motor_command": "rotor_speed", "voltage": "effort"}
+    return {product for source, product in made.items() if source in signals}

@@ -1,0 +1,92 @@
+"""What a simulator leaves unexplained in a recording, channel by channel, and how much of it the noise explains."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from pipeline.gap.blocks import Blocks
+from pipeline.gap.weak_form import WindowFunctions, mean_of, mean_rate_of
+from pipeline.platforms.mechanism import Channel
+from pipeline.simulation import Simulator
+
+_FIFTH_DIFFERENCE = torch.tensor([1.0, -5.0, 10.0, -10.0, 5.0, -1.0], dtype=torch.float64)
+_MEDIAN_OF_SQUARE = 0.4549364  # median of a squared standard normal
+
+
+@dataclass(frozen=True)
+class ChannelSeries:
+    """Both sides of one equation of motion on the samples of the blocks.
+
+    Attributes:
+        channel: which equation.
+        measured: what a sensor read of the wrench, or the momentum whose rate it is; (blocks, samples).
+        predicted: what the simulator says, (blocks, samples).
+        direct: whether `measured` is the wrench itself (an accelerometer) rather than a momentum.
+    """
+
+    channel: Channel
+    measured: Tensor
+    predicted: Tensor
+    direct: bool
+
+
+def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
+    """Evaluate a simulator on recorded blocks, their margins dropped."""
+    signals = simulator.along_time(blocks.signals, blocks.time_step)
+    inner = {name: blocks.inner(series) for name, series in signals.items()}
+    balance = simulator.balance(inner)
+    series = []
+    for channel in simulator.mechanism.channels:
+        measured = _sensed(channel, inner)
+        direct = measured is not None
+        predicted = balance.wrench[channel.name] if direct else balance.rate[channel.name]
+        series.append(
+            ChannelSeries(
+                channel, balance.momentum[channel.name] if measured is None else measured, predicted, direct
+            )
+        )
+    return series
+
+
+def _sensed(channel: Channel, signals: dict[str, Tensor]) -> Tensor | None:
+    if channel.group != "force" or "specific_force" not in signals:
+        return None
+    return signals["specific_force"][..., "xyz".index(channel.name[-1])]
+
+
+def residual_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
+    """Return measured minus predicted, averaged over the windows: (blocks, rows, channels) in the channels' units."""
+    rows = []
+    for series in channel_series(simulator, blocks):
+        measure = mean_of if series.direct else mean_rate_of
+        rows.append(measure(functions, series.measured) - mean_of(functions, series.predicted))
+    return torch.stack(rows, dim=-1)
+
+
+def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
+    """Return the standard deviation that sensor noise alone gives each channel's rows, (channels,).
+
+    The noise of a sampled signal is what its fifth difference leaves: physics is smooth over six samples, white noise
+    is not. It is taken of the measured side and of the predicted side, whose inputs are noisy too.
+    Source: Gasser, Sroka & Jennen-Steinmetz 1986, Residual variance and residual pattern (Biometrika 73).
+    """
+    deviations = []
+    for series in channel_series(simulator, blocks):
+        mean_gain = functions.weights.square().sum(1).mean()
+        if series.direct:
+            variance = sample_noise(series.measured - series.predicted) * mean_gain
+        else:
+            rate_gain = functions.slopes.square().sum(1).mean()
+            variance = sample_noise(series.measured) * rate_gain + sample_noise(series.predicted) * mean_gain
+        deviations.append(variance.sqrt())
+    return torch.stack(deviations)
+
+
+def sample_noise(series: Tensor) -> Tensor:
+    """Return the variance of the white noise on a series (blocks, samples)."""
+    kernel = _FIFTH_DIFFERENCE.to(series)
+    squared = torch.nn.functional.conv1d(series[:, None], kernel[None, None]).square() / kernel.square().sum()
+    # The median forgives steps of a command and spikes; a quantised signal that rests has none, hence the mean.
+    median = squared.median() / _MEDIAN_OF_SQUARE
+    return median if median > 0 else squared.mean()

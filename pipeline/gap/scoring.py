@@ -1,0 +1,78 @@
+"""How much better one fit predicts than another, on runs that it was not fitted on."""
+
+from dataclasses import dataclass
+
+import torch
+from scipy import stats
+from torch import Tensor
+
+from pipeline.gap.blocks import Blocks
+from pipeline.gap.fit import Fit
+
+
+def folds_of(blocks: Blocks, count: int) -> Tensor:
+    """Return the fold of each block: whole runs where there are enough, else stretches of time; (blocks,)."""
+    present = torch.unique(blocks.run)
+    if len(present) >= 2:
+        fold_of_run = torch.zeros(len(blocks.runs), dtype=torch.long)
+        fold_of_run[present] = torch.arange(len(present)) % min(count, len(present))
+        return fold_of_run[blocks.run]
+    return (torch.arange(len(blocks)) * min(count, len(blocks))) // max(len(blocks), 1)
+
+
+def clusters_of(blocks: Blocks, duration: float) -> Tensor:
+    """Number stretches of about `duration` s inside each run, within which residuals may be correlated; (blocks,)."""
+    stretch = torch.floor((blocks.start - blocks.start.min()) / duration).long()
+    return torch.unique(torch.stack([blocks.run, stretch]), dim=1, return_inverse=True)[1]
+
+
+def cross_validated(fit: Fit, fold: Tensor) -> Tensor:
+    """Return residuals as if each fold had been left out of the fit: (blocks, rows, channels).
+
+    The parameters move by one Newton step on the other folds, which is exact where the model is linear in them.
+    """
+    if fit.jacobian.shape[-1] == 0:
+        return fit.residual
+    weighted = fit.jacobian / fit.scale[:, None]
+    gram = torch.einsum("brcp,brcq->bpq", weighted, weighted)
+    score = torch.einsum("brcp,brc->bp", weighted, fit.residual / fit.scale)
+    out = fit.residual.clone()
+    for left_out in torch.unique(fold):
+        kept, mine = fold != left_out, fold == left_out
+        change = torch.linalg.pinv(gram[kept].sum(0), hermitian=True) @ score[kept].sum(0)
+        out[mine] = fit.residual[mine] - fit.jacobian[mine] @ change
+    return out
+
+
+def log_score(residual: Tensor, scale: Tensor) -> Tensor:
+    """Return the Gaussian log likelihood of each block's residual, up to a constant: (blocks,)."""
+    standard = residual / scale
+    return -0.5 * (standard.square() + 2.0 * torch.log(scale)).sum((1, 2))
+
+
+@dataclass(frozen=True)
+class Significance:
+    """Whether a parameter differs from the value at which its effect does nothing.
+
+    Attributes:
+        p_value: of the Wald test with the clustered covariance.
+        statistic: its z² (several parameters: χ²).
+        design_effect: how many times wider the robust error is than the one of independent rows, squared.
+    """
+
+    p_value: float
+    statistic: float
+    design_effect: float
+
+
+def significance_of(fit: Fit, columns: list[int], neutral: list[float], clusters: int) -> Significance:
+    """Test the parameters in some columns of a fit against their neutral values."""
+    distance = fit.values[columns] - torch.tensor(neutral, dtype=torch.float64)
+    robust = fit.covariance[columns][:, columns]
+    weighted = fit.jacobian / fit.scale[:, None]
+    naive = torch.linalg.pinv(torch.einsum("brcp,brcq->pq", weighted, weighted), hermitian=True)
+    statistic = float(distance @ torch.linalg.pinv(robust, hermitian=True) @ distance)
+    freedom = max(clusters - fit.jacobian.shape[-1], 1)
+    p_value = float(stats.f.sf(statistic / len(columns), len(columns), freedom))
+    ratio = robust.diagonal() / naive[columns][:, columns].diagonal().clamp_min(1e-300)
+    return Significance(p_value, statistic, max(float(ratio.max()), 1.0))

@@ -1,0 +1,33 @@
+"""What a person may change about the diagnosis."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Gap:
+    """Settings of the gap engine."""
+
+    effects: list[str] | None = None
+    """Names that may be found; null: the whole catalogue of the platform kind."""
+    block_duration: float = 1.0
+    """Length of the stretches that a recording is cut into, s."""
+    test_width: float = 0.2
+    """Width of the test functions that residuals are averaged with, s."""
+    margin: float = 0.5
+    """What effects with memory are given to settle before a block, s."""
+    significance: float = 1e-3
+    """Greatest chance of naming an effect that is not there, over the whole catalogue."""
+    least_share: float = 0.02
+    """Least share of the excess over the noise floor that an effect must explain, cross-validated."""
+    folds: int = 5
+    """Folds of the cross-validation over runs."""
+    most_effects: int = 8
+    """Most effects that are named in one diagnosis."""
+    horizon: float = 0.5
+    """Length of the open-loop predictions that prove the fit, s."""
+    most_blocks: int = 1500
+    """Most blocks that are used of the fitting runs, drawn evenly; bounds the time of a diagnosis."""
+    resamples: int = 400
+    """Bootstrap resamples of the intervals."""
+    regimes: list[str] = field(default_factory=list)
+    """Regime variables to map the mismatch over; empty: all that the recording allows."""

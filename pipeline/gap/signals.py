@@ -1,0 +1,90 @@
+"""From the columns of a recording to the physical signals that mechanisms and effects read."""
+
+import numpy as np
+import pandas as pd
+import torch
+from torch import Tensor
+
+from pipeline.physics import rotations
+from pipeline.platforms import Platform, Swerve
+from pipeline.platforms.swerve_mechanism import chassis_velocity_from_wheels
+
+_AXES = ("x", "y", "z")
+_QUATERNION = ("w", "x", "y", "z")
+_FOUR = ("1", "2", "3", "4")
+
+
+def recorded_signals(frame: pd.DataFrame, platform: Platform) -> dict[str, Tensor]:
+    """Return the signals of one uniformly sampled stretch, each (samples, ...) float64.
+
+    A signal with a missing value is left out. A command is held between samples, so what acts around a sample is the
+    mean of it and the one before.
+    """
+    if platform.kind == "quadrotor":
+        return _quadrotor(frame)
+    return _swerve(frame, platform) if isinstance(platform, Swerve) else _joint(frame)
+
+
+def _quadrotor(frame: pd.DataFrame) -> dict[str, Tensor]:
+    signals = {
+        "position": _columns(frame, "position", _AXES),
+        "attitude": _columns(frame, "attitude", _QUATERNION),
+        "velocity": _columns(frame, "velocity", _AXES),
+        "body_rate": _columns(frame, "body_rate", _AXES),
+        "specific_force": _columns(frame, "specific_force", _AXES),
+        "rotor_speed": _columns(frame, "motor_speed", _FOUR),
+        "motor_command": _held(_columns(frame, "motor_command", _FOUR)),
+        "battery_voltage": _column(frame, "battery_voltage"),
+    }
+    present = {name: series for name, series in signals.items() if series is not None}
+    present["velocity"] = rotations.rotate_inverse(present["attitude"], present["velocity"])
+    return present
+
+
+def _joint(frame: pd.DataFrame) -> dict[str, Tensor]:
+    signals = {
+        "position": _column(frame, "position"),
+        "velocity": _column(frame, "velocity"),
+        "effort": _held(_column(frame, "effort")),
+        "voltage": _held(_column(frame, "voltage")),
+        "battery_voltage": _column(frame, "battery_voltage"),
+        "temperature": _column(frame, "temperature"),
+    }
+    return {name: series for name, series in signals.items() if series is not None}
+
+
+def _swerve(frame: pd.DataFrame, platform: Swerve) -> dict[str, Tensor]:
+    signals = {
+        "drive_voltage": _held(_columns(frame, "drive_voltage", _FOUR)),
+        "steer_voltage": _held(_columns(frame, "steer_voltage", _FOUR)),
+        "drive_velocity": _columns(frame, "drive_velocity", _FOUR),
+        "steer_velocity": _columns(frame, "steer_velocity", _FOUR),
+        "steer_angle": _columns(frame, "steer_angle", _FOUR),
+        "battery_voltage": _column(frame, "battery_voltage"),
+    }
+    present = {name: series for name, series in signals.items() if series is not None}
+    measured = [_column(frame, name) for name in ("chassis_velocity_x", "chassis_velocity_y", "chassis_rate")]
+    present["chassis_velocity"] = (
+        torch.stack([series for series in measured if series is not None], dim=-1)
+        if all(series is not None for series in measured)
+        else chassis_velocity_from_wheels(present["drive_velocity"], present["steer_angle"], platform)
+    )
+    return present
+
+
+def _column(frame: pd.DataFrame, name: str) -> Tensor | None:
+    if name not in frame or frame[name].isna().any():
+        return None
+    return torch.from_numpy(frame[name].to_numpy(dtype=np.float64, copy=True))
+
+
+def _columns(frame: pd.DataFrame, stem: str, suffixes: tuple[str, ...]) -> Tensor | None:
+    series = [_column(frame, f"{stem}_{suffix}") for suffix in suffixes]
+    complete = [entry for entry in series if entry is not None]
+    return torch.stack(complete, dim=-1) if len(complete) == len(series) else None
+
+
+def _held(series: Tensor | None) -> Tensor | None:
+    if series is None:
+        return None
+    return 0.5 * (series + torch.cat([series[:1], series[:-1]]))
