@@ -72,12 +72,16 @@ def validate(
     _check_time(result, where)
     if "segment" in result:
         result["segment"] = _segments(result, where)
-    remarks += _drop_empty(result, kind, where)
+    result, emptied = _without_empty(result, kind, where)
     if kind == "quadrotor":
         _check_quaternions(result, where)
     codes, _ = pd.factorize(result["run"])
     result = result.iloc[np.argsort(codes, kind="stable")].reset_index(drop=True)
-    return result, {column: units[column] for column in result.columns if column in units}, tuple(remarks)
+    return (
+        result,
+        {column: units[column] for column in result.columns if column in units},
+        (*remarks, *emptied),
+    )
 
 
 def _is_sliding(kind: str, declared: dict[str, str]) -> bool:
@@ -186,7 +190,7 @@ def _segments(frame: pd.DataFrame, where: str) -> pd.Series:
     return frame["segment"].astype("int64")
 
 
-def _drop_empty(frame: pd.DataFrame, kind: str, where: str) -> list[str]:
+def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataFrame, list[str]]:
     """Refuse a required channel without values, drop an optional one, and say where a run lacks one."""
     empty = [column for column in frame.columns if column != "run" and frame[column].isna().all()]
     needed = [*REQUIRED[kind]]
@@ -198,7 +202,6 @@ def _drop_empty(frame: pd.DataFrame, kind: str, where: str) -> list[str]:
             raise InputError(
                 "has no values", f"{where}, all runs, column {column!r}", "give another recording"
             )
-    frame.drop(columns=empty, inplace=True)
     remarks = [f"Column {column!r} has no values and was ignored." for column in empty]
     checked = [*REQUIRED[kind], *(column for group in usable for column in group)]
     present = frame.groupby("run", sort=False)[checked].count()
@@ -206,7 +209,7 @@ def _drop_empty(frame: pd.DataFrame, kind: str, where: str) -> list[str]:
         lacking = [str(column) for column in counts.index[counts.to_numpy() == 0]]
         if lacking:
             remarks.append(f"Run {str(run)!r} has no values in {', '.join(lacking)}.")
-    return remarks
+    return frame.drop(columns=empty), remarks
 
 
 def _check_quaternions(frame: pd.DataFrame, where: str) -> None:

@@ -66,7 +66,17 @@ def _column(channel: str, entry: Any) -> Column:
     known = [field.name for field in fields(Column)]
     if strange := set(entry) - set(known):
         raise InputError(f"unknown key {min(strange)!r}", where, f"use {', '.join(known)}")
-    return Column(**entry)
+    numbers = {
+        key: value for key, value in entry.items() if key not in ("column", "unit") and value is not None
+    }
+    for key, value in numbers.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"{value!r} is not a number", f"{where}.{key}", "give a number")
+    texts = {
+        "column": str(entry["column"]),
+        "unit": None if entry.get("unit") is None else str(entry["unit"]),
+    }
+    return Column(**texts, **{key: float(value) for key, value in numbers.items()})
 
 
 def _unit(column: Column | None) -> str | None:

@@ -1,0 +1,100 @@
+"""What every importer owes: the contract's columns, units and frames, on the recordings as published."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pipeline.errors import InputError
+from pipeline.recordings import read_recording, write_recording
+from pipeline.recordings.contract import ANY_OF, INDEX_COLUMNS, REQUIRED, channel_units
+from pipeline.recordings.importers import IMPORTERS, importer
+from pipeline.recordings.rates import body_rate_and_derived, recorded_and_derived
+
+FLYWHEEL = {
+    "kind": "joint",
+    "columns": {
+        "t": {"column": "Time (s)", "unit": "s"},
+        "voltage": {"column": "Input voltage (V)", "unit": "V"},
+        "velocity": {"column": "Angular velocity (rad/s)", "unit": "rad/s"},
+    },
+    "integrate": {"position": "velocity"},
+}
+CASES = {
+    "nanodrone": ("nanodrone", "nanodrone/raw_parquet/square_*_run[35].parquet", {}),
+    "nanobench": ("nanobench", "nanobench/B[78]*.csv", {}),
+    "swerve_drive": ("sysid_json", "swerve_drive/data.json", {"position": "units", "velocity": "units"}),
+    "swerve_drive_sim": (
+        "sysid_json",
+        "swerve_drive_sim/data.json",
+        {"position": "units", "velocity": "rotations"},
+    ),
+    "flywheel": ("table", "flywheel/*.csv", FLYWHEEL),
+}
+
+
+@pytest.fixture(scope="module", params=CASES)
+def imported(request, shared_data):
+    """The recording that an importer makes of published files."""
+    name, pattern, options = CASES[request.param]
+    return IMPORTERS[name](sorted(shared_data.glob(pattern)), options)
+
+
+def test_every_importer_is_tried():
+    assert {name for name, _, _ in CASES.values()} == set(IMPORTERS)
+
+
+def test_columns_and_units(imported):
+    columns = set(imported.frame.columns)
+    units = channel_units(
+        imported.kind, sliding=imported.units.get("position") == "m" and imported.kind == "joint"
+    )
+    assert set(REQUIRED[imported.kind]) <= columns
+    assert not ANY_OF[imported.kind] or any(set(group) <= columns for group in ANY_OF[imported.kind])
+    assert columns <= set(units) | set(INDEX_COLUMNS)
+    assert imported.units == {column: units[column] for column in imported.frame if column in units}
+
+
+def test_types_and_time(imported):
+    frame = imported.frame
+    assert all(frame[column].dtype == np.float64 for column in frame.columns if column != "run")
+    steps = frame.groupby("run", sort=False)["t"].diff().dropna()
+    assert (steps > 0).all()
+    assert 1e-3 < steps.median() < 0.1  # recorded at 10 Hz to 1 kHz, in seconds
+
+
+def test_rates_are_those_of_what_they_are_the_rate_of(imported):
+    """Within noise and lag; the wrong unit, sign or frame is off by far more."""
+    frame = imported.frame
+    if imported.kind == "joint":
+        pairs = [recorded_and_derived(frame, "velocity", "position")]
+    else:
+        pairs = [recorded_and_derived(frame, f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
+        pairs += [body_rate_and_derived(frame, axis) for axis in "xy"]
+    for recorded, derived in pairs:
+        assert np.corrcoef(recorded, derived)[0, 1] > 0.9
+        assert recorded.std() / derived.std() == pytest.approx(1.0, abs=0.2)
+
+
+def test_only_what_is_true_is_doubted(imported):
+    allowed = ("was integrated from", "one run only")
+    assert all(any(words in warning for words in allowed) for warning in imported.warnings)
+
+
+def test_what_is_imported_can_be_written_and_read(imported, tmp_path):
+    write_recording(imported, tmp_path / "a.parquet")
+    again = read_recording(tmp_path / "a.parquet")
+    pd.testing.assert_frame_equal(again.frame, imported.frame)
+    assert again.warnings == imported.warnings
+
+
+@pytest.mark.parametrize("name", IMPORTERS)
+def test_another_file_or_option_is_refused(name, tmp_path):
+    path = tmp_path / "other.csv"
+    path.write_text("a,b\n1,2\n")
+    options = FLYWHEEL if name == "table" else {}
+    with pytest.raises(InputError, match=r"other\.csv"):
+        importer(name)([Path(path)], options)
+    with pytest.raises(InputError, match=f"the importer '{name}' has no option 'colour'"):
+        importer(name)([Path(path)], {"colour": "red"})
