@@ -1,4 +1,5 @@
-"""Cleaning: what a recording cannot mean is taken out, what is missing is filled as far as honest, all is accounted for."""
+"""Cleaning: what a recording cannot mean is taken out, what is missing is filled as far as honest, all is
+accounted for."""
 
 from pipeline.recordings.cleaning.clean import Cleaned, clean_recording, clean_with_coverage
 from pipeline.recordings.cleaning.settings import Cleaning

@@ -41,8 +41,8 @@ TELEGRAMS: dict[str, tuple[list[str], ...]] = {
     ),
     "joint": (["position", "velocity"],),
 }
-"""Channels that travel in one message, and so are held together when one is lost. Voltages and efforts are not
-among them: an input that stays the same is no lost message."""
+"""Channels that travel in one message, and so are held together when one is lost. Voltages and efforts are
+not among them: an input that stays the same is no lost message."""
 
 RATES: dict[str, list[str]] = {
     "quadrotor": [
@@ -66,8 +66,8 @@ INPUTS: dict[str, list[str]] = {
     "swerve": [*axes("drive_voltage", "1234"), *axes("steer_voltage", "1234")],
     "joint": ["effort", "voltage"],
 }
-"""Inputs that a program holds until the next one: between two samples the earlier one is what acted. A quadrotor's
-commands come from a feedback loop far faster than the log, so they are taken as continuous."""
+"""Inputs that a program holds until the next one: between two samples the earlier one is what acted. A
+quadrotor's commands come from a feedback loop far faster than the log, so they are taken as continuous."""
 
 COMMANDS = frozenset({*MOTOR_COMMAND, "thrust_command", *axes("body_rate_command")})
 """What a controller asks of a quadrotor: it may jump as it likes."""

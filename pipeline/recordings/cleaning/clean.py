@@ -31,7 +31,8 @@ class Cleaned:
     """A cleaned recording with the account of its cleaning.
 
     Attributes:
-        recording: uniform in time inside each (run, segment), complete in every needed channel, split by runs.
+        recording: uniform in time inside each (run, segment), complete in every needed channel, split by
+            runs.
         changes: one row per change, columns `CHANGE_COLUMNS`.
         coverage: what became of every moment, columns `COVERAGE_COLUMNS`.
     """
@@ -54,9 +55,9 @@ def clean_with_coverage(
 ) -> Cleaned:
     """Resample, fill, cut and split a recording, and account for every sample.
 
-    Values are first made missing where they cannot be true (beyond limits, straight lines, held messages, spikes), then
-    all that is missing is filled or cut out in one place; crashes, idle and short stretches are cut from the result.
-    A recording that is clean already is only split.
+    Values are first made missing where they cannot be true (beyond limits, straight lines, held messages,
+    spikes), then all that is missing is filled or cut out in one place; crashes, idle and short stretches are
+    cut from the result. A recording that is clean already is only split.
 
     Args:
         recording: as read.
@@ -127,7 +128,7 @@ def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> R
     erase_beyond_limits(run)
     erase_straight(run, gap)
     if settings.frozen:
-        erase_frozen(run)
+        erase_frozen(run, gap)
     if settings.spikes:
         erase_spikes(run)
     run = resample(run, time_step, settings)

@@ -48,9 +48,10 @@ class ClockOffset:
 def estimate_clock_offset(run: RunUnderCleaning, largest: float) -> float | None:
     """Compare clocks of a flight and write the outcome down; return the state's offset in s if it is sound.
 
-    The squared rotor speeds explain the angular acceleration about roll and pitch, which shows the clock of the
-    state (gyroscope), and the specific force along z, which shows that of the accelerometer where it has its own.
-    With commands alone, the lag of the motors cannot be told from an offset: it is written down and not returned.
+    The squared rotor speeds explain the angular acceleration about roll and pitch, which shows the clock of
+    the state (gyroscope), and the specific force along z, which shows that of the accelerometer where it has
+    its own. With commands alone, the lag of the motors cannot be told from an offset: it is written down and
+    not returned.
     """
     if run.kind != "quadrotor":
         return None
@@ -107,12 +108,13 @@ def compare_clocks(
 ) -> ClockOffset | None:
     """Estimate by how much outputs lag the inputs that drive them linearly.
 
-    For each offset the inputs are delayed (exactly, by their Fourier transform) and the outputs regressed on them; the
-    best offset leaves the smallest residual. Its standard error follows from the slope of the residual there, with
-    residuals correlated within blocks (the sandwich estimator of Liang and Zeger, 1986).
+    For each offset the inputs are delayed (exactly, by their Fourier transform) and the outputs regressed on
+    them; the best offset leaves the smallest residual. Its standard error follows from the slope of the
+    residual there, with residuals correlated within blocks (the sandwich estimator of Liang and Zeger, 1986).
 
     Args:
-        pieces: inputs of shape (samples, inputs) and outputs of shape (samples, outputs), both through one filter.
+        pieces: inputs of shape (samples, inputs) and outputs of shape (samples, outputs), both through one
+            filter.
         time_step: s.
         largest: s, the largest offset that is tried.
         edge: samples at either end of a piece that are left out.

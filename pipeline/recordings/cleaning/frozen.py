@@ -14,12 +14,13 @@ _REST = 1e-3  # of a channel's largest value: below, it stands still
 _SAME = 1e-9
 
 
-def erase_frozen(run: RunUnderCleaning) -> None:
+def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
     """Make missing the repetitions of a whole message that cannot be chance.
 
-    A quantised channel repeats by chance when it moves by less than its quantum q per sample; with the usual step s
-    around the repetition the chance is about q / 2s per channel, and the product over the channels of a message.
-    Standstill (all rates zero), commands at their limits and channels logged at a lower rate are left.
+    A quantised channel repeats by chance when it moves by less than its quantum q per sample; with the usual
+    step s around the repetition the chance is about q / 2s per channel, and the product over the channels of
+    a message. Standstill (all rates zero), commands at their limits or constant for over `max_gap` s, and
+    channels logged at a lower rate are left.
     """
     for columns in telegrams(run.kind, run.columns):
         values = run.channel(*columns)
@@ -29,8 +30,10 @@ def erase_frozen(run: RunUnderCleaning) -> None:
         repeated = _repeated(values, run.stretch)
         if columns == SPECIFIC_FORCE and run.has(ATTITUDE):
             repeated |= _repeated_in_world(values, run.channel(*ATTITUDE), run.stretch)
-        rows = _unlikely(values, repeated) & ~_at_rest(run, columns, values) & known
         moving = ~_at_rest(run, columns, values) & known
+        rows = _unlikely(values, repeated) & moving
+        if set(columns) <= COMMANDS:
+            rows = _shorter(rows, run.time, max_gap)
         name = columns[0].rsplit("_", 1)[0]
         share = rows.sum() / max(1, moving.sum())
         if share > _LOW_RATE:
@@ -42,13 +45,22 @@ def erase_frozen(run: RunUnderCleaning) -> None:
             )
 
 
+def _shorter(mask: np.ndarray, time: np.ndarray, longest: float) -> np.ndarray:
+    """Keep the stretches of a mask that last up to `longest` s."""
+    result = np.zeros(len(mask), dtype=bool)
+    for first, past in stretches_of(mask):
+        result[first:past] = time[past - 1] - time[first - 1] <= longest
+    return result
+
+
 def _repeated(values: np.ndarray, stretch: np.ndarray) -> np.ndarray:
     same = (values[1:] == values[:-1]).all(axis=1) & (stretch[1:] == stretch[:-1])
     return np.concatenate([[False], same])
 
 
 def _repeated_in_world(force: np.ndarray, attitude: np.ndarray, stretch: np.ndarray) -> np.ndarray:
-    """Find held accelerations of loggers that turn them into world axes: held there, they move in body axes."""
+    """Find held accelerations of loggers that turn them into world axes: held there, they move in body
+    axes."""
     result = np.zeros(len(force), dtype=bool)
     known = np.flatnonzero(np.isfinite(force).all(axis=1) & np.isfinite(attitude).all(axis=1))
     if len(known) > 1:

@@ -22,7 +22,8 @@ _NO_MOTION = 0.01  # of the largest speed
 
 
 def drop_idle(run: RunUnderCleaning, min_idle: float) -> None:
-    """Drop what lasts at least `min_idle` s without input and motion (swerve, joint) or on the ground (quadrotor)."""
+    """Drop what lasts at least `min_idle` s without input and motion (swerve, joint) or on the ground
+    (quadrotor)."""
     if run.kind == "quadrotor":
         off, resting = _rotors_off(run), _resting(run)
         on_floor = _height(run) < _ON_FLOOR
@@ -44,7 +45,8 @@ def _drop(run: RunUnderCleaning, rest: np.ndarray, least: float, wanted: np.ndar
 
 
 def _quiet(values: np.ndarray, share: float) -> np.ndarray:
-    """Return where every channel is below a share of its largest size; a channel that is missing does not speak."""
+    """Return where every channel is below a share of its largest size; a channel that is missing does not
+    speak."""
     size = np.abs(values)
     largest = np.nanmax(np.where(np.isfinite(size), size, 0.0), axis=0, initial=0.0)
     return (~(size > share * largest)).all(axis=1)

@@ -11,7 +11,8 @@ _BOUNDS["battery_voltage"] = (0.0, np.inf)
 
 
 def erase_beyond_limits(run: RunUnderCleaning) -> None:
-    """Make missing what lies outside the bounds of its channel: commands in 0 to 1, speeds and voltage not negative."""
+    """Make missing what lies outside the bounds of its channel: commands in 0 to 1, speeds and voltage not
+    negative."""
     for column, (low, high) in _BOUNDS.items():
         if column in run.columns:
             values = run.channel(column)[:, 0]

@@ -22,8 +22,8 @@ def lacking(frame: pd.DataFrame, kind: str) -> str:
 def needed_groups(frame: pd.DataFrame, kind: str) -> list[str]:
     """Return the channels of those any-of groups that a run was recorded with.
 
-    A group that is there for a small part of the run must not cut off the rest, so it counts only when it has at least
-    half the samples of the best one.
+    A group that is there for a small part of the run must not cut off the rest, so it counts only when it has
+    at least half the samples of the best one.
     """
     shares = {
         group: float(frame[list(group)].notna().all(axis=1).mean())

@@ -5,33 +5,37 @@ import numpy as np
 from pipeline.recordings.cleaning.channels import QUATERNIONS
 from pipeline.recordings.cleaning.work import RunUnderCleaning
 
-_EXACT = 1e-6  # float32 telemetry is off by this much
+_EXACT = 1e-6  # of the norm; float32 telemetry is off by less
+_NO_ROTATION = 0.1  # of the norm; an attitude this far off is refused on reading, an estimate is erased here
 
 
 def mend_quaternions(run: RunUnderCleaning) -> None:
-    """Normalise quaternions and give neighbours the same sign (q and −q are one rotation)."""
+    """Normalise quaternions, give neighbours the same sign (q and −q are one rotation), erase what is no
+    rotation."""
     for columns in QUATERNIONS:
         if run.has(columns):
             places = run.index(columns)
-            quaternion, off, flipped = _mend(run.values[:, places])
-            run.values[:, places] = quaternion
-            detail = f"norm off by up to {np.nanmax(off):.2g}" if np.isfinite(off).any() else ""
             name = columns[0].removesuffix("_w")
-            run.note("quaternions", name, "normalised", int((off > _EXACT).sum()), detail)
+            off = np.abs(np.linalg.norm(run.values[:, places], axis=1) - 1.0)
+            run.erase(off > _NO_ROTATION, columns, "quaternions", "norm too far from 1 for a rotation")
+            slight = (off > _EXACT) & (off <= _NO_ROTATION)
+            run.values[np.ix_(slight, places)] /= np.linalg.norm(
+                run.values[np.ix_(slight, places)], axis=1, keepdims=True
+            )
+            detail = f"norm off by up to {off[slight].max():.2g}" if slight.any() else ""
+            run.note("quaternions", name, "normalised", int(slight.sum()), detail)
+            flipped = _flipped(run.values[:, places])
+            run.values[np.ix_(flipped, places)] *= -1.0
             run.note("quaternions", name, "sign made continuous", int(flipped.sum()))
 
 
-def _mend(quaternion: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the quaternions, by how much their norm was off, and which were negated."""
-    norm = np.linalg.norm(quaternion, axis=1)
-    off = np.abs(norm - 1.0)
-    result = np.where((off > _EXACT)[:, None], quaternion / norm[:, None], quaternion)
-    known = np.flatnonzero(np.isfinite(norm))
-    jump = (result[known[1:]] * result[known[:-1]]).sum(axis=1) < 0
-    negated = np.zeros(len(result), dtype=bool)
-    negated[known[1:]] = np.cumsum(jump) % 2 == 1
-    result[negated] *= -1.0
-    return result, off, negated
+def _flipped(quaternion: np.ndarray) -> np.ndarray:
+    """Return which quaternions must be negated for neighbours to be alike, shape (samples,)."""
+    known = np.flatnonzero(np.isfinite(quaternion).all(axis=1))
+    jump = (quaternion[known[1:]] * quaternion[known[:-1]]).sum(axis=1) < 0
+    flipped = np.zeros(len(quaternion), dtype=bool)
+    flipped[known[1:]] = np.cumsum(jump) % 2 == 1
+    return flipped
 
 
 def slerp(start: np.ndarray, end: np.ndarray, share: np.ndarray) -> np.ndarray:

@@ -24,7 +24,8 @@ def typical_step(time: np.ndarray) -> float:
 
 
 def split_at_gaps(time: np.ndarray, segment: np.ndarray | None, max_gap: float) -> np.ndarray:
-    """Number the stretches between gaps wider than `max_gap` s (and between segments that were there before)."""
+    """Number the stretches between gaps wider than `max_gap` s (and between segments that were there
+    before)."""
     begins = np.diff(time) > max_gap
     if segment is not None:
         begins |= np.diff(segment) != 0
@@ -33,7 +34,8 @@ def split_at_gaps(time: np.ndarray, segment: np.ndarray | None, max_gap: float) 
 
 @dataclass
 class _Grid:
-    """The new times, the recorded times as far as they are moved onto it, and the stretch of each new time."""
+    """The new times, the recorded times as far as they are moved onto it, and the stretch of each new
+    time."""
 
     time: np.ndarray
     recorded: np.ndarray
@@ -44,9 +46,9 @@ class _Grid:
 def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
     """Bring a run to one time step and interpolate what is missing.
 
-    Measurements are interpolated linearly, attitudes by slerp, the inputs of swerve and joint keep the earlier value.
-    Recorded samples that are on time stay untouched. Nothing is extrapolated, and nothing is interpolated between
-    samples farther apart than the limits of `settings`.
+    Measurements are interpolated linearly, attitudes by slerp, the inputs of swerve and joint keep the
+    earlier value. Recorded samples that are on time stay untouched. Nothing is extrapolated, and nothing is
+    interpolated between samples farther apart than the limits of `settings`.
     """
     grid = _grid(run, time_step, settings.jitter)
     result = RunUnderCleaning(

@@ -1,4 +1,5 @@
-"""Unbroken stretches: samples that cannot be used are dropped, what is left is numbered, the short ones go."""
+"""Unbroken stretches: samples that cannot be used are dropped, what is left is numbered, the short ones
+go."""
 
 import itertools
 

@@ -11,7 +11,8 @@ class Cleaning:
 
     Attributes:
         time_step: s between two samples afterwards; None takes the one most samples have.
-        max_gap: s; missing samples are interpolated when those around them are no farther apart, else the run is split.
+        max_gap: s; missing samples are interpolated when those around them are no farther apart, else the run
+            is split.
         max_slow_gap: s; the same for battery voltage and temperature, which change slowly.
         jitter: share of the time step by which a sample may be early or late and still counts as on time.
         min_duration: s; shorter stretches are dropped.

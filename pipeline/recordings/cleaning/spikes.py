@@ -3,7 +3,16 @@
 import numpy as np
 from scipy.ndimage import median_filter
 
-from pipeline.recordings.cleaning.channels import COMMANDS, INPUTS, QUATERNIONS
+from pipeline.recordings.cleaning.channels import (
+    ATTITUDE,
+    BODY_RATE,
+    COMMANDS,
+    ESTIMATED_ATTITUDE,
+    INPUTS,
+    QUATERNIONS,
+    SLOW,
+    SPECIFIC_FORCE,
+)
 from pipeline.recordings.cleaning.work import RunUnderCleaning
 
 _WIDEST = 3  # samples
@@ -11,35 +20,65 @@ _CALM = 4.0  # times the largest step just before and after
 _NOISE = 10.0  # times the noise of the whole run
 _LOCAL = 5.0  # times the roughness around, which rules out bursts
 _QUANTA = 6.0
+_OF_RANGE = 0.5  # of the range that the channel covers in the run
+_OF_SPEED = 3.0  # times as fast as the rate of change that is measured beside the channel
+_SHOCK = dict.fromkeys(BODY_RATE, 40.0) | dict.fromkeys(SPECIFIC_FORCE, 200.0)  # rad/s, m/s²; shocks are true
+_GROSS = 4.0  # times all of these: impossible even where samples close by are missing
 _AROUND = 15  # samples on either side that make the roughness
-_PARTNER = {"velocity": "position"} | {f"steer_velocity_{i}": f"steer_angle_{i}" for i in range(1, 5)}
+
+_RATE = {"position": ["velocity"]}
+_RATE |= {f"steer_angle_{module}": [f"steer_velocity_{module}"] for module in "1234"}
+_RATE |= {
+    f"{name}position_{axis}": [f"{name}velocity_{axis}"] for name in ("", "estimate_") for axis in "xyz"
+}
+_RATE |= dict.fromkeys([*ATTITUDE, *ESTIMATED_ATTITUDE], BODY_RATE)
+_INTEGRAL = {rates[0]: column for column, rates in _RATE.items() if len(rates) == 1}
 
 
 def erase_spikes(run: RunUnderCleaning) -> None:
-    """Make missing what no machine does: an excursion of one to three samples out of a calm course and back into it.
+    """Make missing what no machine does: an excursion of one to three samples from a calm course and back.
 
-    A step does not come back, a transient is not calm on either side, a burst is rough around; and a pulse of speed
-    that the position confirms is true. Inputs and commands may jump and are left.
+    A step does not come back, a transient is not calm on either side, a burst is rough around; and a pulse of
+    speed that the position confirms is true. Inputs and commands may jump and are left, and so are channels
+    that are logged less often than the rest.
     """
     for column in run.columns:
-        if column in INPUTS[run.kind] or column in COMMANDS:
+        if column in COMMANDS | SLOW or column in INPUTS[run.kind]:
             continue
-        partner = _PARTNER.get(column, "")
-        integral = run.channel(partner)[:, 0] if partner in run.columns else None
-        rows = find_spikes(run.channel(column)[:, 0], run.time, integral)
+        values = run.channel(column)[:, 0]
+        rows = find_spikes(values, run.time, _least(run, column), _integral(run, column))
         if rows.any():
             quaternion = next((columns for columns in QUATERNIONS if column in columns), [column])
-            worst = run.channel(column)[rows, 0]
-            detail = f"up to {worst[np.argmax(np.abs(worst))]:.4g}"
-            run.erase(rows, quaternion, "spikes", "isolated impossible sample", detail)
+            worst = values[rows][np.argmax(np.abs(values[rows]))]
+            run.erase(rows, quaternion, "spikes", "isolated impossible sample", f"up to {worst:.4g}")
 
 
-def find_spikes(values: np.ndarray, time: np.ndarray, integral: np.ndarray | None = None) -> np.ndarray:
-    """Return the mask of spikes.
+def _least(run: RunUnderCleaning, column: str) -> float:
+    """Return how far the smallest excursion goes that is impossible."""
+    if column in _SHOCK:
+        return _SHOCK[column]
+    rates = [rate for rate in _RATE.get(column, []) if rate in run.columns]
+    if rates:
+        usual = np.nanquantile(np.abs(run.channel(*rates)), 0.99)
+        return float(_OF_SPEED * usual * run.time_step)
+    low, high = np.nanquantile(run.channel(column), [0.01, 0.99])
+    return float(_OF_RANGE * (high - low))
+
+
+def _integral(run: RunUnderCleaning, column: str) -> np.ndarray | None:
+    integral = _INTEGRAL.get(column, "")
+    return run.channel(integral)[:, 0] if integral in run.columns else None
+
+
+def find_spikes(
+    values: np.ndarray, time: np.ndarray, least: float = 0.0, integral: np.ndarray | None = None
+) -> np.ndarray:
+    """Return the mask of spikes, shape (samples,).
 
     Args:
         values: the channel, shape (samples,); NaN where missing.
         time: s, shape (samples,).
+        least: how far an excursion must go.
         integral: the channel of which `values` is the rate of change, to confirm pulses.
     """
     result = np.zeros(len(values), dtype=bool)
@@ -50,14 +89,19 @@ def find_spikes(values: np.ndarray, time: np.ndarray, integral: np.ndarray | Non
     roughness = np.abs(present - median_filter(present, size=5, mode="nearest"))
     step = np.abs(np.diff(present))
     quantum = np.min(step, where=step > 0, initial=np.inf)
-    floor = max(_NOISE * 1.4826 * float(np.median(roughness)), _QUANTA * quantum)
+    floor = max(_NOISE * 1.4826 * float(np.median(roughness)), _QUANTA * quantum, least)
     for width in range(1, _WIDEST + 1):
         for first in _candidates(present, width, floor):
             inside = slice(first, first + width)
-            if not _rough_around(roughness, inside, _height(present, inside)):
-                rows = known[inside]
-                if integral is None or not _confirmed(values, integral, time, rows):
-                    result[rows] = True
+            rows = known[inside]
+            alone = known[first + width + 1] - known[first - 2] == width + 3  # nothing missing close by
+            height = _height(present, inside)
+            if (
+                (alone or height > _GROSS * floor)
+                and not _rough_around(roughness, inside, height)
+                and (integral is None or not _confirmed(values, integral, time, rows))
+            ):
+                result[rows] = True
     return result
 
 
@@ -95,7 +139,8 @@ def _rough_around(roughness: np.ndarray, inside: slice, height: float) -> bool:
 
 
 def _confirmed(values: np.ndarray, integral: np.ndarray, time: np.ndarray, rows: np.ndarray) -> bool:
-    """Return whether the integral moved by at least half of what the pulse, taken as true, would have moved it."""
+    """Return whether the integral moved by at least half of what the pulse, taken as true, would have moved
+    it."""
     first, last = max(0, rows[0] - 1), min(len(values) - 1, rows[-1] + 1)
     base = 0.5 * (values[first] + values[last])
     pulse = float(((values[rows] - base) * np.gradient(time)[rows]).sum())

@@ -1,4 +1,5 @@
-"""Stretches that somebody filled with a straight line, as when a log ends before the others and is extrapolated."""
+"""Stretches that somebody filled with a straight line, as when a log ends before the others and is
+extrapolated."""
 
 import numpy as np
 

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 CHANGE_COLUMNS = ("run", "step", "column", "reason", "samples", "seconds", "detail")
-"""A change concerns `samples` values of `column`; where `column` is empty, whole samples that were added (positive)
-or dropped (negative), so that recorded + Σ samples = kept for every run."""
+"""A change concerns `samples` values of `column`; where `column` is empty, whole samples that were added
+(positive) or dropped (negative), so that recorded + Σ samples = kept for every run."""
 
 COVERAGE_COLUMNS = ("run", "start", "end", "state", "reason")
 """`state` is kept, interpolated, dropped or missing from `start` to `end`, s."""
@@ -97,7 +97,8 @@ class RunUnderCleaning:
         detail: str = "",
         seconds: float | None = None,
     ) -> None:
-        """Write a change into the ledger; nothing is written where no sample changed and no seconds are given."""
+        """Write a change into the ledger; nothing is written where no sample changed and no seconds are
+        given."""
         if samples == 0 and seconds is None:
             return
         self.changes.append(
