@@ -31,8 +31,11 @@ def main(argv: list[str] | None = None) -> NoReturn:
     if name not in known:
         print(f"simgap: unknown command {name!r}; {nearest(name, known)}", file=sys.stderr)
         sys.exit(2)
+    from pipeline.stage import Stage
+
     module = importlib.import_module(f"stages.{name}")
-    getattr(module, name).main(arguments[1:])
+    command = getattr(module, name)
+    (command.main if isinstance(command, Stage) else module.main)(arguments[1:])
     sys.exit(0)
 
 

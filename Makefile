@@ -1,0 +1,44 @@
+# Everything a person needs to type. Only Python 3.11+, git and make have to be there.
+#   make run     install what is pinned, reproduce the default branch, say where the page is (BRANCH=NAME for another one)
+#   make test    install if need be, run linters, type checker, import contracts and tests
+# The pins in constraints.txt are made by:
+#   uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --no-header --no-annotate \
+#       --no-emit-index-url -o constraints.txt
+
+PYTHON ?= python3
+BRANCH ?=
+BIN := .venv/bin
+STAMP := .venv/.installed
+
+.PHONY: run test lint install
+
+run: $(STAMP)
+	@$(BIN)/simgap reproduce $(BRANCH)
+
+test: lint
+	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2
+
+lint: $(STAMP)
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+
+install: $(STAMP)
+
+# The stamp is the last thing that is written: without it, an installation was interrupted and starts from nothing. The lock
+# is inherited by every program of this recipe, so that an installation that outlives its make is waited for.
+$(STAMP): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or later is needed: make PYTHON=...")'
+	@set -e; exec 9> .venv.lock; $(PYTHON) -c 'import fcntl; fcntl.flock(9, fcntl.LOCK_EX)'; \
+	if [ $(STAMP) -nt pyproject.toml ] && [ $(STAMP) -nt constraints.txt ]; then exit 0; fi; \
+	if [ ! -e $(STAMP) ]; then rm -rf .venv; $(PYTHON) -m venv .venv; fi; rm -f $(STAMP); \
+	echo "installing into .venv"; \
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt uv; \
+	UV_HTTP_RETRIES=0 $(BIN)/uv pip install --quiet --python $(BIN)/python --torch-backend=auto \
+		--constraint constraints.txt torch 2> /dev/null \
+		|| $(BIN)/python -m pip install --quiet --constraint constraints.txt torch; \
+	UV_COMPILE_BYTECODE=1 $(BIN)/uv pip install --quiet --python $(BIN)/python \
+		--constraint constraints.txt --editable '.[dev]' \
+		|| $(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'; \
+	touch $(STAMP)
