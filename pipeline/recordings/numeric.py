@@ -69,5 +69,5 @@ def _number(value: object) -> float | None:
         return float("nan")
     try:
         return float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +15,9 @@ import pyarrow.parquet as pq
 from pipeline.errors import InputError
 
 _MAGIC = b"PAR1"
+_ROW_NUMBERS = re.compile(
+    r"__index_level_\d+__"
+)  # what pandas adds, to Parquet by this name and to CSV without one
 _STRUCTURED = ("simgap.split", "simgap.clock_offset", "simgap.cleaned", "simgap.warnings")
 
 
@@ -70,6 +74,7 @@ def _read_parquet(path: Path) -> Table:
         table = pq.ParquetFile(path).read()
         _refuse_duplicates(table.column_names, path)
         frame = table.to_pandas(ignore_metadata=True)
+        frame = frame.drop(columns=[name for name in frame.columns if _ROW_NUMBERS.fullmatch(name)])
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0]
         raise InputError(f"is a damaged Parquet file ({reason})", str(path), "write it again") from None
@@ -115,6 +120,7 @@ def _read_csv(path: Path) -> Table:
         raise InputError(
             f"is not a table ({reason})", str(path), "give every row the columns of the header"
         ) from None
+    frame = frame.drop(columns=[name for name in frame.columns if not name])
     if not isinstance(frame.index, pd.RangeIndex):
         raise InputError("rows have more columns than the header", str(path), "name every column")
     return Table(frame)

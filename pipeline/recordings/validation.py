@@ -15,8 +15,14 @@ _QUATERNION = [f"attitude_{axis}" for axis in "wxyz"]
 _NORM_TOLERANCE = 0.1  # a logged quaternion is off by rounding; beyond this it is not a rotation
 
 
-def resolve_kind(declared: object, frame: pd.DataFrame, where: str) -> str:
-    """Return the kind that is declared, else the one whose required columns are there.
+def resolve_kind(declared: object, expected: str | None, frame: pd.DataFrame, where: str) -> str:
+    """Return the kind that the file declares, else the one whose required columns are there.
+
+    Args:
+        declared: what the file says.
+        expected: what it is taken for where it neither says nor has all columns of another kind.
+        frame: the table as stored.
+        where: the file, to name in an error.
 
     Raises:
         InputError: when the declared kind is unknown or no kind fits.
@@ -30,6 +36,8 @@ def resolve_kind(declared: object, frame: pd.DataFrame, where: str) -> str:
     present = set(frame.columns)
     share = {kind: len(present & set(REQUIRED[kind])) / len(REQUIRED[kind]) for kind in KINDS}
     best = max(share, key=lambda kind: share[kind])
+    if expected in KINDS and share[best] < 1:
+        return str(expected)
     if share[best] == 0:
         shown = ", ".join(map(str, list(frame.columns)[:6]))
         raise InputError(

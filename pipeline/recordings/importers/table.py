@@ -66,17 +66,24 @@ def _column(channel: str, entry: Any) -> Column:
     known = [field.name for field in fields(Column)]
     if strange := set(entry) - set(known):
         raise InputError(f"unknown key {min(strange)!r}", where, f"use {', '.join(known)}")
-    numbers = {
-        key: value for key, value in entry.items() if key not in ("column", "unit") and value is not None
-    }
-    for key, value in numbers.items():
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{value!r} is not a number", f"{where}.{key}", "give a number")
-    texts = {
-        "column": str(entry["column"]),
-        "unit": None if entry.get("unit") is None else str(entry["unit"]),
-    }
-    return Column(**texts, **{key: float(value) for key, value in numbers.items()})
+    unit = entry.get("unit")
+    scale, offset, missing = (_number(entry, key, where) for key in ("scale", "offset", "missing"))
+    return Column(
+        str(entry["column"]),
+        None if unit is None else str(unit),
+        1.0 if scale is None else scale,
+        0.0 if offset is None else offset,
+        missing,
+    )
+
+
+def _number(entry: Mapping[str, Any], key: str, where: str) -> float | None:
+    value = entry.get(key)
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{value!r} is not a number", f"{where}.{key}", "give a number")
+    return float(value)
 
 
 def _unit(column: Column | None) -> str | None:

@@ -122,6 +122,22 @@ def test_the_file_decides_its_kind(frames, tmp_path):
         require_kind(recording, "quadrotor", "a.parquet")
 
 
+def test_another_kind_than_the_platforms_is_recognised(frames, tmp_path):
+    frames("quadrotor").to_csv(tmp_path / "a.csv", index=False)
+    assert read_recording(tmp_path / "a.csv", "joint").kind == "quadrotor"
+    frames("joint").drop(columns="velocity").to_csv(tmp_path / "b.csv", index=False)
+    with pytest.raises(InputError, match="'velocity' is missing"):
+        read_recording(tmp_path / "b.csv", "joint")
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_row_numbers_that_pandas_adds_are_no_column(frames, tmp_path, suffix):
+    frame = frames("joint").iloc[10:]
+    path = tmp_path / f"a.{suffix}"
+    frame.to_csv(path) if suffix == "csv" else frame.to_parquet(path)
+    assert read_recording(path).warnings == ()
+
+
 def test_interleaved_runs_are_put_together(frames, tmp_path):
     frame = frames("joint")
     mixed = frame.sort_values("t", kind="stable")
@@ -152,6 +168,11 @@ def test_a_cleaned_recording_keeps_its_segments_and_raises_no_new_doubt(frames, 
     assert recording.cleaned
     assert recording.warnings == ()
     assert recording.frame["segment"].dtype == np.int64
+
+
+def test_where_it_cannot_be_written_one_line_says_so(frames, tmp_path):
+    with pytest.raises(InputError, match="cannot be written"):
+        write_recording(recording_from_frame(frames("joint"), "joint"), tmp_path / "nowhere" / "a.parquet")
 
 
 @pytest.mark.parametrize("kind", KINDS)

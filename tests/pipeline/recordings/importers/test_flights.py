@@ -41,14 +41,14 @@ def test_the_specific_force_is_in_the_body_frame_in_si(flight, request):
     frame = request.getfixturevalue(flight)
     force = frame[[f"specific_force_{axis}" for axis in "xyz"]]
     assert force["specific_force_z"].median() == pytest.approx(GRAVITY, rel=0.05)
-    # a rotor craft is pushed along its own z: what is left across is drag, of a metre per second squared or so
+    # a rotor craft is pushed along its own z: what is left across is drag, some tenths of a m/s²
     assert force[["specific_force_x", "specific_force_y"]].std().max() < 1.0
 
 
 @pytest.mark.parametrize("flight", ["brushless", "brushed"])
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_drag_opposes_motion_in_the_body_frame(flight, axis, request):
-    """About −0.4 1/s in both: so it is only if attitude, velocity and force are in the frames they claim."""
+    """About −0.4 1/s in both: only if attitude, velocity and force are in the frames they claim."""
     frame = request.getfixturevalue(flight)
     w, x, y, z = (frame[f"attitude_{name}"].to_numpy() for name in "wxyz")
     velocity = frame[[f"velocity_{name}" for name in "xyz"]].to_numpy()
