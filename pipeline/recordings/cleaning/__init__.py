@@ -1,6 +1,7 @@
 """Cleaning: what a recording cannot mean is taken out, what is missing is filled as far as honest, all is
 accounted for."""
 
+from pipeline.recordings.cleaning.account import summary
 from pipeline.recordings.cleaning.clean import Cleaned, clean_recording, clean_with_coverage
 from pipeline.recordings.cleaning.settings import Cleaning
 from pipeline.recordings.cleaning.work import CHANGE_COLUMNS, COVERAGE_COLUMNS
@@ -12,4 +13,5 @@ __all__ = [
     "Cleaning",
     "clean_recording",
     "clean_with_coverage",
+    "summary",
 ]

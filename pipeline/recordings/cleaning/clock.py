@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import next_fast_len
 from scipy.optimize import minimize_scalar
 from scipy.signal import butter, sosfiltfilt
 
@@ -21,7 +22,6 @@ _LEAST = 5.0  # s of flight
 _SOUND = 0.3  # explained share of variance from which on the estimate is believed
 _LARGEST_ERROR = 0.5  # of a time step: a larger standard error is no estimate
 _BLOCK = 1.0  # s; residuals farther apart than this are taken as independent
-_SPACING = 0.5  # of a time step, between the offsets that are tried first
 
 
 @dataclass
@@ -129,35 +129,48 @@ def compare_clocks(
     def delayed(offset: float, derivative: bool = False) -> np.ndarray:
         return np.concatenate([_delay(*each, offset / time_step, derivative)[edge:-edge] for each in spectra])
 
-    def residual(offset: float) -> np.ndarray:
-        return measured - _regress(delayed(offset), measured)
-
     def loss(offset: float) -> float:
-        return float((residual(offset) ** 2).mean())
+        inputs = delayed(offset)
+        return float(((measured - _regress(inputs, measured)) ** 2).mean())
 
-    tried = np.arange(-largest, largest + 1e-9, _SPACING * time_step)
-    losses = [loss(offset) for offset in tried]
-    best = int(np.argmin(losses))
-    if best in (0, len(tried) - 1):
-        return ClockOffset(float(tried[best]), np.inf, 1.0 - losses[best], True)
-    found = minimize_scalar(
-        loss, bounds=(tried[best - 1], tried[best + 1]), method="bounded", options={"xatol": 1e-3 * time_step}
-    )
+    near, at_bound = _nearest_sample([(u, y / scale) for u, y in pieces], int(largest / time_step), edge)
+    bounds = ((near - 1) * time_step, (near + 1) * time_step)
+    found = minimize_scalar(loss, bounds=bounds, method="bounded", options={"xatol": 1e-3 * time_step})
     offset = float(found.x)
     error = _standard_error(delayed(offset), delayed(offset, True) / time_step, measured, time_step)
-    return ClockOffset(offset, error, 1.0 - float(found.fun), False)
+    return ClockOffset(offset, error, 1.0 - float(found.fun), at_bound)
+
+
+def _nearest_sample(pieces: list[tuple[np.ndarray, np.ndarray]], largest: int, edge: int) -> tuple[int, bool]:
+    """Return the best offset in whole samples by cross-correlation, and whether it is the largest tried."""
+    moments: np.ndarray | float = 0.0
+    products: np.ndarray | float = 0.0
+    lags = np.arange(-largest, largest + 1)
+    for inputs, outputs in pieces:
+        inner = np.zeros_like(outputs)
+        inner[edge:-edge] = outputs[edge:-edge]
+        spectrum, _ = _spectrum(inputs)
+        length = 2 * (len(spectrum) - 1)
+        cross = np.conj(spectrum)[:, :, None] * np.fft.rfft(inner, axis=0, n=length)[:, None, :]
+        products = products + np.fft.irfft(cross, axis=0, n=length)[lags]  # (lags, inputs, outputs)
+        moments = moments + inputs.T @ inputs
+    gains = np.linalg.solve(moments + 1e-9 * np.trace(moments) * np.eye(len(moments)), products)
+    best = int(np.argmax((products * gains).sum(axis=(1, 2))))
+    return int(lags[best]), best in (0, len(lags) - 1)
 
 
 def _spectrum(inputs: np.ndarray) -> tuple[np.ndarray, int]:
     """Return the transform of the inputs, padded so that the delay does not wrap around, and their length."""
-    return np.fft.rfft(inputs, axis=0, n=2 * len(inputs)), len(inputs)
+    length = 2 * next_fast_len(len(inputs), real=True)
+    return np.fft.rfft(inputs, axis=0, n=length), len(inputs)
 
 
 def _delay(spectrum: np.ndarray, count: int, samples: float, derivative: bool) -> np.ndarray:
     """Return the inputs delayed by `samples`, or their derivative with respect to time in samples."""
-    frequency = 2j * np.pi * np.fft.rfftfreq(2 * count)[:, None]
+    length = 2 * (len(spectrum) - 1)
+    frequency = 2j * np.pi * np.fft.rfftfreq(length)[:, None]
     shifted = spectrum * np.exp(-frequency * samples) * (frequency if derivative else 1.0)
-    return np.fft.irfft(shifted, axis=0, n=2 * count)[:count]
+    return np.fft.irfft(shifted, axis=0, n=length)[:count]
 
 
 def _regress(inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:

@@ -1,0 +1,50 @@
+"""The stage that makes a recording usable and says what it changed."""
+
+from dataclasses import dataclass, field
+
+from pipeline.recordings.cleaning import Cleaning
+from pipeline.recordings.dataset import Dataset
+from pipeline.stage import StageConfig, StageRun, stage
+
+
+@dataclass
+class CleanStage(StageConfig):
+    """What cleaning reads of the configuration."""
+
+    recording: str | None = None
+    dataset: Dataset = field(default_factory=Dataset)
+    clean: Cleaning = field(default_factory=Cleaning)
+
+
+@stage(CleanStage)
+def clean(config: CleanStage, run: StageRun) -> None:
+    """Clean a recording: resample, fill, cut, split, and say what was changed."""
+    from pipeline.recordings.cleaning import clean_with_coverage, summary
+    from pipeline.recordings.cleaning.figure import coverage_figure
+    from pipeline.recordings.recording import read_recording, write_recording
+
+    path = run.input(config.recording or config.artifact("record", "recording.parquet"))
+    recording = read_recording(path)
+    for warning in recording.warnings:
+        run.warn(warning)
+    cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, config.seed)
+    write_recording(cleaned.recording, run.output / "recording.parquet")
+    cleaned.changes.to_parquet(run.output / "changes.parquet", index=False)
+    cleaned.changes.to_csv(run.output / "changes.csv", index=False)
+    cleaned.coverage.to_parquet(run.output / "coverage.parquet", index=False)
+    (run.output / "coverage.svg").write_text(coverage_figure(cleaned.coverage), encoding="utf-8")
+    table = summary(recording, cleaned)
+    print(table.to_string())
+    run.log_metrics(
+        {
+            "runs": len(cleaned.recording.runs),
+            "samples": len(cleaned.recording.frame),
+            "samples_recorded": len(recording.frame),
+            "samples_dropped": int(table["dropped"].sum()),
+            "samples_interpolated": int(table["interpolated"].sum()),
+        }
+    )
+
+
+if __name__ == "__main__":
+    clean.main()
