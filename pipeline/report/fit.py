@@ -1,0 +1,69 @@
+"""The fit before and after, on held-out runs, against the noise floor."""
+
+from typing import Any
+
+from pipeline.report.figure import (
+    AFTER,
+    AFTER_BAND,
+    BEFORE,
+    BEFORE_BAND,
+    FLOOR,
+    Figure,
+    axis,
+    band,
+    layout,
+    line,
+)
+from pipeline.report.inputs import ReportInputs
+from pipeline.report.section import Drawing, Section
+from pipeline.report.text import is_number, quantity, spoken
+from pipeline.report.verdict import why_unknown
+
+
+def fit_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
+    """Compare the errors before and after, and draw how they grow over the horizon."""
+    if inputs.diagnosis is None:
+        return None
+    fit = inputs.diagnosis.get("fit") or {}
+    horizons = inputs.evidence("horizon.json") or []
+    content = {
+        "fit": fit,
+        "unknown": why_unknown(fit),
+        "bars": _bars(fit),
+        "horizons": [_horizon(entry) for entry in horizons if entry.get("horizon")],
+    }
+    return Section("fit", "Fit before and after", content)
+
+
+def _bars(fit: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the three errors with their lengths as a percentage of the longest."""
+    named = [
+        ("before", "Simulator as given"),
+        ("after", "With what was found"),
+        ("noise_floor", "Noise floor"),
+    ]
+    known = [(key, name, fit[key]) for key, name in named if is_number(fit.get(key))]
+    longest = max((abs(value) for _, _, value in known), default=0.0) or 1.0
+    return [
+        {"key": key, "name": name, "value": value, "length": round(100 * abs(value) / longest, 2)}
+        for key, name, value in known
+    ]
+
+
+def _horizon(entry: dict[str, Any]) -> Figure:
+    time = entry["horizon"]
+    data = []
+    for key, name, colour, shade in (
+        ("before", "before", BEFORE, BEFORE_BAND),
+        ("after", "after", AFTER, AFTER_BAND),
+    ):
+        low, high = entry.get(f"{key}_low"), entry.get(f"{key}_high")
+        if low and high:
+            data.append(band(time, low, high, shade))
+        data.append(line(time, entry[key], name, colour, mode="lines+markers", marker={"size": 5}))
+    if floor := entry.get("noise_floor"):
+        level = floor if isinstance(floor, list) else [floor] * len(time)
+        data.append(line(time, level, "noise floor", FLOOR, dash="dash", width=1.5))
+    title = quantity(f"{entry['quantity']} error", entry.get("unit"))
+    drawn = layout(axis("horizon (s)"), axis(title, rangemode="tozero"))
+    return Figure(f"Error of {spoken(entry['quantity'])} over the horizon", data, drawn, 320)

@@ -1,0 +1,21 @@
+"""Identified nominal parameters and the scores of the trained model, where those stages ran."""
+
+from pipeline.report.inputs import ReportInputs, read_json, read_yaml
+from pipeline.report.section import Drawing, Section
+from pipeline.report.tables import metric_tables, parameter_rows
+
+
+def parameters_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
+    """List the identified parameters with their standard errors, and how well they fit."""
+    parameters = read_yaml(inputs.sysid, "parameters.yaml")
+    metrics = read_json(inputs.sysid, "metrics.json")
+    if not parameters and not metrics:
+        return None
+    content = {"parameters": parameter_rows(parameters or {}), "tables": metric_tables(metrics or {})}
+    return Section("parameters", "Identified parameters", content)
+
+
+def model_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
+    """List the scores of the trained model."""
+    metrics = read_json(inputs.train, "metrics.json")
+    return Section("model", "Trained model", {"tables": metric_tables(metrics)}) if metrics else None

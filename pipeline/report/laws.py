@@ -1,0 +1,83 @@
+"""The residual against the variable that explains it, with the fitted law drawn through it."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pipeline.report.figure import (
+    AFTER,
+    BEFORE,
+    INK,
+    Figure,
+    axis,
+    distances,
+    encode,
+    layout,
+    line,
+)
+from pipeline.report.inputs import ReportInputs
+from pipeline.report.section import Drawing, Section
+from pipeline.report.text import quantity, spoken
+
+
+def laws_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
+    """Draw every fitted law through the residuals that it explains."""
+    laws = inputs.evidence("laws.json")
+    if not laws:
+        return None
+    residuals = inputs.evidence("residuals.parquet")
+    return Section(
+        "laws", "The law in the residual", {"figures": [_figure(law, residuals, drawing) for law in laws]}
+    )
+
+
+def _figure(law: dict[str, Any], residuals: pd.DataFrame | None, drawing: Drawing) -> Figure:
+    data = [] if residuals is None else _clouds(law, residuals, drawing)
+    if (law.get("bins") or {}).get("x"):
+        data.append(_means(law["bins"]))
+    data.append(line(law["x"], law["law"], "law", INK, width=2.5))
+    x = axis(quantity(law["variable"], law.get("variable_unit")))
+    y = axis(quantity(f"residual of {law['channel']}", law.get("unit")), zeroline=True)
+    caption = f"{spoken(law['effect'])}: residual of {spoken(law['channel'])} over {spoken(law['variable'])}"
+    return Figure(caption[:1].upper() + caption[1:], data, layout(x, y), 360)
+
+
+def _clouds(law: dict[str, Any], residuals: pd.DataFrame, drawing: Drawing) -> list[dict[str, Any]]:
+    """Return the held-out residuals (all, where none is held out) before and after, evenly thinned."""
+    variable = law["variable"]
+    if variable not in residuals.columns:
+        return []
+    rows = residuals[residuals["channel"] == law["channel"]].dropna(subset=[variable])
+    held_out = rows[rows["part"] == "holdout"] if "part" in rows else rows
+    rows = held_out if len(held_out) else rows
+    if rows.empty:
+        return []
+    rows = rows.iloc[
+        np.unique(np.linspace(0, len(rows) - 1, min(len(rows), drawing.scatter_samples)).astype(int))
+    ]
+    return [
+        {
+            "type": "scatter",
+            "mode": "markers",
+            "x": encode(rows[variable]),
+            "y": encode(rows[stage]),
+            "name": f"{stage}",
+            "marker": {"color": colour, "size": 4, "opacity": 0.4},
+            "hoverinfo": "skip",
+        }
+        for stage, colour in (("before", BEFORE), ("after", AFTER))
+    ]
+
+
+def _means(bins: dict[str, Any]) -> dict[str, Any]:
+    errors = distances(bins["mean"], bins["low"], bins["high"])
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": encode(bins["x"]),
+        "y": encode(bins["mean"]),
+        "error_y": errors | {"color": INK, "thickness": 1.2, "width": 3},
+        "name": "mean before",
+        "marker": {"color": "var(--paper)", "size": 7, "line": {"color": INK, "width": 1.5}},
+    }

@@ -1,0 +1,118 @@
+"""One self-contained page: sections, style, script and plotly in a single file that needs no network."""
+
+import base64
+import hashlib
+import re
+from importlib import resources
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from pipeline.errors import InputError
+from pipeline.report import text
+from pipeline.report.cleaning import cleaning_section
+from pipeline.report.competition import competition_section
+from pipeline.report.figure import script_json
+from pipeline.report.fit import fit_section
+from pipeline.report.identified import model_section, parameters_section
+from pipeline.report.inputs import ReportInputs
+from pipeline.report.laws import laws_section
+from pipeline.report.provenance import provenance_section, warnings_section
+from pipeline.report.section import Drawing, Section
+from pipeline.report.tables import cell
+from pipeline.report.traces import traces_section
+from pipeline.report.verdict import verdict_section
+from pipeline.report.what import what_section
+from pipeline.report.where import where_section
+
+_SECTIONS = (
+    verdict_section,
+    where_section,
+    what_section,
+    competition_section,
+    fit_section,
+    traces_section,
+    laws_section,
+    cleaning_section,
+    parameters_section,
+    model_section,
+    warnings_section,
+    provenance_section,
+)
+_FILTERS = (
+    text.number,
+    text.estimate,
+    text.with_unit,
+    text.pretty_unit,
+    text.quantity,
+    text.percent,
+    text.probability,
+    text.p_value,
+    text.interval,
+    text.spoken,
+    text.listed,
+    script_json,
+    cell,
+)
+
+
+def write_page(inputs: ReportInputs, target: Path, drawing: Drawing | None = None) -> None:
+    """Write the report of a pipeline run as one HTML file; the same artifacts give the same bytes.
+
+    Args:
+        inputs: the artifacts; a section whose artifact is absent is left out.
+        target: the file to write.
+        drawing: how much of the evidence is drawn.
+
+    Raises:
+        InputError: where there is nothing to report, or an artifact cannot be read.
+    """
+    built = (build(inputs, drawing or Drawing()) for build in _SECTIONS)
+    sections = [section for section in built if section is not None]
+    if all(section.key == "provenance" for section in sections):
+        raise InputError(
+            "there are no artifacts to report", inputs.name or "report", "run the stages before it"
+        )
+    target.write_bytes(_render(inputs.name, sections).encode("utf-8", "replace"))
+
+
+def _render(name: str, sections: list[Section]) -> str:
+    from plotly.offline import get_plotlyjs
+
+    environment = Environment(
+        loader=PackageLoader("pipeline.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {function.__name__: function for function in _FILTERS}
+    scripts = [_script(get_plotlyjs()), _script(_asset("page.js"))]
+    return environment.get_template("page.html").render(
+        name=name,
+        sections=sections,
+        style=Markup(_asset("page.css")),
+        scripts=[Markup(script) for script in scripts],
+        policy=_policy(scripts),
+    )
+
+
+def _asset(file: str) -> str:
+    return resources.files("pipeline.report").joinpath("templates", file).read_text("utf-8")
+
+
+def _script(source: str) -> str:
+    """Return a script that survives inside HTML as it is, so that its hash holds."""
+    source = source.replace("\r\n", "\n").replace("\r", "\n")
+    return re.sub(r"<(?=/script|!--)", r"\\x3c", source, flags=re.IGNORECASE)
+
+
+def _policy(scripts: list[str]) -> str:
+    """Return a content security policy: these scripts alone may run, and nothing may be fetched."""
+    digests = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts)
+    allowed = " ".join(f"'sha256-{digest}'" for digest in digests)
+    return (
+        f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; img-src data: blob:; "
+        "base-uri 'none'; form-action 'none'"
+    )

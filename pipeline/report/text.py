@@ -1,0 +1,120 @@
+"""How numbers, units and names are written for people."""
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from typing import TypeGuard
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+UNKNOWN = "unknown"
+Real = float | int
+"""A number as JSON gives it."""
+NARROW_SPACE, NO_BREAK = "\u202f", "\u00a0"
+
+
+def is_number(value: object) -> TypeGuard[Real]:
+    """Whether a value read from JSON is a finite number."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def number(value: Real | None, digits: int = 3) -> str:
+    """Write a number with so many significant digits; very large and very small ones as a power of ten."""
+    if value is None or not is_number(value):
+        return UNKNOWN
+    if value == 0:
+        return "0"
+    exponent = math.floor(math.log10(abs(value)))
+    if -4 <= exponent < 5:
+        return _minus(f"{value:.{max(digits - 1 - exponent, 0)}f}")
+    return f"{_minus(f'{value / 10.0**exponent:.{digits - 1}f}')}×{_power(exponent)}"
+
+
+def short(value: Real | None) -> str:
+    """Write a number with up to three significant digits and no trailing zeros."""
+    text = number(value)
+    mantissa, cross, power = text.partition("×")
+    return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + cross + power
+
+
+def estimate(value: Real | None, std: Real | None, unit: str = "") -> str:
+    """Write `value ± standard error unit`, rounded to two digits of the standard error."""
+    if value is None or not is_number(value) or std is None or not is_number(std) or std <= 0:
+        return with_unit(number(value, 4), unit)
+    exponent = math.floor(math.log10(max(abs(value), std)))
+    scale = 10.0**exponent if not -4 <= exponent < 5 else 1.0
+    places = min(max(1 - math.floor(math.log10(std / scale)), 0), 12)
+    pair = f"{_minus(f'{value / scale:.{places}f}')}{NO_BREAK}±{NO_BREAK}{std / scale:.{places}f}"
+    return with_unit(pair if scale == 1.0 else f"({pair})×{_power(exponent)}", unit)
+
+
+def with_unit(text: str, unit: str | None) -> str:
+    """Append a unit, if there is one."""
+    return f"{text} {pretty_unit(unit)}".strip()
+
+
+def pretty_unit(unit: str | None) -> str:
+    """Write `m/s^2` as m/s², `1/s` as s⁻¹, and the dimensionless `1` as nothing."""
+    text = (unit or "").strip()
+    if text == "1":
+        return ""
+    if reciprocal := re.fullmatch(r"1/([A-Za-zΩ]+)\^?(\d?)", text):
+        return f"{reciprocal[1]}{('-' + (reciprocal[2] or '1')).translate(_SUPERSCRIPTS)}"
+    raised = re.sub(r"(?:\^|\*\*)(-?\d+)", lambda match: match[1].translate(_SUPERSCRIPTS), text)
+    return raised.replace("*", "·")
+
+
+def quantity(name: str, unit: str | None) -> str:
+    """Write the name of a quantity with its unit in brackets, as on an axis."""
+    return f"{spoken(name)} ({pretty_unit(unit)})" if pretty_unit(unit) else spoken(name)
+
+
+def percent(share: Real | None) -> str:
+    """Write a share as a percentage."""
+    if share is None or not is_number(share):
+        return UNKNOWN
+    digits = 1 if 0 < abs(share) < 0.0995 else 0
+    return f"{_minus(f'{100 * share:.{digits}f}')}{NARROW_SPACE}%"
+
+
+def probability(value: Real | None) -> str:
+    """Write a probability as a percentage that never claims certainty."""
+    if value is None or not is_number(value):
+        return UNKNOWN
+    if value > 0.99:
+        return f">{NARROW_SPACE}99{NARROW_SPACE}%"
+    return f"<{NARROW_SPACE}1{NARROW_SPACE}%" if value < 0.01 else percent(round(value, 2))
+
+
+def p_value(value: Real | None) -> str:
+    """Write a p-value; what is below the resolution of any test is given as a bound."""
+    if value is None or not is_number(value):
+        return UNKNOWN
+    if value < 1e-15:
+        return f"<{NARROW_SPACE}10⁻¹⁵"
+    return number(value, 2) if value >= 1e-3 else number(value, 1)
+
+
+def interval(bounds: Sequence[Real | None] | None) -> str:
+    """Write an interval of shares, `95 % to 98 %`, or nothing where there is none."""
+    if not bounds or len(bounds) != 2 or not all(map(is_number, bounds)):
+        return ""
+    return f"{percent(bounds[0])} to {percent(bounds[1])}"
+
+
+def spoken(name: object) -> str:
+    """Write a programmer's name as words: `rotor_drag` as rotor drag."""
+    return str(name).replace("_", " ")
+
+
+def listed(items: Iterable[object], last: str = "and") -> str:
+    """Write items as a sentence does: a, b and c."""
+    words = [str(item) for item in items]
+    return f" {last} ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def _minus(text: str) -> str:
+    return text.replace("-", "−")
+
+
+def _power(exponent: int) -> str:
+    return "10" + str(exponent).translate(_SUPERSCRIPTS)

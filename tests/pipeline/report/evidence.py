@@ -1,0 +1,161 @@
+"""Imagined evidence behind a diagnosis, seeded."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tests.pipeline.report.diagnoses import RUNS
+
+CHANNELS = {"force_x": "m/s²", "force_y": "m/s²", "force_z": "m/s²", "torque_y": "rad/s²"}
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write a JSON file."""
+    path.write_text(json.dumps(content))
+
+
+def write_evidence(folder: Path, verdict: str, text: str, random: np.random.Generator) -> None:
+    """Write the evidence behind an imagined diagnosis."""
+    runs = [text or RUNS[0], *RUNS[1:]]
+    _traces(runs, text, random).to_parquet(folder / "traces.parquet")
+    _residuals(runs, text, random).to_parquet(folder / "residuals.parquet")
+    write_json(folder / "competition.json", _competition(verdict, text, random))
+    write_json(
+        folder / "laws.json",
+        [_law("force_x", text), _law("force_y", text)] if verdict == "missing_physics" else [],
+    )
+    write_json(folder / "horizon.json", [_horizon("position", "m", 0.13), _horizon("velocity", "m/s", 0.57)])
+    write_json(folder / "regimes.json", _regimes(text, random))
+
+
+def _traces(runs: list[str], text: str, random: np.random.Generator) -> pd.DataFrame:
+    tables = []
+    for number, run in enumerate(runs):
+        time = 12.5 + np.concatenate([np.arange(0, 22, 0.01), np.arange(25, 40, 0.01)])
+        for index, (channel, unit) in enumerate(CHANNELS.items()):
+            truth = np.sin(time * (0.6 + 0.3 * index) + number) * (2.0 + np.sin(0.21 * time))
+            columns = {"t": time, "measured": truth + 0.1 * random.normal(size=time.size)}
+            columns |= {"before": 0.55 * truth, "after": 0.97 * truth}
+            names = (
+                {"run": run, "channel": text or channel, "unit": unit}
+                if index == 0
+                else {"run": run, "channel": channel, "unit": unit}
+            )
+            tables.append(pd.DataFrame(names | columns))
+    return pd.concat(tables, ignore_index=True)
+
+
+def _residuals(runs: list[str], text: str, random: np.random.Generator) -> pd.DataFrame:
+    tables = []
+    for channel, unit in CHANNELS.items():
+        airspeed = random.uniform(-3.2, 3.2, 2500)
+        before = -0.45 * airspeed + 0.15 * random.normal(size=airspeed.size)
+        columns = {"t": np.arange(airspeed.size) * 0.05, "before": before, "after": before + 0.45 * airspeed}
+        columns |= {"velocity_x": airspeed, "height": random.uniform(0, 2, airspeed.size)}
+        part = np.where(np.arange(airspeed.size) % 3 == 0, "holdout", "train")
+        tables.append(
+            pd.DataFrame({"run": runs[0], "part": part, "channel": channel, "unit": unit} | columns)
+        )
+    return pd.concat(tables, ignore_index=True)
+
+
+def _competition(verdict: str, text: str, random: np.random.Generator) -> dict[str, Any]:
+    names = [
+        "rotor_drag",
+        "body_drag",
+        "translational_lift",
+        "axial_inflow",
+        "steady_wind",
+        "sensor_time_offset",
+    ]
+    names += ["blade_flapping_moment", "thrust_coefficient_error", "center_of_mass_offset", "slung_payload"]
+    chosen = {"missing_physics": ["rotor_drag", "axial_inflow"], "parameter_mismatch": ["mass_error"]}.get(
+        verdict, []
+    )
+    steps = []
+    for step, winner in enumerate([*chosen, None], start=1):
+        rivals = [name for name in names if name not in chosen[:step]]
+        gains = {
+            name: float(gain)
+            for name, gain in zip(rivals, random.normal(0.02, 0.04, len(rivals)), strict=True)
+        }
+        gains |= {winner: 0.72 / step} if winner else {}
+        candidates = [
+            {
+                "name": name,
+                "gain": gain,
+                "gain_low": gain - 0.05,
+                "gain_high": gain + 0.04,
+                "p_value": 1e-12 if name == winner else 0.3,
+                "chosen": name == winner,
+                "note": text or ("wins on every run" if name == winner else ""),
+            }
+            for name, gain in gains.items()
+        ]
+        candidates.append(
+            {
+                "name": text or "ground_effect",
+                "gain": None,
+                "gain_low": None,
+                "gain_high": None,
+                "p_value": None,
+                "chosen": False,
+                "note": "not excited: the flight never came below 0.4 m",
+            }
+        )
+        steps.append({"step": step, "candidates": candidates})
+    return {
+        "steps": steps,
+        "metric": text or "error of the specific force, cross-validated over training runs",
+    }
+
+
+def _law(channel: str, text: str) -> dict[str, Any]:
+    x = np.linspace(-3.2, 3.2, 60)
+    at = np.linspace(-2.8, 2.8, 9)
+    bins = {"x": at, "mean": -0.45 * at, "low": -0.45 * at - 0.06, "high": -0.45 * at + 0.06}
+    entry = {
+        "effect": text or "rotor_drag",
+        "channel": channel,
+        "variable": "velocity_x",
+        "variable_unit": "m/s",
+    }
+    curve = {"unit": "m/s²", "x": x.tolist(), "law": (-0.45 * x).tolist()}
+    return entry | curve | {"bins": {key: value.tolist() for key, value in bins.items()}}
+
+
+def _horizon(quantity: str, unit: str, final: float) -> dict[str, Any]:
+    time = np.array([0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5])
+    before, after = final * (time / 0.5) ** 1.6, 0.22 * final * (time / 0.5) ** 1.6
+    curves = {"before": before, "before_low": before * 0.85, "before_high": before * 1.2}
+    curves |= {"after": after, "after_low": after * 0.8, "after_high": after * 1.25}
+    curves |= {"horizon": time, "noise_floor": np.full(time.size, 0.015 * final)}
+    return {"quantity": quantity, "unit": unit} | {key: value.tolist() for key, value in curves.items()}
+
+
+def _regimes(text: str, random: np.random.Generator) -> list[dict[str, Any]]:
+    variables = {
+        "airspeed": ("m/s", [0, 0.4, 0.8, 1.2, 1.7, 2.3, 3.2]),
+        "height": ("m", [0.1, 0.5, 0.9, 1.2, 1.5, 2.1]),
+    }
+    entries = []
+    for variable, (unit, edges) in variables.items():
+        for index, (channel, channel_unit) in enumerate(CHANNELS.items()):
+            slope = np.linspace(1, 8 if variable == "airspeed" and index < 2 else 2, len(edges) - 1)
+            before = 0.03 * slope * random.uniform(0.9, 1.1, slope.size)
+            named = text if text and index == 0 else channel
+            known = {
+                "channel": named,
+                "unit": channel_unit,
+                "variable": variable,
+                "variable_unit": unit,
+                "edges": edges,
+            }
+            entries.append(
+                known
+                | {"before": before.tolist(), "after": (0.03 + 0.1 * before).tolist(), "noise_floor": 0.03}
+            )
+    return entries

@@ -1,0 +1,60 @@
+"""The page as Chromium sees it: no complaint, no request, no script of a stranger."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from pipeline.report import ReportInputs, write_page
+from tests.pipeline.report.artifacts import HOSTILE, make_branch
+from tests.pipeline.report.browser import Browser, chromium, find_chromium
+
+
+@pytest.fixture
+def browser() -> Iterator[Browser]:
+    executable = find_chromium()
+    if executable is None:
+        pytest.skip("no Chromium on this machine: the page is not opened in a browser")
+    with chromium(executable) as opened:
+        yield opened
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", ["", HOSTILE])
+def test_the_page_draws_everything_and_asks_for_nothing(tmp_path, browser, text):
+    page = tmp_path / "report.html"
+    write_page(ReportInputs.of_branch(make_branch(tmp_path, text=text), text or "nanodrone"), page)
+    browser.open(page)
+    assert browser.evaluate("window.hacked") is None
+    assert browser.evaluate("document.querySelectorAll('img[src=x]').length") == 0
+    drawn = (
+        "[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('svg.main-svg').length)"
+    )
+    assert len(browser.evaluate(drawn)) == 11
+    assert all(browser.evaluate(drawn))
+    _choose_every_trace(browser)
+    assert browser.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    assert browser.complaints() == []
+    assert [url for url in browser.requests() if not url.startswith("data:")] == [page.as_uri()]
+
+
+@pytest.mark.slow
+def test_an_attempt_to_reach_the_network_or_to_add_a_script_is_refused(tmp_path, browser):
+    page = tmp_path / "report.html"
+    write_page(ReportInputs.of_branch(make_branch(tmp_path, bare=True)), page)
+    browser.open(page)
+    added = (
+        "document.body.append(Object.assign(document.createElement('script'), {text: 'window.hacked = 1'}))"
+    )
+    browser.evaluate(added)
+    assert browser.evaluate("window.hacked") is None
+    assert browser.evaluate("fetch('data:,x').then(() => 'reached', () => 'refused')") == "refused"
+
+
+def _choose_every_trace(browser: Browser) -> None:
+    choose = """[...document.querySelectorAll('.traces select')].flatMap((select) =>
+      [...select.options].map((option) => {
+        select.value = option.value;
+        select.dispatchEvent(new Event('change'));
+        return select.value === option.value;
+      }))"""
+    assert all(browser.evaluate(choose))
