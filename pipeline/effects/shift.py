@@ -1,7 +1,5 @@
 """A fractional shift along the time of recorded blocks."""
 
-import math
-
 import torch
 from torch import Tensor
 
@@ -16,19 +14,15 @@ def shift_in_time(series: Tensor, delay: Tensor | float, time_step: float) -> Te
         delay: s, one number for all blocks or one per block (blocks,).
         time_step: s.
     """
-    samples = torch.as_tensor(delay, dtype=series.dtype) / time_step
-    if samples.ndim == 0:
-        return _shift_all(series, samples)
-    pairs = zip(series, samples, strict=True)
-    return torch.cat([_shift_all(block[None], shift) for block, shift in pairs])
+    shift = torch.as_tensor(delay, dtype=series.dtype) / time_step
+    shift = shift.expand(series.shape[0]) if shift.ndim == 0 else shift
+    whole = torch.floor(shift.detach())
+    fraction = (shift - whole).reshape(-1, *[1] * (series.ndim - 1))
+    earlier = _taken(series, whole.long())
+    return earlier + fraction * (_taken(series, whole.long() + 1) - earlier)
 
 
-def _shift_all(series: Tensor, samples: Tensor) -> Tensor:
-    whole = math.floor(samples)
-    fraction = samples - whole
-    return (1.0 - fraction) * _roll(series, whole) + fraction * _roll(series, whole + 1)
-
-
-def _roll(series: Tensor, samples: int) -> Tensor:
-    index = (torch.arange(series.shape[1]) - samples).clamp(0, series.shape[1] - 1)
-    return series[:, index]
+def _taken(series: Tensor, samples: Tensor) -> Tensor:
+    place = torch.arange(series.shape[1], device=series.device)
+    index = (place - samples[:, None]).clamp(0, series.shape[1] - 1)
+    return series[torch.arange(series.shape[0], device=series.device)[:, None], index]

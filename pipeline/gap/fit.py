@@ -55,9 +55,7 @@ class Fit:
     @property
     def values(self) -> Tensor:
         """The parameters of all effects in order, (parameters,)."""
-        return torch.tensor(
-            [v for fitted in self.simulator.effects for v in fitted.values.values()], dtype=torch.float64
-        )
+        return values_of(self.simulator)
 
 
 def parameters_of(effects: Sequence[FittedEffect]) -> list[Parameter]:
@@ -88,82 +86,84 @@ def fit(simulator: Simulator, problem: Problem) -> Fit:
     Channels are weighed by their own residual, never below the noise, which is the maximum-likelihood weight when the
     variances are unknown. Bounds are respected by clipping.
     """
-    low, high = _bounds(simulator)
-    values = _vector(simulator).clamp(low, high)
+    low, high = bounds_of(simulator)
+    values = values_of(simulator).clamp(low, high)
     residual = residual_rows(with_values(simulator, values), problem.blocks, problem.functions)
-    jacobian = _jacobian(with_values(simulator, values), problem, residual)
+    jacobian = jacobian_of(with_values(simulator, values), problem, residual)
     for _ in range(_STEPS):
-        scale = _scale(residual, problem.noise)
-        change, promised = _newton_step(jacobian, residual, scale, values, low, high)
+        scale = channel_scale(residual, problem.noise)
+        change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
         if promised < _TOLERANCE * residual.numel():
             break
-        values, residual = _line_search(simulator, problem, values, change, residual, scale, low, high)
-        jacobian = _jacobian(with_values(simulator, values), problem, residual)
-    scale = _scale(residual, problem.noise)
+        values, residual = _line_search(simulator, problem, values, change, residual, scale)
+        jacobian = jacobian_of(with_values(simulator, values), problem, residual)
+    scale = channel_scale(residual, problem.noise)
     covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)
-    fitted = _with_errors(with_values(simulator, values), covariance)
-    return Fit(fitted, residual, jacobian, scale, covariance)
+    return Fit(with_errors(with_values(simulator, values), covariance), residual, jacobian, scale, covariance)
 
 
-def _vector(simulator: Simulator) -> Tensor:
+def values_of(simulator: Simulator) -> Tensor:
+    """Return the parameters of all effects in order, (parameters,)."""
     return torch.tensor([v for f in simulator.effects for v in f.values.values()], dtype=torch.float64)
 
 
-def _bounds(simulator: Simulator) -> tuple[Tensor, Tensor]:
+def bounds_of(simulator: Simulator) -> tuple[Tensor, Tensor]:
+    """Return the lower and the upper bound of each parameter."""
     parameters = parameters_of(simulator.effects)
     low = torch.tensor([parameter.low for parameter in parameters], dtype=torch.float64)
     return low, torch.tensor([parameter.high for parameter in parameters], dtype=torch.float64)
 
 
-def _scale(residual: Tensor, noise: Tensor) -> Tensor:
+def channel_scale(residual: Tensor, noise: Tensor) -> Tensor:
+    """Return the standard deviation of each channel's residual, never below the noise: (channels,)."""
     return torch.maximum(residual.square().mean((0, 1)).sqrt(), noise).clamp_min(1e-12)
 
 
-def _jacobian(simulator: Simulator, problem: Problem, residual: Tensor) -> Tensor:
-    """Return how the prediction changes with each parameter, exactly where it is linear."""
-    columns = []
-    values, offset = _vector(simulator), 0
-    linear = _linear_columns(simulator, problem)
-    for fitted in simulator.effects:
-        for position, parameter in enumerate(fitted.effect.parameters):
-            column = linear.get((fitted.effect.key, position))
-            if column is None:
-                column = _difference(simulator, problem, residual, values, offset, parameter)
-            columns.append(column)
-            offset += 1
-    return torch.stack(columns, dim=-1) if columns else residual.new_zeros((*residual.shape, 0))
+def jacobian_of(simulator: Simulator, problem: Problem, residual: Tensor) -> Tensor:
+    """Return how the prediction changes with each parameter: (blocks, rows, channels, parameters)."""
+    parts = [effect_jacobian(simulator, fitted.effect, problem, residual) for fitted in simulator.effects]
+    return torch.cat(parts, dim=-1) if parts else residual.new_zeros((*residual.shape, 0))
 
 
-def _linear_columns(simulator: Simulator, problem: Problem) -> dict[tuple[str, int], Tensor]:
-    effects = [f for f in simulator.of_type(WrenchEffect) if f.effect.linear]  # type: ignore[attr-defined]
-    if not effects:
-        return {}
-    blocks, constants = problem.blocks, simulator.constants()
+def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, residual: Tensor) -> Tensor:
+    """Return the columns of one effect, exactly where it is linear, by a finite difference elsewhere."""
+    if isinstance(effect, WrenchEffect) and effect.linear:
+        return _regressor_columns(simulator, effect, problem)
+    owners = [(f.effect.key, parameter) for f in simulator.effects for parameter in f.effect.parameters]
+    columns = [
+        _difference(simulator, problem, residual, column, parameter)
+        for column, (key, parameter) in enumerate(owners)
+        if key == effect.key
+    ]
+    return torch.stack(columns, dim=-1)
+
+
+def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Problem) -> Tensor:
+    blocks = problem.blocks
     signals = simulator.along_time(blocks.signals, blocks.time_step)
     inner = {name: blocks.inner(series) for name, series in signals.items()}
-    channels = [channel.name for channel in simulator.mechanism.channels]
     zero = problem.functions.weights.new_zeros((len(blocks), len(problem.functions.centres)))
-    columns = {}
-    for fitted in effects:
-        for position, wrench in enumerate(fitted.effect.regressors(inner, constants)):  # type: ignore[attr-defined]
-            rows = [mean_of(problem.functions, wrench[n]) if n in wrench else zero for n in channels]
-            columns[fitted.effect.key, position] = torch.stack(rows, dim=-1)
-    return columns
+    columns = []
+    for wrench in effect.regressors(inner, simulator.constants()):
+        names = [channel.name for channel in simulator.mechanism.channels]
+        rows = [mean_of(problem.functions, wrench[n]) if n in wrench else zero for n in names]
+        columns.append(torch.stack(rows, dim=-1))
+    return torch.stack(columns, dim=-1)
 
 
 def _difference(
-    simulator: Simulator, problem: Problem, residual: Tensor, values: Tensor, column: int, parameter: Parameter
+    simulator: Simulator, problem: Problem, residual: Tensor, column: int, parameter: Parameter
 ) -> Tensor:
+    values = values_of(simulator)
     step = _DIFFERENCE * max(abs(float(values[column])), abs(parameter.default))
     if values[column] + step > parameter.high:
         step = -step
-    moved = values.clone()
-    moved[column] += step
-    rows = residual_rows(with_values(simulator, moved), problem.blocks, problem.functions)
+    values[column] += step
+    rows = residual_rows(with_values(simulator, values), problem.blocks, problem.functions)
     return -(rows - residual) / step
 
 
-def _newton_step(
+def bounded_newton_step(
     jacobian: Tensor, residual: Tensor, scale: Tensor, values: Tensor, low: Tensor, high: Tensor
 ) -> tuple[Tensor, float]:
     """Solve the weighted normal equations; a parameter on its bound that wants to leave it stays.
@@ -184,17 +184,11 @@ def _newton_step(
 
 
 def _line_search(
-    simulator: Simulator,
-    problem: Problem,
-    values: Tensor,
-    change: Tensor,
-    residual: Tensor,
-    scale: Tensor,
-    low: Tensor,
-    high: Tensor,
+    simulator: Simulator, problem: Problem, values: Tensor, change: Tensor, residual: Tensor, scale: Tensor
 ) -> tuple[Tensor, Tensor]:
     """Take the longest step of 1, ½, ¼, … that lowers the weighted cost; return the values and their residual."""
     cost = (residual / scale).square().sum()
+    low, high = bounds_of(simulator)
     for halving in range(6):
         tried = (values + change * 0.5**halving).clamp(low, high)
         rows = residual_rows(with_values(simulator, tried), problem.blocks, problem.functions)
@@ -218,7 +212,8 @@ def clustered_covariance(jacobian: Tensor, residual: Tensor, scale: Tensor, clus
     return bread @ (summed.T @ summed) @ bread * (groups / max(groups - 1, 1))
 
 
-def _with_errors(simulator: Simulator, covariance: Tensor) -> Simulator:
+def with_errors(simulator: Simulator, covariance: Tensor) -> Simulator:
+    """Return the simulator with the standard errors of its parameters."""
     errors = covariance.diagonal().clamp_min(0.0).sqrt().tolist()
     effects = []
     for fitted in simulator.effects:

@@ -8,10 +8,10 @@ from torch import Tensor
 from pipeline.effects import Effect, MeasurementEffect, ParameterError, effect_by_key, effects_of
 from pipeline.gap.ambiguity import Rivalry, rivals_of
 from pipeline.gap.fit import Fit, Problem, columns_of, fit
-from pipeline.gap.residuals import residual_rows
+from pipeline.gap.refit import extend, shrink
 from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
 from pipeline.gap.settings import Gap
-from pipeline.simulation import FittedEffect, Simulator
+from pipeline.simulation import Simulator
 
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 
@@ -111,29 +111,15 @@ class _Competition:
             self.rounds.append(Round(tuple(candidates), winner))
             if winner is None:
                 return
-            self.current = winner.fit
+            self.current = fit(winner.fit.simulator, self.problem)
             self.prune(newest=winner.effect.key)
 
     def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
         """Refit with the effect added and compare with the simulator without it."""
         without = without or self.current
-        fitted = self.best_fit(without.simulator, effect)
+        fitted = extend(without, effect, self.problem)
         before, after = cross_validated(without, self.fold), cross_validated(fitted, self.fold)
         return self.judged(effect, without, fitted, before, after)
-
-    def best_fit(self, simulator: Simulator, effect: Effect) -> Fit:
-        """Fit from the most promising of the effect's starting points."""
-        starts = [
-            simulator.with_effects((*simulator.effects, FittedEffect(effect, values))) for values in effect.starts()
-        ]
-        if len(starts) > 1:
-            starts = [min(starts, key=self.cost)]
-        return fit(starts[0], self.problem)
-
-    def cost(self, simulator: Simulator) -> float:
-        """Weighted squared residual of a simulator as it stands."""
-        rows = residual_rows(simulator, self.problem.blocks, self.problem.functions)
-        return float((rows / self.current.scale).square().sum())
 
     def judged(self, effect: Effect, without: Fit, fitted: Fit, before: Tensor, after: Tensor) -> Candidate:
         """Measure a candidate and say why it may not be named, if so."""
@@ -179,11 +165,11 @@ class _Competition:
                 return
             worst = min(needless, key=lambda candidate: candidate.gain)
             self.dropped.add(worst.effect.key)
-            self.current = fit(_without(self.current.simulator, worst.effect), self.problem)
+            self.current = fit(shrink(self.current, worst.effect, self.problem).simulator, self.problem)
 
     def alone(self, effect: Effect) -> Candidate:
         """Judge an effect of the current simulator as if it had been the last to enter."""
-        without = fit(_without(self.current.simulator, effect), self.problem)
+        without = shrink(self.current, effect, self.problem)
         before, after = cross_validated(without, self.fold), cross_validated(self.current, self.fold)
         return self.judged(effect, without, self.current, before, after)
 
@@ -195,14 +181,10 @@ class _Competition:
 
     def rivalry(self, winner: Candidate) -> Rivalry | None:
         """Return the effects that could stand in for a named one."""
-        without = fit(_without(self.current.simulator, winner.effect), self.problem)
+        without = shrink(self.current, winner.effect, self.problem)
         present = {fitted.effect.key for fitted in self.current.simulator.effects}
         others = [self.candidate(e, without) for e in self.catalogue if e.key not in present]
         return rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
-
-
-def _without(simulator: Simulator, effect: Effect) -> Simulator:
-    return simulator.with_effects(tuple(f for f in simulator.effects if f.effect.key != effect.key))
 
 
 def _derived(signals: dict[str, Tensor]) -> set[str]:

@@ -27,9 +27,15 @@ class SensorTimeOffset(MeasurementEffect):
         return [{"offset": offset} for offset in (-0.06, -0.03, 0.0, 0.03, 0.06)]
 
     def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Tensor]:
-        """Delay the motors' signals by the offset so that both clocks agree."""
+        """Delay the motors' signals by the offset so that both clocks agree.
+
+        Where the runs' clocks differ, `clock_deviation` holds each block's deviation from the common offset.
+        """
+        offset = values["offset"]
+        if "clock_deviation" in signals:
+            offset = offset + signals["clock_deviation"][:, 0]
         shifted = {
-            name: shift_in_time(signals[name], values["offset"], time_step)
+            name: shift_in_time(signals[name], offset, time_step)
             for name in ("rotor_speed", "motor_command")
             if name in signals
         }

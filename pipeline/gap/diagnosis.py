@@ -1,0 +1,205 @@
+"""From a cleaned recording and a nominal simulator to a diagnosis."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import torch
+
+from pipeline.effects import MeasurementEffect, ParameterError
+from pipeline.errors import InputError
+from pipeline.gap.blocks import Blocks, cut_blocks
+from pipeline.gap.fit import Problem, columns_of
+from pipeline.gap.horizon import HorizonError, horizon_errors
+from pipeline.gap.locate import Mismatch, locate
+from pipeline.gap.model import Drift, drifts_of, steadiness
+from pipeline.gap.name import Naming, name
+from pipeline.gap.probability import probability_of
+from pipeline.gap.prove import Proof, prove
+from pipeline.gap.regimes import Regime, regimes_of
+from pipeline.gap.residuals import noise_of_rows
+from pipeline.gap.scoring import clusters_of, cross_validated, folds_of
+from pipeline.gap.sensors import settle_accelerometer
+from pipeline.gap.settings import Gap
+from pipeline.gap.unnamed import Unnamed, find_unnamed
+from pipeline.gap.weak_form import window_functions
+from pipeline.platforms.mechanism import Channel
+from pipeline.recordings.recording import Recording
+from pipeline.simulation import Simulator
+
+_CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What `diagnose` found.
+
+    Attributes:
+        verdict: `missing_physics`, `parameter_mismatch`, `none` or `unexplained`.
+        warnings: doubts about recording and result.
+        mismatches: where the nominal simulator fails.
+        naming: the competition and its result.
+        probabilities: of each named effect, by key.
+        drifts: of each named effect's parameters between runs, by key.
+        unnamed: what no effect of the catalogue accounts for.
+        proof: errors before and after on held-out runs.
+        horizons: errors of open-loop predictions.
+        fitting: the problem that was fitted.
+        proving: the blocks that it was proved on.
+        nominal: the simulator before.
+        simulator: the simulator after.
+    """
+
+    verdict: str
+    warnings: tuple[str, ...]
+    mismatches: list[Mismatch]
+    naming: Naming
+    probabilities: dict[str, float]
+    drifts: dict[str, list[Drift]]
+    unnamed: list[Unnamed]
+    proof: Proof
+    horizons: list[HorizonError]
+    fitting: Problem
+    proving: Blocks
+    nominal: Simulator
+    simulator: Simulator
+
+
+def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnosis:
+    """Locate the mismatch between a recording and a simulator, name it, model it and prove it.
+
+    Args:
+        recording: cleaned, with its runs divided into train, validation and hold-out.
+        nominal: what is believed before.
+        settings: of the gap engine.
+
+    Raises:
+        InputError: when the recording is too short or of another kind than the platform.
+    """
+    blocks, remarks = _blocks(recording, nominal, settings)
+    fitted, proving, held_out = _divide(blocks, recording.split, settings)
+    nominal = _resolved(nominal, fitted)
+    functions = window_functions(fitted.samples, settings.test_width, fitted.time_step)
+    cluster = clusters_of(fitted, _CLUSTER_DURATION)
+    problem = Problem(fitted, functions, noise_of_rows(nominal, fitted, functions), cluster)
+
+    naming = name(nominal, problem, settings)
+    simulator = naming.fit.simulator
+    problem = replace(problem, noise=noise_of_rows(simulator, fitted, functions))
+    channels, regimes = nominal.mechanism.channels, fitted_regimes(fitted, simulator, settings)
+    mismatches = locate(naming.base.residual, channels, regimes, problem)
+    fold = folds_of(fitted, settings.folds)
+    residual = cross_validated(naming.fit, fold)
+    unnamed = find_unnamed(
+        residual, naming.base.residual, channels, regimes, problem, fold, settings.least_share
+    )
+    drifts = {c.effect.key: drifts_of(naming.fit, c.effect, fitted, cluster) for c in naming.named}
+    counted = _counted(naming, mismatches, channels)
+    proof = prove(nominal, simulator, proving, functions, counted, held_out, settings.resamples)
+    return Diagnosis(
+        verdict=_verdict(naming, unnamed),
+        warnings=(*recording.warnings, *remarks, *_doubts(naming, drifts, held_out)),
+        mismatches=mismatches,
+        naming=naming,
+        probabilities=_probabilities(naming, drifts, int(cluster.max()) + 1),
+        drifts=drifts,
+        unnamed=unnamed,
+        proof=proof,
+        horizons=horizon_errors(nominal, simulator, proving, settings.horizon, settings.resamples),
+        fitting=problem,
+        proving=proving,
+        nominal=nominal,
+        simulator=simulator,
+    )
+
+
+def _blocks(recording: Recording, nominal: Simulator, settings: Gap) -> tuple[Blocks, list[str]]:
+    blocks = cut_blocks(recording, nominal.platform, settings)
+    remarks: list[str] = []
+    if recording.kind == "quadrotor":
+        blocks, remarks = settle_accelerometer(blocks, nominal.platform.gravity, settings.test_width)
+    return _with_clock_deviation(blocks, recording.clock_offset), remarks
+
+
+def _with_clock_deviation(blocks: Blocks, offsets: dict[str, float]) -> Blocks:
+    """Add how much each run's clock offset differs from the mean of those that cleaning could tell."""
+    known = [offsets[run] for run in blocks.runs if run in offsets]
+    if not known:
+        return blocks
+    mean = sum(known) / len(known)
+    deviation = torch.tensor([offsets.get(run, mean) - mean for run in blocks.runs], dtype=torch.float64)
+    length = next(iter(blocks.signals.values())).shape[1]
+    series = deviation[blocks.run][:, None].expand(-1, length)
+    return replace(blocks, signals={**blocks.signals, "clock_deviation": series})
+
+
+def _divide(blocks: Blocks, split: dict[str, str], settings: Gap) -> tuple[Blocks, Blocks, bool]:
+    """Return the blocks to fit, those to prove on, and whether the latter are held out."""
+    kept = [run for run in blocks.runs if split.get(run, "train") != "holdout"]
+    held = [run for run in blocks.runs if split.get(run) == "holdout"]
+    fitted, proving = blocks.of_runs(kept), blocks.of_runs(held)
+    if not len(fitted):
+        raise InputError("no run is left to fit", "dataset.split", "hold out fewer runs")
+    fitted = fitted.thinned(settings.most_blocks)
+    return (fitted, proving.thinned(settings.most_blocks), True) if len(proving) else (fitted, fitted, False)
+
+
+def _resolved(nominal: Simulator, blocks: Blocks) -> Simulator:
+    """Set the speed below which the recording cannot tell the direction of motion."""
+    sliding = {"joint": "velocity", "swerve": "steer_velocity"}.get(nominal.platform.kind)
+    if sliding is None or "sliding_velocity" in nominal.settings:
+        return nominal
+    velocity = blocks.inner(blocks.signals[sliding])
+    usual = float(velocity.square().mean().sqrt())
+    jitter = float(velocity.diff(dim=1).square().median().sqrt())
+    return replace(nominal, settings={**nominal.settings, "sliding_velocity": max(0.01 * usual, jitter, 1e-6)})
+
+
+def fitted_regimes(blocks: Blocks, simulator: Simulator, settings: Gap) -> list[Regime]:
+    """Return the regime variables on the blocks without their margins."""
+    signals = simulator.along_time(blocks.signals, blocks.time_step)
+    inner = {name: blocks.inner(series) for name, series in signals.items()}
+    regimes = regimes_of(simulator.platform.kind, inner, simulator.position_unit)
+    return [r for r in regimes if r.name in settings.regimes] if settings.regimes else regimes
+
+
+def _counted(naming: Naming, mismatches: Sequence[Mismatch], channels: Sequence[Channel]) -> list[Channel]:
+    """Return the channels that enter the metric: those that the named effects act on, else where it fails."""
+    touched = torch.zeros(len(channels), dtype=torch.bool)
+    for candidate in naming.named:
+        columns = columns_of(naming.fit, candidate.effect)
+        touched |= naming.fit.jacobian[..., columns].abs().amax((0, 1, 3)) > 0
+    counted = [channel for channel, hit in zip(channels, touched.tolist(), strict=True) if hit] or list(channels)
+    failing = {mismatch.channel.name for mismatch in mismatches}
+    return [channel for channel in counted if channel.name in failing] or counted
+
+
+def _verdict(naming: Naming, unnamed: Sequence[Unnamed]) -> str:
+    if any(not isinstance(candidate.effect, ParameterError) for candidate in naming.named):
+        return "missing_physics"
+    if naming.named:
+        return "parameter_mismatch"
+    return "unexplained" if unnamed else "none"
+
+
+def _probabilities(naming: Naming, drifts: dict[str, list[Drift]], clusters: int) -> dict[str, float]:
+    weight = {rivalry.winner.key: rivalry.weight for rivalry in naming.rivalries}
+    return {
+        candidate.effect.key: probability_of(
+            candidate, clusters, weight.get(candidate.effect.key, 1.0), steadiness(drifts[candidate.effect.key])
+        )
+        for candidate in naming.named
+    }
+
+
+def _doubts(naming: Naming, drifts: dict[str, list[Drift]], held_out: bool) -> list[str]:
+    doubts = []
+    if not held_out:
+        doubts.append("one run only: nothing could be held out, so the fit is judged on the data it was made on")
+    for candidate in naming.named:
+        for drift in drifts[candidate.effect.key]:
+            if drift.notable and not isinstance(candidate.effect, MeasurementEffect):
+                doubts.append(
+                    f"{candidate.effect.name}: {drift.parameter} differs between runs by {drift.spread:.0%} of its "
+                    "value; it may be absorbing something else"
+                )
+    return doubts

@@ -1,0 +1,116 @@
+"""Where a simulator fails: per channel and regime, how much of the residual's energy, and how sure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import torch
+from scipy import stats
+from torch import Tensor
+
+from pipeline.gap.fit import Problem
+from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
+from pipeline.gap.weak_form import mean_of
+from pipeline.platforms.mechanism import Channel
+
+_BINS = 8
+_TOLERATED = 1.2  # the noise is estimated from the recording itself; an energy within a fifth of it is no mismatch
+_CHANCE = 1e-3
+_WORDS = {
+    "force_x": "along body x",
+    "force_y": "along body y",
+    "force_z": "along the thrust axis",
+    "torque_x": "in roll",
+    "torque_y": "in pitch",
+    "torque_z": "in yaw",
+    "drive_x": "in the drive along x",
+    "drive_y": "in the drive along y",
+    "drive_yaw": "in the drive about the vertical",
+}
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """A channel that the simulator does not explain.
+
+    Attributes:
+        channel: which equation of motion.
+        share: of what the simulator leaves unexplained in all channels, 0..1.
+        regime: variable, low and high between which it fails most.
+        p_value: chance of such an energy if only sensor noise were there.
+        where: one plain sentence.
+    """
+
+    channel: Channel
+    share: float
+    regime: tuple[str, float, float]
+    p_value: float
+    where: str
+
+
+def locate(
+    residual: Tensor, channels: Sequence[Channel], regimes: Sequence[Regime], problem: Problem
+) -> list[Mismatch]:
+    """Say where the residual is more than noise, the worst channel first.
+
+    The share of a channel is its part of log(1 + excess energy over the noise's), which compares channels of
+    different units by how badly noise alone explains them.
+
+    Args:
+        residual: (blocks, rows, channels).
+        channels: names and units.
+        regimes: variables to look over.
+        problem: blocks, windows, noise and clusters that the residual belongs to.
+    """
+    energy = residual.square().mean((0, 1))
+    misfit = torch.log1p((energy / problem.noise.square() - 1.0).clamp_min(0.0))
+    p_values = [_chance_of_noise(residual[..., i], problem.noise[i], problem.cluster) for i in range(len(channels))]
+    guilty = [i for i, p in enumerate(p_values) if p < _CHANCE]
+    total = float(misfit[guilty].sum())
+    averaged = [(regime, mean_of(problem.functions, regime.series).flatten()) for regime in regimes]
+    found = []
+    for i in guilty:
+        regime = _worst_regime(residual[..., i].flatten(), averaged)
+        rms, noise = float(energy[i].sqrt()), float(problem.noise[i])
+        sentence = _sentence(channels[i], rms, noise, regime)
+        low_high = (regime[0].name, regime[1], regime[2])
+        found.append(Mismatch(channels[i], float(misfit[i]) / total, low_high, p_values[i], sentence))
+    return sorted(found, key=lambda mismatch: -mismatch.share)
+
+
+def _chance_of_noise(residual: Tensor, noise: Tensor, cluster: Tensor) -> float:
+    """Test the energy of clusters of correlated residuals against the noise's (one-sided t test of its mean)."""
+    groups = int(cluster.max()) + 1
+    energy = (residual / noise).square().mean(1)
+    summed = energy.new_zeros(groups).index_add(0, cluster, energy)
+    counted = energy.new_zeros(groups).index_add(0, cluster, torch.ones_like(energy))
+    ratio = (summed / counted).numpy()
+    if groups < 2:
+        return 1.0 if ratio.mean() < _TOLERATED else 0.0
+    return float(stats.ttest_1samp(ratio, _TOLERATED, alternative="greater").pvalue)
+
+
+def _worst_regime(residual: Tensor, regimes: Sequence[tuple[Regime, Tensor]]) -> tuple[Regime, float, float]:
+    """Return the variable that the residual's energy depends on most, and the range where it is above average."""
+    best, best_score, best_range = regimes[0][0], -1.0, (0.0, 0.0)
+    energy = residual.square()
+    for regime, values in regimes:
+        edges = quantile_edges(values, _BINS)
+        if len(edges) < 3:
+            continue
+        place = bin_of(values, edges)
+        means = mean_per_bin(energy, place, len(edges) - 1)
+        score = float((means[place] - energy.mean()).square().mean())
+        if score > best_score:
+            above = torch.nonzero(means >= energy.mean()).flatten()
+            best, best_score = regime, score
+            best_range = (float(edges[above.min()]), float(edges[above.max() + 1]))
+    return best, *best_range
+
+
+def _sentence(channel: Channel, rms: float, noise: float, regime: tuple[Regime, float, float]) -> str:
+    place = _WORDS.get(channel.name, f"in {channel.name.replace('_', ' ')}")
+    variable, low, high = regime
+    return (
+        f"The simulator misses {rms:.2g} {channel.unit} {place} where the sensors' noise is {noise:.2g}, most of it at "
+        f"{variable.name.replace('_', ' ')} {low:.2g} to {high:.2g} {variable.unit}."
+    )

@@ -1,0 +1,89 @@
+"""The named effects as part of the simulator: their values, how far to trust them, and what betrays them."""
+
+import math
+from dataclasses import dataclass
+
+import torch
+from scipy import stats
+
+from pipeline.effects import Effect
+from pipeline.gap.blocks import Blocks
+from pipeline.gap.fit import Fit, columns_of
+
+_DRIFT_CHANCE = 1e-3
+_TOLERATED_DRIFT = 0.25  # of the value: runs of one machine differ by this much without another cause behind it
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How much a parameter differs between runs that are fitted one by one.
+
+    Attributes:
+        parameter: its name.
+        spread: standard deviation between runs beyond what its errors explain, over the value.
+        p_value: of the runs agreeing (Cochran's Q).
+    """
+
+    parameter: str
+    spread: float
+    p_value: float
+
+    @property
+    def notable(self) -> bool:
+        """Whether the drift is both certain and large."""
+        return self.p_value < _DRIFT_CHANCE and self.spread > _TOLERATED_DRIFT
+
+
+def drifts_of(fit: Fit, effect: Effect, blocks: Blocks, cluster: torch.Tensor) -> list[Drift]:
+    """Compare an effect's parameters between the runs, the other effects held.
+
+    An effect that soaks up another's residual has no constant of its own: its parameter follows the manoeuvre.
+    Source: Cochran 1954, The combination of estimates from different experiments (Biometrics 10).
+    """
+    columns = columns_of(fit, effect)
+    estimates = [_estimate(fit, columns, blocks.run == run, cluster) for run in torch.unique(blocks.run)]
+    estimates = [estimate for estimate in estimates if estimate is not None]
+    drifts = []
+    for position, parameter in enumerate(effect.parameters):
+        pairs = [(values[position], errors[position]) for values, errors in estimates if errors[position] > 0]
+        if len(pairs) >= 3:
+            distance = abs(float(fit.values[columns[position]]) - parameter.neutral)
+            drifts.append(_heterogeneity(parameter.name, pairs, distance))
+    return drifts
+
+
+def _estimate(
+    fit: Fit, columns: list[int], mine: torch.Tensor, cluster: torch.Tensor
+) -> tuple[list[float], list[float]] | None:
+    """Return value and robust error of some parameters on one run, or None where it holds too few clusters."""
+    groups = torch.unique(cluster[mine], return_inverse=True)[1]
+    count = int(groups.max()) + 1
+    if count < 4:
+        return None
+    jacobian = fit.jacobian[mine][..., columns] / fit.scale[:, None]
+    residual = fit.residual[mine] / fit.scale
+    gram = torch.einsum("brcp,brcq->pq", jacobian, jacobian)
+    bread = torch.linalg.pinv(gram, hermitian=True)
+    change = bread @ torch.einsum("brcp,brc->p", jacobian, residual)
+    score = torch.einsum("brcp,brc->bp", jacobian, residual - jacobian @ change)
+    summed = score.new_zeros((count, len(columns))).index_add(0, groups, score)
+    covariance = bread @ (summed.T @ summed) @ bread * (count / (count - 1))
+    return (fit.values[columns] + change).tolist(), covariance.diagonal().clamp_min(0).sqrt().tolist()
+
+
+def _heterogeneity(name: str, pairs: list[tuple[float, float]], distance: float) -> Drift:
+    values = torch.tensor([value for value, _ in pairs], dtype=torch.float64)
+    weights = torch.tensor([error**-2 for _, error in pairs], dtype=torch.float64)
+    mean = (weights * values).sum() / weights.sum()
+    q = float((weights * (values - mean) ** 2).sum())
+    freedom = len(pairs) - 1
+    # DerSimonian & Laird's moment estimate of the variance between runs.
+    between = max(q - freedom, 0.0) / float(weights.sum() - (weights**2).sum() / weights.sum())
+    spread = math.sqrt(between) / max(distance, 1e-12)
+    return Drift(name, spread, float(stats.chi2.sf(q, freedom)))
+
+
+def steadiness(drifts: list[Drift]) -> float:
+    """Return 1 where the parameters agree between runs, less the more they certainly drift."""
+    worst = max((drift.spread for drift in drifts if drift.notable), default=0.0)
+    return 1.0 / (1.0 + worst**2)

@@ -1,0 +1,91 @@
+"""A fit with one effect more or one less, without fitting the others from scratch."""
+
+import torch
+from torch import Tensor
+
+from pipeline.effects import Effect, WrenchEffect
+from pipeline.gap.fit import (
+    Fit,
+    Problem,
+    bounded_newton_step,
+    bounds_of,
+    channel_scale,
+    clustered_covariance,
+    columns_of,
+    effect_jacobian,
+    fit,
+    values_of,
+    with_errors,
+    with_values,
+)
+from pipeline.gap.residuals import residual_rows
+from pipeline.simulation import FittedEffect, Simulator
+
+_STEPS = 3
+
+
+def extend(current: Fit, effect: Effect, problem: Problem) -> Fit:
+    """Add an effect to a fit: its own columns are computed, those of the others kept.
+
+    A linear effect needs no evaluation of the simulator at all, any other a handful. The winner of a round is fitted
+    again in full.
+    """
+    simulator, residual = _start(current, effect, problem)
+    for _ in range(1 if _is_linear(effect) else _STEPS):
+        added = effect_jacobian(simulator, effect, problem, residual)
+        jacobian = torch.cat([current.jacobian, added], dim=-1)
+        simulator, residual = _stepped(simulator, residual, jacobian, problem, _is_linear(effect))
+    return _finished(simulator, residual, jacobian, problem)
+
+
+def shrink(current: Fit, effect: Effect, problem: Problem) -> Fit:
+    """Take an effect out of a fit; the others move by one Newton step where it was linear, else are fitted again."""
+    simulator = current.simulator.with_effects(
+        tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
+    )
+    if not _is_linear(effect):
+        return fit(simulator, problem)
+    mine = columns_of(current, effect)
+    others = [column for column in range(current.jacobian.shape[-1]) if column not in mine]
+    residual = current.residual + current.jacobian[..., mine] @ current.values[mine]
+    jacobian = current.jacobian[..., others]
+    if others:
+        simulator, residual = _stepped(simulator, residual, jacobian, problem, linear=True)
+    return _finished(simulator, residual, jacobian, problem)
+
+
+def _is_linear(effect: Effect) -> bool:
+    return isinstance(effect, WrenchEffect) and effect.linear
+
+
+def _start(current: Fit, effect: Effect, problem: Problem) -> tuple[Simulator, Tensor]:
+    """Return the simulator at the effect's most promising starting point, and its residual."""
+    tried = []
+    for values in effect.starts():
+        simulator = current.simulator.with_effects((*current.simulator.effects, FittedEffect(effect, values)))
+        if values == effect.neutral():
+            tried.append((simulator, current.residual))
+        else:
+            tried.append((simulator, residual_rows(simulator, problem.blocks, problem.functions)))
+    return min(tried, key=lambda pair: float((pair[1] / current.scale).square().sum()))
+
+
+def _stepped(
+    simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem, linear: bool
+) -> tuple[Simulator, Tensor]:
+    low, high = bounds_of(simulator)
+    values, scale = values_of(simulator), channel_scale(residual, problem.noise)
+    change, _ = bounded_newton_step(jacobian, residual, scale, values, low, high)
+    after = (values + change).clamp(low, high)
+    moved = with_values(simulator, after)
+    if linear:
+        return moved, residual - jacobian @ (after - values)
+    rows = residual_rows(moved, problem.blocks, problem.functions)
+    worse = (rows / scale).square().sum() > (residual / scale).square().sum()
+    return (simulator, residual) if worse else (moved, rows)
+
+
+def _finished(simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem) -> Fit:
+    scale = channel_scale(residual, problem.noise)
+    covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)
+    return Fit(with_errors(simulator, covariance), residual, jacobian, scale, covariance)

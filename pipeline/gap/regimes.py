@@ -1,0 +1,85 @@
+"""The variables over which a mismatch is mapped: where in its envelope the machine was."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+_AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class Regime:
+    """One variable that describes where the machine was.
+
+    Attributes:
+        name: as in the diagnosis.
+        unit: its unit.
+        series: (blocks, samples).
+    """
+
+    name: str
+    unit: str
+    series: Tensor
+
+
+def regimes_of(kind: str, signals: Mapping[str, Tensor], position_unit: str = "rad") -> list[Regime]:
+    """Return the regime variables that the signals of a platform kind allow; margins are dropped beforehand."""
+    makers = {"quadrotor": _quadrotor, "joint": _joint, "swerve": _swerve}
+    regimes = makers[kind](signals, position_unit)
+    if "battery_voltage" in signals:
+        regimes.append(Regime("battery_voltage", "V", signals["battery_voltage"]))
+    return regimes
+
+
+def _quadrotor(signals: Mapping[str, Tensor], position_unit: str) -> list[Regime]:
+    velocity, rate = signals["velocity"], signals["body_rate"]
+    return [
+        Regime("airspeed", "m/s", velocity.norm(dim=-1)),
+        *(Regime(f"velocity_{axis}", "m/s", velocity[..., i]) for i, axis in enumerate(_AXES)),
+        Regime("height", "m", signals["position"][..., 2]),
+        Regime("turning_rate", "rad/s", rate.norm(dim=-1)),
+        *(Regime(f"body_rate_{axis}", "rad/s", rate[..., i]) for i, axis in enumerate(_AXES)),
+        Regime("mean_rotor_speed", "rad/s", signals["rotor_speed"].mean(-1)),
+    ]
+
+
+def _joint(signals: Mapping[str, Tensor], position_unit: str) -> list[Regime]:
+    regimes = [
+        Regime("velocity", f"{position_unit}/s", signals["velocity"]),
+        Regime("speed", f"{position_unit}/s", signals["velocity"].abs()),
+        Regime("position", position_unit, signals["position"]),
+        Regime("effort", "N·m" if position_unit == "rad" else "N", signals["effort"]),
+    ]
+    extra = [("voltage", "V"), ("temperature", "°C")]
+    return regimes + [Regime(name, unit, signals[name]) for name, unit in extra if name in signals]
+
+
+def _swerve(signals: Mapping[str, Tensor], position_unit: str) -> list[Regime]:
+    velocity = signals["chassis_velocity"]
+    return [
+        Regime("chassis_speed", "m/s", velocity[..., :2].norm(dim=-1)),
+        Regime("chassis_velocity_x", "m/s", velocity[..., 0]),
+        Regime("chassis_velocity_y", "m/s", velocity[..., 1]),
+        Regime("chassis_rate", "rad/s", velocity[..., 2]),
+        *(Regime(f"steer_velocity_{m + 1}", "rad/s", signals["steer_velocity"][..., m]) for m in range(4)),
+        *(Regime(f"drive_voltage_{m + 1}", "V", signals["drive_voltage"][..., m]) for m in range(4)),
+    ]
+
+
+def quantile_edges(values: Tensor, bins: int) -> Tensor:
+    """Return the edges of bins that hold about equally many values; fewer where values repeat."""
+    return torch.unique(torch.quantile(values, torch.linspace(0, 1, bins + 1, dtype=values.dtype)))
+
+
+def bin_of(values: Tensor, edges: Tensor) -> Tensor:
+    """Return the bin of each value, 0 .. len(edges) − 2."""
+    return (torch.bucketize(values, edges[1:-1], right=True)).clamp(0, max(len(edges) - 2, 0))
+
+
+def mean_per_bin(values: Tensor, place: Tensor, bins: int) -> Tensor:
+    """Return the mean of the values in each bin, NaN where it is empty."""
+    total = values.new_zeros(bins).index_add(0, place, values)
+    count = values.new_zeros(bins).index_add(0, place, torch.ones_like(values))
+    return total / count

@@ -1,0 +1,130 @@
+"""What remains when every name has been tried: a formula over the recorded signals, found by sparse regression."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from pipeline.gap.fit import Problem
+from pipeline.gap.regimes import Regime
+from pipeline.gap.weak_form import mean_of
+from pipeline.platforms.mechanism import Channel
+
+_MOST_TERMS = 4
+_LEAST_STEP = 0.02  # of the remaining energy, cross-validated, for one more term to be worth reading
+
+
+@dataclass(frozen=True)
+class Unnamed:
+    """Structure in a channel's residual that no effect of the catalogue accounts for.
+
+    Attributes:
+        channel: which equation of motion.
+        depends_on: the signals in the formula.
+        formula: the residual in the channel's unit, signals in SI units.
+        share: of what the nominal simulator leaves unexplained in that channel above the noise.
+    """
+
+    channel: Channel
+    depends_on: tuple[str, ...]
+    formula: str
+    share: float
+
+
+@dataclass(frozen=True)
+class _Term:
+    text: str
+    signals: tuple[str, ...]
+    series: Tensor  # (blocks * rows,)
+
+
+def find_unnamed(
+    residual: Tensor,
+    nominal_residual: Tensor,
+    channels: Sequence[Channel],
+    regimes: Sequence[Regime],
+    problem: Problem,
+    fold: Tensor,
+    least_share: float,
+) -> list[Unnamed]:
+    """Return a formula for every channel whose residual still depends on the recorded signals.
+
+    Terms enter one at a time by orthogonal matching pursuit and stay only if they predict runs they were not fitted on.
+    Source: Brunton, Proctor & Kutz 2016, Sparse identification of nonlinear dynamics (PNAS 113).
+
+    Args:
+        residual: of the simulator with the named effects, cross-validated, (blocks, rows, channels).
+        nominal_residual: of the nominal simulator.
+        channels: names and units.
+        regimes: the signals to build terms of.
+        problem: blocks, windows and noise.
+        fold: of each block, (blocks,).
+        least_share: of the excess energy that a formula must explain.
+    """
+    terms = _library(regimes, problem)
+    rows = residual.shape[1]
+    row_fold = fold.repeat_interleave(rows)
+    found = []
+    for i, channel in enumerate(channels):
+        noise = float(problem.noise[i]) ** 2
+        excess = max(float(nominal_residual[..., i].square().mean()) - noise, 0.01 * noise)
+        left = residual[..., i].flatten()
+        chosen, explained = _pursue(left, terms, row_fold)
+        if chosen and explained > max(least_share * excess, 0.05 * noise):
+            formula = _formula(chosen, left)
+            signals = tuple(dict.fromkeys(signal for term in chosen for signal in term.signals))
+            found.append(Unnamed(channel, signals, formula, min(explained / excess, 1.0)))
+    return found
+
+
+def _library(regimes: Sequence[Regime], problem: Problem) -> list[_Term]:
+    """Return constants, signals, their squares with sign, and products of two, averaged over the windows."""
+    signals = {regime.name: regime.series for regime in regimes}
+    shape = next(iter(signals.values()))
+    series = [("1", (), torch.ones_like(shape))]
+    series += [(name, (name,), value) for name, value in signals.items()]
+    series += [(f"{name}·|{name}|", (name,), value * value.abs()) for name, value in signals.items()]
+    pairs = itertools.combinations(signals.items(), 2)
+    series += [(f"{a}·{b}", (a, b), x * y) for (a, x), (b, y) in pairs]
+    return [_Term(text, names, mean_of(problem.functions, value).flatten()) for text, names, value in series]
+
+
+def _pursue(left: Tensor, terms: list[_Term], fold: Tensor) -> tuple[list[_Term], float]:
+    """Return the chosen terms and the energy that they explain on folds left out."""
+    matrix = torch.stack([term.series for term in terms], dim=1)
+    size = matrix.square().mean(0).sqrt().clamp_min(1e-12)
+    matrix = matrix / size
+    start = energy = float(left.square().mean())
+    chosen: list[int] = []
+    remaining = left
+    while len(chosen) < _MOST_TERMS:
+        correlation = (matrix.T @ remaining).abs()
+        correlation[chosen] = 0.0
+        tried = [*chosen, int(correlation.argmax())]
+        after = _cross_validated_energy(matrix[:, tried], left, fold)
+        if energy - after < _LEAST_STEP * energy:
+            break
+        chosen, energy = tried, after
+        weights = torch.linalg.lstsq(matrix[:, chosen], left[:, None]).solution
+        remaining = left - (matrix[:, chosen] @ weights)[:, 0]
+    return [terms[i] for i in chosen], start - energy
+
+
+def _cross_validated_energy(matrix: Tensor, left: Tensor, fold: Tensor) -> float:
+    gram_all, score_all = matrix.T @ matrix, matrix.T @ left
+    energy = 0.0
+    for part in torch.unique(fold):
+        mine = fold == part
+        held = matrix[mine]
+        weights = torch.linalg.pinv(gram_all - held.T @ held, hermitian=True) @ (score_all - held.T @ left[mine])
+        energy += float((left[mine] - held @ weights).square().sum())
+    return energy / len(left)
+
+
+def _formula(chosen: list[_Term], left: Tensor) -> str:
+    matrix = torch.stack([term.series for term in chosen], dim=1)
+    weights = torch.linalg.lstsq(matrix, left[:, None]).solution[:, 0].tolist()
+    parts = [f"{weight:+.3g}" + ("" if term.text == "1" else f"·{term.text}") for weight, term in zip(weights, chosen, strict=True)]
+    return " ".join(parts)
