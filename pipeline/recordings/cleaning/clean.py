@@ -16,7 +16,7 @@ from pipeline.recordings.cleaning.limits import erase_beyond_limits
 from pipeline.recordings.cleaning.missing import erase_sparse_groups, lacking, needed_groups
 from pipeline.recordings.cleaning.quaternions import mend_quaternions
 from pipeline.recordings.cleaning.resample import resample, split_at_gaps, typical_step
-from pipeline.recordings.cleaning.segments import drop_incomplete, drop_short, segment_numbers
+from pipeline.recordings.cleaning.segments import drop_incomplete, drop_made_up, drop_short, segment_numbers
 from pipeline.recordings.cleaning.settings import Cleaning
 from pipeline.recordings.cleaning.spikes import erase_spikes
 from pipeline.recordings.cleaning.straight import erase_straight
@@ -138,6 +138,7 @@ def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> R
     if settings.idle:
         drop_idle(run, settings.min_idle)
     drop_short(run, settings.min_duration)
+    drop_made_up(run, settings.min_measured)
     run.clock_offset = estimate_clock_offset(run, settings.max_clock_offset)
     return run
 

@@ -45,7 +45,10 @@ def _bar(run: str, rows: pd.DataFrame, top: float, scale: float) -> list[str]:
     parts = [f'<text x="{_LABEL - 8}" y="{top + 11}" text-anchor="end">{escape(run)}</text>']
     origin = float(rows["start"].min())
     for state in ("kept", "missing", "interpolated", "dropped"):
-        shares = _shares(rows[rows["state"] == state], origin, scale)
+        drawn = (
+            ("kept", "interpolated") if state == "kept" else (state,)
+        )  # what is filled lies on what is kept
+        shares = _shares(rows[rows["state"].isin(drawn)], origin, scale)
         colour = _COLOURS[state]
         for first, past, share in _steps(shares):
             title = f"<title>{state}</title>"

@@ -38,7 +38,8 @@ def drop_idle(run: RunUnderCleaning, min_idle: float) -> None:
 
 def _drop(run: RunUnderCleaning, rest: np.ndarray, least: float, wanted: np.ndarray, reason: str) -> None:
     rows = np.zeros(len(run.time), dtype=bool)
-    for first, past in stretches_of(rest):
+    gone = run.dropped != ""  # what was cut out of a rest does not make it shorter
+    for first, past in stretches_of(rest | gone):
         if run.time[past - 1] - run.time[first] + run.time_step >= least:
             rows[first:past] = True
     run.drop(rows & wanted, "idle", reason)

@@ -7,6 +7,8 @@ import numpy as np
 
 from pipeline.recordings.cleaning.work import RunUnderCleaning, stretches_of
 
+_ROUNDING = 1.0 - 1e-9
+
 
 def drop_incomplete(run: RunUnderCleaning) -> None:
     """Drop samples in which a needed channel is missing for longer than is interpolated."""
@@ -16,17 +18,33 @@ def drop_incomplete(run: RunUnderCleaning) -> None:
         rows = absent[:, place] & (run.dropped == "")
         for cause in sorted(set(causes[rows])):
             run.drop(
-                rows & (causes == cause), "gaps", "needed channel missing for too long", f"{column} ({cause})"
+                rows & (causes == cause),
+                "gaps",
+                "needed channel missing beyond what is interpolated",
+                f"{column} ({cause})",
             )
 
 
 def drop_short(run: RunUnderCleaning, min_duration: float) -> None:
     """Drop unbroken stretches shorter than `min_duration` s."""
+    rows = np.zeros(len(run.time), dtype=bool)
+    short = [piece for piece in unbroken(run) if np.diff(piece)[0] * run.time_step < min_duration * _ROUNDING]
+    for first, past in short:
+        rows[first:past] = True
+    run.drop(rows, "short", f"unbroken for less than {min_duration:g} s", f"{len(short)} stretches")
+
+
+def drop_made_up(run: RunUnderCleaning, least_measured: float) -> None:
+    """Drop unbroken stretches in which some needed channel was measured for less than a share of the time."""
+    measured = run.cause[:, run.index(run.needed)] == ""
     for first, past in unbroken(run):
-        if (past - first) * run.time_step < min_duration * (1.0 - 1e-9):
+        share = float(measured[first:past].mean(axis=0).min())
+        if share < least_measured:
             rows = np.zeros(len(run.time), dtype=bool)
             rows[first:past] = True
-            run.drop(rows, "short", f"unbroken for less than {min_duration:g} s")
+            run.drop(
+                rows, "gaps", "mostly interpolated", f"{share:.0%} measured from t = {run.time[first]:.6g} s"
+            )
 
 
 def unbroken(run: RunUnderCleaning) -> np.ndarray:

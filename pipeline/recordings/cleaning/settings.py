@@ -16,6 +16,8 @@ class Cleaning:
         max_slow_gap: s; the same for battery voltage and temperature, which change slowly.
         jitter: share of the time step by which a sample may be early or late and still counts as on time.
         min_duration: s; shorter stretches are dropped.
+        min_measured: share of its samples that an unbroken stretch must have measured in every needed
+            channel.
         min_idle: s; a shorter rest is left in.
         spikes: whether isolated impossible samples are replaced.
         frozen: whether samples that were repeated for want of a newer one are replaced.
@@ -30,6 +32,7 @@ class Cleaning:
     max_slow_gap: float = 2.0
     jitter: float = 0.05
     min_duration: float = 0.1
+    min_measured: float = 0.5
     min_idle: float = 0.5
     spikes: bool = True
     frozen: bool = True
@@ -48,14 +51,23 @@ class Cleaning:
             raise InputError(
                 f"must be positive, is {self.time_step}", "clean.time_step", "give seconds, or null"
             )
-        for key in ("max_gap", "max_slow_gap", "jitter", "min_duration", "min_idle", "crash_margin"):
+        for key in (
+            "max_gap",
+            "max_slow_gap",
+            "jitter",
+            "min_duration",
+            "min_measured",
+            "min_idle",
+            "crash_margin",
+        ):
             if getattr(self, key) < 0:
                 raise InputError(
                     f"must not be negative, is {getattr(self, key)}", f"clean.{key}", "give seconds"
                 )
-        if self.jitter >= 0.5:
-            raise InputError(
-                f"must be below 0.5, is {self.jitter}", "clean.jitter", "give a share of the time step"
-            )
+        for key, most in (("jitter", 0.5), ("min_measured", 1.0)):
+            if getattr(self, key) >= most:
+                raise InputError(
+                    f"must be below {most}, is {getattr(self, key)}", f"clean.{key}", "give a share"
+                )
         if self.max_clock_offset <= 0:
             raise InputError("must be positive", "clean.max_clock_offset", "give seconds")
