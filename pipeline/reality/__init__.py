@@ -1,0 +1,4 @@
+"""The concealed plants: machines richer than the catalogue, flown in closed loop and recorded with noise.
+
+Nothing that identifies, diagnoses or simulates may look in here; only the stages `record` and `deploy` do.
+"""

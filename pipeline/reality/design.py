@@ -1,0 +1,64 @@
+"""From a platform file and a case to the plant that it truly is."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.platforms import Quadrotor
+from pipeline.reality.airframe import Airframe
+from pipeline.reality.case import PlantCase
+from pipeline.reality.rotor import AIR_DENSITY, Rotor
+
+# Static thrust over density · disc area · tip speed², such that the thrust coefficients of a 5-inch
+# racing propeller and of a Crazyflie's give their 127 mm and 50 mm: no platform file has the radius.
+STATIC_THRUST_COEFFICIENT = 0.025
+
+PROBE_SPEED = 5.0  # m/s, at which the gain of thrust in plane is set; elsewhere the plant goes its own way
+
+
+def design(platform: Quadrotor, case: PlantCase) -> Airframe:
+    """Return the airframe in which the case's effects have their strengths at hover.
+
+    Strengths set what the blades and the frame are like; what they amount to in flight is for `truth` to say.
+    """
+    thrust_coefficient = platform.thrust_coefficient * case.strength("thrust_coefficient_error")
+    mass = platform.mass * case.strength("mass_error")
+    disc = platform.thrust_coefficient / (STATIC_THRUST_COEFFICIENT * AIR_DENSITY * math.pi)
+    airframe = Airframe(
+        mass=mass,
+        inertia=np.array(platform.inertia),
+        rotor_positions=np.array(platform.rotor_positions),
+        rotor_directions=np.array(platform.rotor_directions, dtype=float),
+        torque_coefficient=platform.torque_coefficient,
+        rotor=Rotor(thrust_coefficient, radius=disc**0.25),
+        drag_area=2.0 * mass * case.strength("body_drag") / AIR_DENSITY,
+        gravity=platform.gravity,
+    )
+    return _with_rotor_effects(airframe, platform.hover_rotor_speed, case)
+
+
+def _with_rotor_effects(airframe: Airframe, hover: float, case: PlantCase) -> Airframe:
+    """Scale each effect of the rotors so that at hover rotor speed it has the wanted strength."""
+    small = 0.1  # m/s
+    drag = -_gained(airframe, hover, "lateral_scale", (small, 0.0, 0.0))[0] / small
+    climb = -_gained(airframe, hover, "axial_share", (0.0, 0.0, small))[2] / small
+    lift = _gained(airframe, hover, "in_plane_share", (PROBE_SPEED, 0.0, 0.0))[2] / PROBE_SPEED**2
+    rotor = replace(
+        airframe.rotor,
+        lateral_scale=case.strength("rotor_drag") / drag,
+        axial_share=case.strength("axial_inflow") / climb,
+        in_plane_share=math.sqrt(case.strength("translational_lift") / lift),
+    )
+    return replace(airframe, rotor=rotor)
+
+
+def _gained(
+    airframe: Airframe, hover: float, switch: str, velocity: tuple[float, float, float]
+) -> np.ndarray:
+    """Return the specific force that a full effect of the rotors adds at hover rotor speed, m/s²."""
+    moving = np.array(velocity)
+    speed = np.full(4, hover)
+    full = replace(airframe, rotor=replace(airframe.rotor, **{switch: 1.0}), drag_area=0.0)
+    still = full.specific_force(np.zeros(3), np.zeros(3), speed)
+    return full.specific_force(moving, np.zeros(3), speed) - still

@@ -1,0 +1,115 @@
+"""Where a flight is to go: sums of sines, run through now faster, now slower."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.reality.case import PlantCase
+from pipeline.reality.rotation import Array
+
+MANOEUVRES = ("random", "circle", "eight", "sprint", "climb")
+
+_PACE_DEPTH, _PACE_PERIOD = 0.3, 7.0  # share and s by which the pace along the path swings
+_GOLDEN = (5**0.5 - 1) / 2  # spreads speeds evenly over manoeuvres, whatever the number of runs
+_BASE_FREQUENCY = 1.4  # rad/s, of a manoeuvre that is not slowed down for its acceleration
+_LOWEST = 1.5  # m above the floor
+_VERTICAL_WEIGHT = 2.0  # an acceleration downwards is limited by gravity, and rotors do not push down
+
+
+@dataclass(frozen=True)
+class Paths:
+    """Paths of all runs; axes are x, y, z in m and heading in rad, world frame.
+
+    Attributes:
+        names: of the runs.
+        amplitude: (runs, 4, harmonics).
+        frequency: same shape, rad/s.
+        phase: same shape, rad.
+        turning: steady change of heading, (runs,) rad/s.
+        height: about which the path goes up and down, (runs,) m.
+    """
+
+    names: tuple[str, ...]
+    amplitude: Array
+    frequency: Array
+    phase: Array
+    turning: Array
+    height: Array
+
+    def at(self, time: float | Array) -> tuple[Array, Array, Array]:
+        """Return position and heading (..., runs, 4) with first and second derivatives at times (...), s."""
+        swing = 2.0 * np.pi / _PACE_PERIOD
+        angle = swing * np.asarray(time, dtype=float)[..., None, None]
+        progress = angle / swing + _PACE_DEPTH / swing * (1.0 - np.cos(angle))
+        pace = 1.0 + _PACE_DEPTH * np.sin(angle)
+        quickening = _PACE_DEPTH * swing * np.cos(angle)
+        argument = self.frequency * progress[..., None] + self.phase
+        sine, slope = self.amplitude * np.sin(argument), self.amplitude * self.frequency * np.cos(argument)
+        value, first = sine.sum(axis=-1), slope.sum(axis=-1)
+        second = -(self.frequency**2 * sine).sum(axis=-1)
+        value[..., 2] += self.height
+        value[..., 3] += self.turning * progress[..., 0]
+        first[..., 3] += self.turning
+        return value, first * pace, second * pace**2 + first * quickening
+
+
+def plan(case: PlantCase, random: np.random.Generator) -> Paths:
+    """Return paths on which every manoeuvre is flown and peak speeds range from slowest to fastest."""
+    names = [MANOEUVRES[run % len(MANOEUVRES)] for run in range(case.runs)]
+    order = np.argsort(np.argsort([(run * _GOLDEN) % 1.0 for run in range(case.runs)]))
+    shapes = [_shape(name, random) for name in names]
+    amplitude, frequency, phase = (np.stack(part) for part in zip(*shapes, strict=True))
+    sense = random.choice([-1.0, 1.0], case.runs)
+    paths = Paths(
+        names=tuple(f"{name}_{run + 1}" for run, name in enumerate(names)),
+        amplitude=amplitude,
+        frequency=frequency,
+        phase=phase,
+        turning=sense * random.uniform(0.15, 0.5, case.runs),
+        height=np.zeros(case.runs),
+    )
+    return _scaled(paths, np.linspace(case.slowest, case.fastest, case.runs)[order], case)
+
+
+def _scaled(paths: Paths, speeds: Array, case: PlantCase) -> Paths:
+    """Scale shapes to peak speeds (runs,), m/s, and slow down those that ask for too much acceleration."""
+    _, velocity, acceleration = paths.at(np.linspace(0.0, case.duration, 500))
+    weight = np.array([1.0, 1.0, _VERTICAL_WEIGHT])
+    size = speeds / np.linalg.norm(velocity[..., :3], axis=-1).max(axis=0)
+    felt = size * np.linalg.norm(weight * acceleration[..., :3], axis=-1).max(axis=0)
+    slowing = np.minimum(1.0, case.acceleration / felt)[:, None, None]
+    amplitude = paths.amplitude.copy()
+    amplitude[:, :3] *= size[:, None, None] / slowing
+    return replace(
+        paths,
+        amplitude=amplitude,
+        frequency=paths.frequency * slowing,
+        height=_LOWEST + np.abs(amplitude[:, 2]).sum(axis=-1),
+    )
+
+
+def _shape(manoeuvre: str, random: np.random.Generator) -> tuple[Array, Array, Array]:
+    """Return amplitude, frequency and phase (4, harmonics) of a manoeuvre, of any size."""
+    amplitude, phase = np.zeros((4, 4)), random.uniform(0.0, 2.0 * np.pi, (4, 4))
+    frequency = _BASE_FREQUENCY * np.tile([1.0, 2.0, 0.5, 0.3], (4, 1))
+    heading = random.uniform(0.0, 2.0 * np.pi)
+    along = np.array([np.cos(heading), np.sin(heading), 0.0, 0.0])
+    amplitude[2, 2] = 0.15  # some climbing everywhere
+    if manoeuvre == "circle":
+        amplitude[0, 0] = amplitude[1, 0] = 1.0
+        phase[1, 0] = phase[0, 0] + np.pi / 2
+    elif manoeuvre == "eight":
+        amplitude[0, 0], amplitude[1, 1] = 1.0, 0.5
+        phase[1, 1] = 2.0 * phase[0, 0]
+    elif manoeuvre == "sprint":
+        amplitude[:, 0] = along
+        phase[:, 0] = phase[0, 0]
+    elif manoeuvre == "climb":
+        amplitude[:, 3] = 0.6 * along
+        amplitude[2, :2] = 0.5, 0.15
+    else:
+        amplitude[:3] = random.uniform(0.3, 1.0, (3, 4)) * [0.5, 0.15, 1.0, 1.0]
+        amplitude[2] *= 0.6
+        frequency = frequency * random.uniform(0.85, 1.15, (4, 4))
+    amplitude[3, 2] = 0.4  # rad, the nose swings to and fro
+    return amplitude, frequency, phase
