@@ -19,6 +19,8 @@ from pipeline.report.section import Drawing, Section
 from pipeline.report.text import is_number, quantity, spoken
 from pipeline.report.verdict import why_unknown
 
+_DIVERGENCE = 50.0  # ratio of the largest errors before and after
+
 
 def fit_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     """Compare the errors before and after, and draw how they grow over the horizon."""
@@ -65,5 +67,12 @@ def _horizon(entry: dict[str, Any]) -> Figure:
         level = floor if isinstance(floor, list) else [floor] * len(time)
         data.append(line(time, level, "noise floor", FLOOR, dash="dash", width=1.5))
     title = quantity(f"{entry['quantity']} error", entry.get("unit"))
-    drawn = layout(axis("horizon (s)"), axis(title, rangemode="tozero"))
+    scale = {"type": "log"} if _diverges(entry) else {"rangemode": "tozero"}
+    drawn = layout(axis("horizon (s)"), axis(title, **scale))
     return Figure(f"Error of {spoken(entry['quantity'])} over the horizon", data, drawn, 320)
+
+
+def _diverges(entry: dict[str, Any]) -> bool:
+    """Whether the error before is so large that the one after would lie flat on a linear axis."""
+    before, after = (max(filter(is_number, entry[stage]), default=0.0) for stage in ("before", "after"))
+    return before > _DIVERGENCE * after > 0

@@ -11,6 +11,7 @@ from pipeline.report.inputs import ReportInputs
 from pipeline.report.section import Drawing, Section
 from pipeline.report.text import number, quantity, short, spoken, with_unit
 
+_SHOWN = 3  # maps that are open when the page is opened
 _MAP_COLOURS = [[0.0, "var(--map-low)"], [0.5, "var(--map-middle)"], [1.0, "var(--map-high)"]]
 
 
@@ -23,22 +24,29 @@ def where_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     described = [*regimes, *(inputs.evidence("laws.json") or [])]
     units = {entry["variable"]: entry["variable_unit"] for entry in described if entry.get("variable_unit")}
     rows = [_row(entry, units) for entry in mismatches]
-    return Section(
-        "where",
-        "Where it fails",
-        {"verdict": inputs.diagnosis["verdict"], "rows": rows, "maps": regime_maps(regimes, drawing)},
-    )
+    content = {"verdict": inputs.diagnosis["verdict"], "rows": rows, "maps": regime_maps(regimes, drawing)}
+    return Section("where", "Where it fails", content | {"shown": _SHOWN})
 
 
 def regime_maps(regimes: list[dict[str, Any]], drawing: Drawing) -> list[Figure]:
-    """Draw one map per regime variable: channels over bins, coloured by error over the noise floor."""
+    """Draw channels over bins for every regime variable, the one that tells most first.
+
+    The colour is the error as a multiple of the noise floor, on one scale for all.
+    """
     groups: dict[tuple, list[dict[str, Any]]] = defaultdict(list)
     for entry in regimes:
         groups[entry["variable"], tuple(entry["edges"])].append(entry)
     ratios = [_over_floor(entry, stage) for entry in regimes for stage in ("before", "after")]
     finite = np.concatenate([*ratios, [2.0]])
     highest = float(np.nanmax(finite[np.isfinite(finite)]))
-    return [_map(entries, highest, drawing) for entries in groups.values()]
+    telling = sorted(groups.values(), key=_contrast, reverse=True)
+    return [_map(entries, highest, drawing) for entries in telling]
+
+
+def _contrast(entries: list[dict[str, Any]]) -> float:
+    """Return how much the error before varies over the bins of one channel at most, in noise floors."""
+    ratios = [ratio[np.isfinite(ratio)] for ratio in (_over_floor(entry, "before") for entry in entries)]
+    return max((float(np.ptp(ratio)) for ratio in ratios if ratio.size), default=0.0)
 
 
 def _row(entry: dict[str, Any], units: dict[str, str | None]) -> dict[str, Any]:

@@ -16,6 +16,7 @@
   }
 
   function draw(plot, figure) {
+    if (plot.closest("details:not([open])")) return null; // drawn when it is opened
     const { data, layout } = coloured(figure, getComputedStyle(document.documentElement));
     return Plotly.react(plot, data, layout, settings);
   }
@@ -74,6 +75,7 @@
   views.push(...[...document.querySelectorAll(".traces")].map(traceView));
   const drawAll = () => Promise.all(views.map((view) => view()));
 
+  document.querySelectorAll("details").forEach((folded) => folded.addEventListener("toggle", drawAll));
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
   window.addEventListener("beforeprint", () => { document.documentElement.dataset.print = ""; drawAll(); });
   window.addEventListener("afterprint", () => { delete document.documentElement.dataset.print; drawAll(); });

@@ -139,6 +139,9 @@ def _horizon(quantity: str, unit: str, final: float) -> dict[str, Any]:
 def _regimes(text: str, random: np.random.Generator) -> list[dict[str, Any]]:
     variables = {
         "airspeed": ("m/s", [0, 0.4, 0.8, 1.2, 1.7, 2.3, 3.2]),
+        "turning_rate": ("rad/s", [0, 0.5, 1.1, 2.4, 6.5]),
+        "velocity_z": ("m/s", [-1.1, -0.3, 0.0, 0.3, 1.2]),
+        "battery_voltage": ("V", [3.1, 3.4, 3.6, 3.8, 4.1]),
         "height": ("m", [0.1, 0.5, 0.9, 1.2, 1.5, 2.1]),
     }
     entries = []

@@ -61,7 +61,7 @@ def test_every_figure_is_one_that_plotly_accepts(tmp_path):
     figures += (
         fit_section(inputs, drawing).content["horizons"] + laws_section(inputs, drawing).content["figures"]
     )
-    assert len(figures) == 9
+    assert len(figures) == 12
     for figure in figures:
         go.Figure(json.loads(figure.json))
 
@@ -77,3 +77,19 @@ def test_the_map_shows_multiples_of_the_noise_floor_and_not_a_floor_of_zero(tmp_
     np.testing.assert_allclose(ratios[0], np.array(regimes[0]["before"]) / 0.03, rtol=1e-6)
     assert np.isnan(ratios[1]).all()
     assert heat["zmax"] >= ratios[0].max()
+
+
+def test_the_map_that_tells_most_comes_first(tmp_path):
+    maps = where_section(ReportInputs.of_branch(make_branch(tmp_path)), Drawing()).content["maps"]
+    assert len(maps) == 5
+    assert maps[0].caption == "Error over airspeed"
+
+
+def test_a_diverging_simulator_is_drawn_on_a_logarithmic_axis(tmp_path):
+    branch = make_branch(tmp_path)
+    path = branch / "diagnose" / "evidence" / "horizon.json"
+    horizons = json.loads(path.read_text())
+    horizons[0]["before"][-1] = 1e9
+    path.write_text(json.dumps(horizons))
+    drawn = fit_section(ReportInputs.of_branch(branch), Drawing()).content["horizons"]
+    assert [figure.layout["yaxis"].get("type") for figure in drawn] == ["log", None]

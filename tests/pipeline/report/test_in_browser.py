@@ -26,10 +26,12 @@ def test_the_page_draws_everything_and_asks_for_nothing(tmp_path, browser, text)
     browser.open(page)
     assert browser.evaluate("window.hacked") is None
     assert browser.evaluate("document.querySelectorAll('img[src=x]').length") == 0
+    browser.evaluate("document.querySelectorAll('details').forEach(folded => folded.open = true)")
+    browser.evaluate("new Promise(done => setTimeout(done, 500))")
     drawn = (
         "[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('svg.main-svg').length)"
     )
-    assert len(browser.evaluate(drawn)) == 11
+    assert len(browser.evaluate(drawn)) == 14
     assert all(browser.evaluate(drawn))
     _choose_every_trace(browser)
     assert browser.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
