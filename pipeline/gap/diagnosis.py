@@ -7,7 +7,7 @@ import torch
 
 from pipeline.effects import MeasurementEffect, ParameterError
 from pipeline.errors import InputError
-from pipeline.gap.blocks import Blocks, cut_blocks
+from pipeline.simulation.blocks import Blocks, cut_blocks
 from pipeline.gap.fit import Problem, columns_of
 from pipeline.gap.horizon import HorizonError, horizon_errors
 from pipeline.gap.locate import Mismatch, locate
@@ -85,7 +85,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     naming = name(nominal, problem, settings)
     simulator = naming.fit.simulator
     problem = replace(problem, noise=noise_of_rows(simulator, fitted, functions))
-    channels, regimes = nominal.mechanism.channels, fitted_regimes(fitted, simulator, settings)
+    channels, regimes = nominal.mechanism.channels, regimes_on(fitted, simulator)
     mismatches = locate(naming.base.residual, channels, regimes, problem)
     fold = folds_of(fitted, settings.folds)
     residual = cross_validated(naming.fit, fold)
@@ -113,7 +113,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
 
 
 def _blocks(recording: Recording, nominal: Simulator, settings: Gap) -> tuple[Blocks, list[str]]:
-    blocks = cut_blocks(recording, nominal.platform, settings)
+    blocks = cut_blocks(recording, nominal.platform, settings.block_duration, settings.margin)
     remarks: list[str] = []
     if recording.kind == "quadrotor":
         blocks, remarks = settle_accelerometer(blocks, nominal.platform.gravity, settings.test_width)
@@ -154,12 +154,11 @@ def _resolved(nominal: Simulator, blocks: Blocks) -> Simulator:
     return replace(nominal, settings={**nominal.settings, "sliding_velocity": max(0.01 * usual, jitter, 1e-6)})
 
 
-def fitted_regimes(blocks: Blocks, simulator: Simulator, settings: Gap) -> list[Regime]:
+def regimes_on(blocks: Blocks, simulator: Simulator) -> list[Regime]:
     """Return the regime variables on the blocks without their margins."""
     signals = simulator.along_time(blocks.signals, blocks.time_step)
     inner = {name: blocks.inner(series) for name, series in signals.items()}
-    regimes = regimes_of(simulator.platform.kind, inner, simulator.position_unit)
-    return [r for r in regimes if r.name in settings.regimes] if settings.regimes else regimes
+    return regimes_of(simulator.platform.kind, inner, simulator.position_unit)
 
 
 def _counted(naming: Naming, mismatches: Sequence[Mismatch], channels: Sequence[Channel]) -> list[Channel]:

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from pipeline.effects import Effect, Parameter, WrenchEffect
-from pipeline.gap.blocks import Blocks
+from pipeline.simulation.blocks import Blocks
 from pipeline.gap.residuals import residual_rows
 from pipeline.gap.weak_form import WindowFunctions, mean_of
 from pipeline.simulation import FittedEffect, Simulator
@@ -143,10 +143,12 @@ def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Prob
     signals = simulator.along_time(blocks.signals, blocks.time_step)
     inner = {name: blocks.inner(series) for name, series in signals.items()}
     zero = problem.functions.weights.new_zeros((len(blocks), len(problem.functions.centres)))
+    nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
+    scale = {name: nominal[name] / believed[name] for name in nominal}
     columns = []
     for wrench in effect.regressors(inner, simulator.constants()):
         names = [channel.name for channel in simulator.mechanism.channels]
-        rows = [mean_of(problem.functions, wrench[n]) if n in wrench else zero for n in names]
+        rows = [scale[n] * mean_of(problem.functions, wrench[n]) if n in wrench else zero for n in names]
         columns.append(torch.stack(rows, dim=-1))
     return torch.stack(columns, dim=-1)
 

@@ -6,18 +6,12 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.effects import CommandEffect, MeasurementEffect
-from pipeline.gap.blocks import Blocks
+from pipeline.simulation.blocks import Blocks
 from pipeline.gap.residuals import sample_noise
 from pipeline.physics.rotations import rotation_angle
-from pipeline.simulation import Simulator, rollout
+from pipeline.simulation import Simulator, replay
 from pipeline.simulation.motion import motion_of
 
-_COMMANDS = {
-    "quadrotor": ("rotor_speed", "motor_command"),
-    "joint": ("voltage", "effort"),
-    "swerve": ("drive_voltage", "steer_voltage"),
-}
 _UNITS = {
     "position": "m",
     "velocity": "m/s",
@@ -60,13 +54,13 @@ def horizon_errors(
     motion = motion_of(nominal.platform)
     signals = {name: blocks.inner(series)[:, : steps + 1] for name, series in blocks.signals.items()}
     recorded = motion.pack(signals)
-    before = _open_loop(nominal, blocks, recorded[:, 0], steps)
-    after = _open_loop(augmented, blocks, recorded[:, 0], steps)
+    before = replay(nominal, blocks, recorded[:, 0], steps)
+    after = replay(augmented, blocks, recorded[:, 0], steps)
     noise = _state_noise(blocks, nominal)
     random = torch.Generator().manual_seed(0)
-    shaken = motion.normalise(recorded[:, 0] + noise * torch.randn(recorded[:, 0].shape, generator=random, dtype=recorded.dtype))
-    perturbed = _open_loop(augmented, blocks, shaken, steps)
-    ends = perturbed + noise * torch.randn(perturbed.shape, generator=random, dtype=perturbed.dtype)
+    shaken = motion.normalise(_shaken(recorded[:, 0], noise, random))
+    perturbed = replay(augmented, blocks, shaken, steps)
+    ends = _shaken(perturbed, noise, random)
     shown = torch.unique(torch.linspace(1, steps, min(steps, _STEPS_SHOWN)).round().long())
     errors = []
     for quantity, where in motion.parts.items():
@@ -96,29 +90,15 @@ def _unit(simulator: Simulator, quantity: str) -> str:
     return _UNITS[quantity]
 
 
-def _open_loop(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int) -> Tensor:
-    """Roll out with the recorded commands; clocks are settled and delays applied on the whole block first."""
-    names = [n for n in _COMMANDS[simulator.platform.kind] if n in blocks.signals]
-    signals, constants = dict(blocks.signals), simulator.constants()
-    for fitted in simulator.of_type(MeasurementEffect):
-        signals = fitted.effect.undo(signals, fitted.values, blocks.time_step)  # type: ignore[attr-defined]
-    for fitted in simulator.of_type(CommandEffect):
-        signals = fitted.effect.along_time(signals, fitted.values, constants, blocks.time_step)  # type: ignore[attr-defined]
-    commands = {}
-    for name in names:
-        series = blocks.inner(signals[name])
-        # Signals are centred on their samples; over a step the mean of its two ends acts.
-        commands[name] = 0.5 * (series[:, :steps] + series[:, 1 : steps + 1])
-    settled = (MeasurementEffect, CommandEffect)
-    bare = simulator.with_effects(tuple(f for f in simulator.effects if not isinstance(f.effect, settled)))
-    return rollout(bare, initial, commands, blocks.time_step)
-
-
 def _state_noise(blocks: Blocks, simulator: Simulator) -> Tensor:
     """Return the standard deviation of the sensor noise on each component of the state, (n,)."""
     motion = motion_of(simulator.platform)
     state = motion.pack({name: blocks.inner(series) for name, series in blocks.signals.items()})
     return torch.stack([sample_noise(state[..., i]).sqrt() for i in range(state.shape[-1])])
+
+
+def _shaken(state: Tensor, noise: Tensor, random: torch.Generator) -> Tensor:
+    return state + noise * torch.randn(state.shape, generator=random, dtype=state.dtype)
 
 
 def _size(quantity: str, simulated: Tensor, recorded: Tensor) -> Tensor:

@@ -7,7 +7,7 @@ import torch
 from scipy import stats
 
 from pipeline.effects import Effect
-from pipeline.gap.blocks import Blocks
+from pipeline.simulation.blocks import Blocks
 from pipeline.gap.fit import Fit, columns_of
 
 _DRIFT_CHANCE = 1e-3

@@ -13,6 +13,7 @@ from pipeline.gap.scoring import cross_validated, folds_of, log_score, significa
 from pipeline.gap.settings import Gap
 from pipeline.simulation import Simulator
 
+_Z95 = 1.96
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 
 
@@ -26,6 +27,7 @@ class Candidate:
         residual: cross-validated, (blocks, rows, channels).
         gain: cross-validated log likelihood gained, corrected for correlated rows.
         share: of the excess over the noise floor, in the channel that gains most.
+        share_interval: 95 % interval of the share, over clusters of correlated residuals.
         p_value: of the effect's parameters differing from doing nothing.
         refusal: why it may not be named; empty where it may.
     """
@@ -35,6 +37,7 @@ class Candidate:
     residual: Tensor
     gain: float
     share: float
+    share_interval: tuple[float, float]
     p_value: float
     refusal: str = ""
 
@@ -127,18 +130,26 @@ class _Competition:
         neutral = [parameter.neutral for parameter in effect.parameters]
         significance = significance_of(fitted, columns, neutral, self.clusters)
         gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
-        share, energy = self.explained(before, after)
+        share, interval, energy = self.explained(before, after)
         candidate = Candidate(
-            effect, fitted, after, gain / significance.design_effect, share, significance.p_value
+            effect, fitted, after, gain / significance.design_effect, share, interval, significance.p_value
         )
         return replace(candidate, refusal=self.refusal(candidate, energy))
 
-    def explained(self, before: Tensor, after: Tensor) -> tuple[float, float]:
-        """Return the share of the excess over the noise and the energy over the noise's, in the best channel."""
+    def explained(self, before: Tensor, after: Tensor) -> tuple[float, tuple[float, float], float]:
+        """Return the share of the excess over the noise with its interval, and the energy over the noise's.
+
+        All are of the channel that gains most.
+        """
         noise = self.problem.noise.square()
         excess = (self.base.residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
-        energy = before.square().mean((0, 1)) - after.square().mean((0, 1))
-        return float((energy / excess).max()), float((energy / noise).max())
+        energy = (before.square() - after.square()).mean(1)  # (blocks, channels)
+        mean = energy.mean(0)
+        best = int((mean / excess).argmax())
+        groups = energy.new_zeros(self.clusters).index_add(0, self.problem.cluster, energy[:, best])
+        error = float(groups.std()) * self.clusters**0.5 / len(energy) if self.clusters > 1 else 0.0
+        share, width = float(mean[best] / excess[best]), _Z95 * error / float(excess[best])
+        return share, (share - width, share + width), float((mean / noise).max())
 
     def refusal(self, candidate: Candidate, energy: float) -> str:
         """Return why a candidate may not be named; empty where it may."""

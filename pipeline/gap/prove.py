@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.gap.blocks import Blocks
+from pipeline.simulation.blocks import Blocks
 from pipeline.gap.residuals import noise_of_rows, residual_rows
 from pipeline.gap.scoring import clusters_of
 from pipeline.gap.weak_form import WindowFunctions

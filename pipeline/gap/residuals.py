@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from pipeline.gap.blocks import Blocks
+from pipeline.simulation.blocks import Blocks
 from pipeline.gap.weak_form import WindowFunctions, mean_of, mean_rate_of
 from pipeline.platforms.mechanism import Channel
 from pipeline.simulation import Simulator
@@ -22,6 +22,9 @@ class ChannelSeries:
         channel: which equation.
         measured: what a sensor read of the wrench, or the momentum whose rate it is; (blocks, samples).
         predicted: what the simulator says, (blocks, samples).
+
+    Both are in terms of the platform's nominal inertia, so that a simulator cannot shrink its error by shrinking the
+    momentum: what is compared is always the recorded motion.
         direct: whether `measured` is the wrench itself (an accelerometer) rather than a momentum.
     """
 
@@ -36,16 +39,16 @@ def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
     signals = simulator.along_time(blocks.signals, blocks.time_step)
     inner = {name: blocks.inner(series) for name, series in signals.items()}
     balance = simulator.balance(inner)
+    nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
     series = []
     for channel in simulator.mechanism.channels:
-        measured = _sensed(channel, inner)
-        direct = measured is not None
-        predicted = balance.wrench[channel.name] if direct else balance.rate[channel.name]
-        series.append(
-            ChannelSeries(
-                channel, balance.momentum[channel.name] if measured is None else measured, predicted, direct
-            )
-        )
+        scale = nominal[channel.name] / believed[channel.name]
+        sensed = _sensed(channel, inner)
+        if sensed is not None:
+            series.append(ChannelSeries(channel, sensed, balance.wrench[channel.name], direct=True))
+        else:
+            measured, predicted = balance.momentum[channel.name], balance.rate[channel.name]
+            series.append(ChannelSeries(channel, scale * measured, scale * predicted, direct=False))
     return series
 
 

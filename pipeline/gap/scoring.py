@@ -6,7 +6,7 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from pipeline.gap.blocks import Blocks
+from pipeline.simulation.blocks import Blocks
 from pipeline.gap.fit import Fit
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from pipeline.gap.blocks import Blocks
+from pipeline.simulation.blocks import Blocks
 from pipeline.gap.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
 from pipeline.physics import rotations
 
@@ -19,23 +19,31 @@ def settle_accelerometer(blocks: Blocks, gravity: float, width: float) -> tuple[
     reads more than that on average over a run is its zero error.
 
     Returns:
-        The blocks with the error taken out, and a sentence for every run where it is worth knowing.
+        The blocks with the error taken out, and a sentence about it where it is worth knowing.
     """
     if "specific_force" not in blocks.signals:
         return blocks, []
     functions = window_functions(blocks.samples, width, blocks.time_step)
     difference = _accelerometer_minus_kinematics(blocks, gravity, functions)  # (blocks, rows, 3)
-    corrected, remarks = blocks.signals["specific_force"].clone(), []
-    for index, name in enumerate(blocks.runs):
+    corrected = blocks.signals["specific_force"].clone()
+    zeros: dict[str, Tensor] = {}
+    for index in torch.unique(blocks.run).tolist():
         mine = blocks.run == index
-        if not mine.any():
-            continue
-        zero = difference[mine].flatten(0, 1).median(0).values
+        zeros[blocks.runs[index]] = zero = difference[mine].flatten(0, 1).median(0).values
         corrected[mine] -= zero
-        if zero.abs().max() > _NOTABLE:
-            text = ", ".join(f"{value:+.2f}" for value in zero.tolist())
-            remarks.append(f"the accelerometer of run {name} reads ({text}) m/s² too much along x, y, z; taken out")
-    return replace(blocks, signals={**blocks.signals, "specific_force": corrected}), remarks
+    return replace(blocks, signals={**blocks.signals, "specific_force": corrected}), _remarks(zeros)
+
+
+def _remarks(zeros: dict[str, Tensor]) -> list[str]:
+    notable = {run: zero for run, zero in zeros.items() if zero.abs().max() > _NOTABLE}
+    if not notable:
+        return []
+    worst = max(notable, key=lambda run: float(notable[run].abs().max()))
+    text = ", ".join(f"{value:+.2f}" for value in notable[worst].tolist())
+    return [
+        f"the accelerometer's zero is off in {len(notable)} of {len(zeros)} runs, most in {worst} by ({text}) m/s² along "
+        "x, y, z, as velocity and attitude show; taken out"
+    ]
 
 
 def _accelerometer_minus_kinematics(blocks: Blocks, gravity: float, functions: WindowFunctions) -> Tensor:
@@ -43,7 +51,7 @@ def _accelerometer_minus_kinematics(blocks: Blocks, gravity: float, functions: W
     velocity, rate = signals["velocity"], signals["body_rate"]
     down = torch.zeros_like(velocity)
     down[..., 2] = -gravity
-    turning = torch.linalg.cross(rate, velocity) - rotations.rotate_inverse(signals["attitude"], down)
+    turning = rotations.cross(rate, velocity) - rotations.rotate_inverse(signals["attitude"], down)
     read = signals["specific_force"] - turning
     rows = [
         mean_of(functions, read[..., axis]) - mean_rate_of(functions, velocity[..., axis])

@@ -1,6 +1,6 @@
 """What a person may change about the diagnosis."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 
 @dataclass
@@ -29,5 +29,3 @@ class Gap:
     """Most blocks that are used of the fitting runs, drawn evenly; bounds the time of a diagnosis."""
     resamples: int = 400
     """Bootstrap resamples of the intervals."""
-    regimes: list[str] = field(default_factory=list)
-    """Regime variables to map the mismatch over; empty: all that the recording allows."""

@@ -61,3 +61,7 @@ class JointMechanism(Mechanism):
     def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Inertia times velocity."""
         return {self.channels[0].name: constants["inertia"] * signals["velocity"]}
+
+    def inertia(self, constants: Constants) -> dict[str, float]:
+        """The inertia of the axis."""
+        return {self.channels[0].name: float(constants["inertia"])}

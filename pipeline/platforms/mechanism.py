@@ -57,3 +57,7 @@ class Mechanism(ABC):
     @abstractmethod
     def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Return the quantity whose rate balances the wrench, per channel."""
+
+    @abstractmethod
+    def inertia(self, constants: Constants) -> dict[str, float]:
+        """Return what the momentum is per unit of velocity, per channel: what a parameter error may rescale."""

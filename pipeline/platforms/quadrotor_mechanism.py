@@ -74,14 +74,21 @@ class QuadrotorMechanism(Mechanism):
         rate, velocity = signals["body_rate"], signals["velocity"]
         down = torch.zeros_like(velocity)
         down[..., 2] = -constants["gravity"]
-        force = rotations.rotate_inverse(signals["attitude"], down) - torch.linalg.cross(rate, velocity)
-        torque = -torch.linalg.cross(rate, constants["inertia"].to(rate) * rate)
+        force = rotations.rotate_inverse(signals["attitude"], down) - rotations.cross(rate, velocity)
+        torque = -rotations.cross(rate, constants["inertia"].to(rate) * rate)
         return _named("force", force) | _named("torque", torque)
 
     def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Body-frame velocity (mass-normalised momentum) and angular momentum."""
         angular = constants["inertia"].to(signals["body_rate"]) * signals["body_rate"]
         return _named("force", signals["velocity"]) | _named("torque", angular)
+
+    def inertia(self, constants: Constants) -> dict[str, float]:
+        """One for the mass-normalised forces, the principal moments for the torques."""
+        moments = constants["inertia"].tolist()
+        return {f"force_{axis}": 1.0 for axis in _AXES} | {
+            f"torque_{axis}": moment for axis, moment in zip(_AXES, moments, strict=True)
+        }
 
 
 def _named(stem: str, vector: Tensor) -> dict[str, Tensor]:

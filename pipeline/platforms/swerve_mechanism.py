@@ -86,6 +86,12 @@ class SwerveMechanism(Mechanism):
         }
         return chassis | per_module(constants["steer_inertia"] * signals["steer_velocity"])
 
+    def inertia(self, constants: Constants) -> dict[str, float]:
+        """Mass, yaw inertia of the chassis, and inertia of each module."""
+        mass, yaw, module = (float(constants[name]) for name in ("mass", "inertia", "steer_inertia"))
+        chassis = {"drive_x": mass, "drive_y": mass, "drive_yaw": yaw}
+        return chassis | {f"steer_{number}": module for number in range(1, 5)}
+
 
 def sum_on_chassis(wheel_torque: Tensor, steer_angle: Tensor, constants: Constants) -> dict[str, Tensor]:
     """Sum what four wheel torques do to the chassis.

@@ -1,5 +1,6 @@
 """Floor 4: a simulator is a platform, its nominal mechanism and the effects that were named."""
 
+from pipeline.simulation.replay import replay, replay_error
 from pipeline.simulation.rollout import rollout, step
 from pipeline.simulation.simulator import Balance, FittedEffect, Simulator
 from pipeline.simulation.storage import read_simulator, write_simulator
@@ -9,6 +10,8 @@ __all__ = [
     "FittedEffect",
     "Simulator",
     "read_simulator",
+    "replay",
+    "replay_error",
     "rollout",
     "step",
     "write_simulator",

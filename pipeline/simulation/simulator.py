@@ -80,6 +80,10 @@ class Simulator:
         """Return the same platform with other effects."""
         return replace(self, effects=effects)
 
+    def nominal_inertia(self) -> dict[str, float]:
+        """Return each channel's inertia as the platform file has it."""
+        return self.mechanism.inertia(self.mechanism.constants())
+
     def constants(self) -> dict[str, Any]:
         """Return the constants of the platform with every parameter error applied."""
         constants: dict[str, Any] = {**self.mechanism.constants(), **self.settings}

@@ -1,4 +1,4 @@
-"""A recording cut into blocks of equal length: what every question of the diagnosis is asked of."""
+"""A recording cut into blocks of equal length, which a simulator can replay side by side."""
 
 from dataclasses import dataclass, replace
 
@@ -8,8 +8,7 @@ import torch
 from torch import Tensor
 
 from pipeline.errors import InputError
-from pipeline.gap.settings import Gap
-from pipeline.gap.signals import recorded_signals
+from pipeline.simulation.signals import recorded_signals
 from pipeline.platforms import Platform
 from pipeline.recordings.recording import Recording
 
@@ -60,11 +59,17 @@ class Blocks:
         return self.take(torch.linspace(0, len(self) - 1, most, dtype=torch.float64).round().long())
 
 
-def cut_blocks(recording: Recording, platform: Platform, settings: Gap) -> Blocks:
+def cut_blocks(recording: Recording, platform: Platform, duration: float, margin_duration: float) -> Blocks:
     """Cut a cleaned recording into blocks that do not overlap; margins may.
 
-    Blocks never reach over the end of a run or of a segment. Where no segment is long enough for the wanted length, the
+    Blocks never reach over the end of a run or of a segment. Where segments are too short for the wanted length, the
     blocks are shortened to a third of the median segment.
+
+    Args:
+        recording: cleaned.
+        platform: whose signals are read.
+        duration: of a block, s.
+        margin_duration: of what is kept on each side of a block, s.
 
     Raises:
         InputError: when no segment holds even ten samples and their margins.
@@ -72,7 +77,7 @@ def cut_blocks(recording: Recording, platform: Platform, settings: Gap) -> Block
     time_step = recording.time_step
     keys = ["run", "segment"] if "segment" in recording.frame else ["run"]
     segments = [segment for _, segment in recording.frame.groupby(keys, sort=False)]
-    samples, margin = _lengths(segments, settings, time_step)
+    samples, margin = _lengths(segments, duration / time_step, margin_duration / time_step)
     runs = tuple(recording.runs)
     index = {name: position for position, name in enumerate(runs)}
     pieces: list[dict[str, Tensor]] = []
@@ -86,7 +91,7 @@ def cut_blocks(recording: Recording, platform: Platform, settings: Gap) -> Block
             run.append(index[str(segment["run"].iloc[0])])
             start.append(float(segment["t"].iloc[first]))
     if not pieces:
-        raise InputError("is too short to diagnose", recording.source or "recording", "record at least a few seconds")
+        raise InputError("is too short to be replayed", recording.source or "recording", "record at least a few seconds")
     shared = set.intersection(*(set(piece) for piece in pieces))
     return Blocks(
         signals={name: torch.stack([piece[name] for piece in pieces]) for name in sorted(shared)},
@@ -99,9 +104,7 @@ def cut_blocks(recording: Recording, platform: Platform, settings: Gap) -> Block
     )
 
 
-def _lengths(segments: list[pd.DataFrame], settings: Gap, time_step: float) -> tuple[int, int]:
+def _lengths(segments: list[pd.DataFrame], samples: float, margin: float) -> tuple[int, int]:
     """Return samples and margin of a block, shortened where the recording is made of short pieces."""
     usual = float(np.median([len(segment) for segment in segments]))
-    samples = round(min(settings.block_duration / time_step, usual / 3))
-    margin = round(min(settings.margin / time_step, usual / 6))
-    return max(samples, 10), max(margin, 2)
+    return max(round(min(samples, usual / 3)), 10), max(round(min(margin, usual / 6)), 2)

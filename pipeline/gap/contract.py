@@ -1,0 +1,92 @@
+"""The diagnosis as the file that others read (`diagnosis.json`, schema simgap.diagnosis/1)."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from pipeline.gap.ambiguity import Rivalry
+from pipeline.gap.diagnosis import Diagnosis
+from pipeline.gap.name import Candidate
+from pipeline.simulation import FittedEffect
+
+SCHEMA = "simgap.diagnosis/1"
+
+
+def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the diagnosis as plain numbers, texts and lists."""
+    fitted = {f.effect.key: f for f in diagnosis.simulator.effects}
+    effects = [_effect(diagnosis, candidate, fitted[candidate.effect.key]) for candidate in diagnosis.naming.named]
+    proof = diagnosis.proof
+    return {
+        "schema": SCHEMA,
+        "verdict": diagnosis.verdict,
+        "warnings": list(diagnosis.warnings),
+        "mismatch": [_mismatch(m) for m in diagnosis.mismatches],
+        "effects": sorted(effects, key=lambda effect: -effect["probability"]),
+        "ambiguous": [_ambiguous(rivalry) for rivalry in diagnosis.naming.rivalries],
+        "unnamed": [
+            {"channel": u.channel.name, "depends_on": list(u.depends_on), "formula": u.formula, "share": u.share}
+            for u in diagnosis.unnamed
+        ],
+        "fit": {
+            "metric": proof.metric,
+            "held_out_runs": list(proof.held_out_runs),
+            "before": proof.before,
+            "after": proof.after,
+            "noise_floor": proof.noise_floor,
+            "gap_closed": proof.gap_closed,
+            "gap_closed_interval": list(proof.interval) if proof.interval else None,
+        },
+    }
+
+
+def _mismatch(mismatch: Any) -> dict[str, Any]:
+    variable, low, high = mismatch.regime
+    return {
+        "channel": mismatch.channel.name,
+        "share": mismatch.share,
+        "regime": {"variable": variable, "low": low, "high": high},
+        "p_value": mismatch.p_value,
+        "where": mismatch.where,
+    }
+
+
+def _effect(diagnosis: Diagnosis, candidate: Candidate, fitted: FittedEffect) -> dict[str, Any]:
+    effect, unit = candidate.effect, diagnosis.simulator.position_unit
+    units = effect.units(unit)
+    acts_on = "force" if effect.acts_on == "torque" and unit == "m" else effect.acts_on
+    return {
+        "name": effect.name,
+        "probability": diagnosis.probabilities[effect.key],
+        "acts_on": acts_on,
+        "parameters": {
+            name: {"value": value, "std": fitted.std[name], "unit": units[name]}
+            for name, value in fitted.values.items()
+        },
+        "statement": effect.statement(fitted.values, unit),
+    }
+
+
+def _ambiguous(rivalry: Rivalry) -> dict[str, Any]:
+    effects = (rivalry.winner, *rivalry.rivals)
+    advice = "; ".join(dict.fromkeys(effect.excitation for effect in effects))
+    return {
+        "names": [effect.name for effect in effects],
+        "separate_by": f"{advice[0].upper()}{advice[1:]}.",
+    }
+
+
+def write_json(content: Any, path: Path) -> None:
+    """Write JSON with numbers that every reader takes: what is not finite becomes null."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(_finite(content), indent=2, ensure_ascii=False, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

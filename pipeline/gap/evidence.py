@@ -1,0 +1,221 @@
+"""What supports a diagnosis, as the tables and series that the report draws."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import torch
+from torch import Tensor
+
+from pipeline.simulation.blocks import Blocks
+from pipeline.gap.contract import write_json
+from pipeline.gap.diagnosis import Diagnosis, regimes_on
+from pipeline.gap.fit import columns_of
+from pipeline.gap.name import Candidate
+from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
+from pipeline.gap.residuals import channel_series, residual_rows
+from pipeline.gap.scoring import clusters_of
+from pipeline.gap.weak_form import mean_of, mean_rate_of
+from pipeline.simulation import Simulator
+
+_BINS = 8
+_LAW_BINS = 15
+_MOST_ROWS = 20_000
+_Z95 = 1.96
+_SCORE = "share of the excess error over the noise floor explained, cross-validated over runs, in the best channel"
+
+
+def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
+    """Write every table and series of a diagnosis into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    traces(diagnosis).to_parquet(folder / "traces.parquet", index=False)
+    residuals(diagnosis).to_parquet(folder / "residuals.parquet", index=False)
+    write_json(competition(diagnosis), folder / "competition.json")
+    write_json(laws(diagnosis), folder / "laws.json")
+    write_json(horizons(diagnosis), folder / "horizon.json")
+    write_json(regime_maps(diagnosis), folder / "regimes.json")
+
+
+def _rows(diagnosis: Diagnosis, blocks: Blocks, simulator: Simulator) -> tuple[Tensor, Tensor]:
+    """Return measured and predicted rows, (blocks, rows, channels) each."""
+    functions = diagnosis.fitting.functions
+    measured, predicted = [], []
+    for series in channel_series(simulator, blocks):
+        measure = mean_of if series.direct else mean_rate_of
+        measured.append(measure(functions, series.measured))
+        predicted.append(mean_of(functions, series.predicted))
+    return torch.stack(measured, dim=-1), torch.stack(predicted, dim=-1)
+
+
+def _labels(blocks: Blocks, diagnosis: Diagnosis) -> dict[str, np.ndarray]:
+    centres = diagnosis.fitting.functions.centres * blocks.time_step
+    names = np.array(blocks.runs, dtype=object)[blocks.run.numpy()]
+    return {
+        "run": names.repeat(len(centres)),
+        "t": (blocks.start[:, None] + centres).flatten().numpy(),
+    }
+
+
+def traces(diagnosis: Diagnosis) -> pd.DataFrame:
+    """Return measured and simulated wrenches on the proving runs, one row per window."""
+    blocks = diagnosis.proving
+    measured, before = _rows(diagnosis, blocks, diagnosis.nominal)
+    # The clocks that the named effects settle move the prediction, not what was measured.
+    _, after = _rows(diagnosis, blocks, diagnosis.simulator)
+    tables = []
+    for i, channel in enumerate(diagnosis.nominal.mechanism.channels):
+        columns = {
+            "measured": measured[..., i],
+            "before": before[..., i],
+            "after": after[..., i],
+        }
+        values = {name: value.flatten().numpy() for name, value in columns.items()}
+        tables.append(pd.DataFrame(_labels(blocks, diagnosis) | values).assign(channel=channel.name, unit=channel.unit))
+    return pd.concat(tables, ignore_index=True)
+
+
+def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
+    """Return residual rows before and after beside the regime variables, of fitted and proving runs."""
+    parts = {"train": diagnosis.fitting.blocks, "holdout": diagnosis.proving}
+    channels = diagnosis.nominal.mechanism.channels
+    functions = diagnosis.fitting.functions
+    most = max(_MOST_ROWS // (len(parts) * len(channels) * len(functions.centres)), 1)
+    tables = []
+    for part, blocks in parts.items():
+        blocks = blocks.thinned(most)
+        before, after = (residual_rows(s, blocks, functions) for s in (diagnosis.nominal, diagnosis.simulator))
+        regimes = {
+            regime.name: mean_of(functions, regime.series).flatten().numpy()
+            for regime in regimes_on(blocks, diagnosis.simulator)
+        }
+        labels = _labels(blocks, diagnosis)
+        for i, channel in enumerate(channels):
+            values = {"before": before[..., i].flatten().numpy(), "after": after[..., i].flatten().numpy()}
+            table = pd.DataFrame(labels | values | regimes)
+            tables.append(table.assign(part=part, channel=channel.name, unit=channel.unit))
+    return pd.concat(tables, ignore_index=True)
+
+
+def competition(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return every round of the competition with its candidates, the best first."""
+    steps = []
+    for number, turn in enumerate(diagnosis.naming.rounds, start=1):
+        ranked = sorted(turn.candidates, key=lambda candidate: -candidate.gain)
+        steps.append({"step": number, "candidates": [_entry(c, turn.winner is c) for c in ranked]})
+    return {"metric": _SCORE, "steps": [step for step in steps if step["candidates"]]}
+
+
+def _entry(candidate: Candidate, chosen: bool) -> dict[str, Any]:
+    return {
+        "name": candidate.effect.key,
+        "gain": candidate.share,
+        "gain_low": candidate.share_interval[0],
+        "gain_high": candidate.share_interval[1],
+        "p_value": candidate.p_value,
+        "chosen": chosen,
+        "note": candidate.refusal,
+    }
+
+
+def laws(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Return, for each named effect and channel it acts on, its law drawn through what it explains."""
+    blocks, fit = diagnosis.fitting.blocks, diagnosis.naming.fit
+    functions = diagnosis.fitting.functions
+    regimes = [(r, mean_of(functions, r.series).flatten()) for r in regimes_on(blocks, diagnosis.simulator)]
+    cluster = clusters_of(blocks, 3.0).repeat_interleave(len(functions.centres))
+    drawn = []
+    for candidate in diagnosis.naming.named:
+        columns = columns_of(fit, candidate.effect)
+        neutral = torch.tensor([p.neutral for p in candidate.effect.parameters], dtype=torch.float64)
+        contribution = fit.jacobian[..., columns] @ (fit.values[columns] - neutral)
+        for i, channel in enumerate(diagnosis.nominal.mechanism.channels):
+            law = contribution[..., i].flatten()
+            if float(law.abs().max()) > 0:
+                target = law + fit.residual[..., i].flatten()
+                drawn.append(
+                    {"effect": candidate.effect.key, "channel": channel.name, "unit": channel.unit}
+                    | _law(law, target, regimes, cluster)
+                )
+    return drawn
+
+
+def _law(law: Tensor, target: Tensor, regimes: list[tuple[Regime, Tensor]], cluster: Tensor) -> dict[str, Any]:
+    """Bin what an effect explains over the variable that orders it best."""
+    scored = []
+    for regime, values in regimes:
+        edges = quantile_edges(values, _LAW_BINS)
+        if len(edges) < 3:
+            continue
+        place = bin_of(values, edges)
+        count = len(edges) - 1
+        means = mean_per_bin(law, place, count)
+        scored.append((float((means[place] - law.mean()).square().mean()), regime, values, place, count, means))
+    _, regime, values, place, count, means = max(scored, key=lambda entry: entry[0])
+    centre = mean_per_bin(values, place, count)
+    mean = mean_per_bin(target, place, count)
+    spread = mean_per_bin((target - mean[place]).square(), place, count)
+    # Rows of one cluster move together: as many independent values as clusters in the bin.
+    independent = torch.tensor([len(torch.unique(cluster[place == b])) for b in range(count)], dtype=torch.float64)
+    error = _Z95 * (spread / independent.clamp_min(1.0)).sqrt()
+    return {
+        "variable": regime.name,
+        "variable_unit": regime.unit,
+        "x": centre.tolist(),
+        "law": means.tolist(),
+        "bins": {
+            "x": centre.tolist(),
+            "mean": mean.tolist(),
+            "low": (mean - error).tolist(),
+            "high": (mean + error).tolist(),
+        },
+    }
+
+
+def horizons(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Return the errors of open-loop predictions over their length."""
+    return [
+        {
+            "quantity": error.quantity,
+            "unit": error.unit,
+            "horizon": error.horizon.tolist(),
+            "before": error.before[:, 0].tolist(),
+            "before_low": error.before[:, 1].tolist(),
+            "before_high": error.before[:, 2].tolist(),
+            "after": error.after[:, 0].tolist(),
+            "after_low": error.after[:, 1].tolist(),
+            "after_high": error.after[:, 2].tolist(),
+            "noise_floor": error.noise_floor.tolist(),
+        }
+        for error in diagnosis.horizons
+    ]
+
+
+def regime_maps(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Return the RMS residual per channel and bin of every regime variable, on the proving runs."""
+    blocks, functions = diagnosis.proving, diagnosis.fitting.functions
+    before, after = (residual_rows(s, blocks, functions) for s in (diagnosis.nominal, diagnosis.simulator))
+    maps = []
+    for regime in regimes_on(blocks, diagnosis.simulator):
+        values = mean_of(functions, regime.series).flatten()
+        edges = quantile_edges(values, _BINS)
+        if len(edges) < 3:
+            continue
+        place, count = bin_of(values, edges), len(edges) - 1
+        for i, channel in enumerate(diagnosis.nominal.mechanism.channels):
+            rms = [
+                mean_per_bin(rows[..., i].flatten().square(), place, count).sqrt().tolist() for rows in (before, after)
+            ]
+            maps.append(
+                {
+                    "channel": channel.name,
+                    "channel_unit": channel.unit,
+                    "variable": regime.name,
+                    "unit": regime.unit,
+                    "edges": edges.tolist(),
+                    "before": rms[0],
+                    "after": rms[1],
+                    "noise_floor": float(diagnosis.proof.channels[i, 2]),
+                }
+            )
+    return maps

@@ -1,0 +1,39 @@
+"""The nominal simulator: a platform, what identification corrected, and the effects that are known already."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pipeline.effects import effect_by_key
+from pipeline.errors import InputError
+from pipeline.platforms import platform_from_config
+from pipeline.simulation.settings import SimulatorSettings
+from pipeline.simulation.simulator import FittedEffect, Simulator
+
+
+def build_simulator(
+    platform: Mapping[str, Any], settings: SimulatorSettings, units: Mapping[str, str], identified: Path | None = None
+) -> Simulator:
+    """Build the simulator that is believed before the diagnosis.
+
+    Args:
+        platform: the keys of CONTRACT.
+        settings: effects that are known already.
+        units: of the recording's channels; a joint slides where its position is in metres.
+        identified: parameters that sysid found, to be used in place of the platform's.
+
+    Raises:
+        InputError: on a wrong platform, an unknown effect or a wrong parameter name.
+    """
+    built = platform_from_config(platform)
+    effects = tuple(_known(built.kind, key, values) for key, values in settings.effects.items())
+    return Simulator(built, effects, units.get("position", "rad"))
+
+
+def _known(kind: str, key: str, values: Mapping[str, float]) -> FittedEffect:
+    effect = effect_by_key(kind, key)
+    names = [parameter.name for parameter in effect.parameters]
+    for name in values:
+        if name not in names:
+            raise InputError(f"unknown parameter {name!r}", f"simulator.effects.{key}", f"use {', '.join(names)}")
+    return FittedEffect(effect, {**effect.defaults(), **values})

@@ -1,0 +1,43 @@
+"""The stage that writes down what is believed of a machine before it is diagnosed."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from pipeline.simulation.settings import SimulatorSettings
+from pipeline.stage import StageConfig, StageRun, stage
+
+BLOCK_DURATION = 1.0  # s
+MARGIN = 0.1  # s
+
+
+@dataclass
+class BuildSimStage(StageConfig):
+    """What building a simulator reads of the configuration."""
+
+    recording: str | None = None
+    platform: dict[str, Any] = field(default_factory=dict)
+    simulator: SimulatorSettings = field(default_factory=SimulatorSettings)
+
+
+@stage(BuildSimStage)
+def build_sim(config: BuildSimStage, run: StageRun) -> None:
+    """Build the nominal simulator from platform, identified parameters and named effects."""
+    from pipeline.recordings.recording import read_recording, require_kind
+    from pipeline.simulation import replay_error, write_simulator
+    from pipeline.simulation.blocks import cut_blocks
+    from pipeline.simulation.build import build_simulator
+
+    path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
+    recording = read_recording(path)
+    identified = None
+    if config.simulator.identified:
+        identified = run.input(config.artifact("sysid", "parameters.yaml"))
+    simulator = build_simulator(config.platform, config.simulator, recording.units, identified)
+    require_kind(recording, simulator.platform.kind, str(path))
+    write_simulator(simulator, run.output)
+    blocks = cut_blocks(recording, simulator.platform, BLOCK_DURATION, MARGIN)
+    run.log_metrics(replay_error(simulator, blocks, BLOCK_DURATION / 2))
+
+
+if __name__ == "__main__":
+    build_sim.main()

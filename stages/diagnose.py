@@ -1,0 +1,95 @@
+"""The stage that says which physics a simulator lacks."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from pipeline.gap.settings import Gap
+from pipeline.recordings.cleaning.settings import Cleaning
+from pipeline.recordings.dataset import Dataset
+from pipeline.recordings.recording import Recording
+from pipeline.simulation.settings import SimulatorSettings
+from pipeline.stage import StageConfig, StageRun, stage
+
+
+@dataclass
+class DiagnoseStage(StageConfig):
+    """What the diagnosis reads of the configuration."""
+
+    recording: str | None = None
+    platform: dict[str, Any] = field(default_factory=dict)
+    dataset: Dataset = field(default_factory=Dataset)
+    clean: Cleaning = field(default_factory=Cleaning)
+    simulator: SimulatorSettings = field(default_factory=SimulatorSettings)
+    gap: Gap = field(default_factory=Gap)
+
+
+@stage(DiagnoseStage)
+def diagnose(config: DiagnoseStage, run: StageRun) -> None:
+    """Say where a simulator and a recording differ, which physics was left out, and prove it."""
+    from pipeline.gap.contract import diagnosis_document, write_json
+    from pipeline.gap.diagnosis import diagnose as find_gap
+    from pipeline.gap.evidence import write_evidence
+    from pipeline.simulation import read_simulator, write_simulator
+
+    built = config.artifact("build_sim", "simulator.yaml")
+    own = config.recording is not None
+    nominal = None if own else read_simulator(run.input(built).parent)
+    recording, nominal = _recording_and_nominal(config, run, nominal)
+    diagnosis = find_gap(recording, nominal, config.gap)
+    document = diagnosis_document(diagnosis)
+    write_simulator(diagnosis.simulator, run.output / "simulator")
+    write_evidence(diagnosis, run.output / "evidence")
+    write_json(document, run.output / "diagnosis.json")
+    for warning in diagnosis.warnings:
+        run.warn(warning)
+    fit = {key: document["fit"][key] for key in ("before", "after", "noise_floor", "gap_closed")}
+    run.log_metrics({key: value for key, value in fit.items() if value is not None})
+    if own:
+        _write_page(config, run)
+    _say(document)
+
+
+def _recording_and_nominal(config: DiagnoseStage, run: StageRun, nominal: Any) -> tuple[Recording, Any]:
+    """Return the recording, cleaned if it is not yet, and the simulator to diagnose."""
+    from pipeline.platforms import platform_from_config
+    from pipeline.recordings.cleaning import clean_with_coverage
+    from pipeline.recordings.recording import read_recording, require_kind, write_recording
+    from pipeline.simulation.build import build_simulator
+
+    path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
+    kind = nominal.platform.kind if nominal else platform_from_config(config.platform).kind
+    recording = read_recording(path, kind)
+    require_kind(recording, kind, str(path))
+    nominal = nominal or build_simulator(config.platform, config.simulator, recording.units)
+    if not recording.cleaned:
+        cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, config.seed)
+        folder = run.output / "clean"
+        folder.mkdir()
+        cleaned.changes.to_parquet(folder / "changes.parquet", index=False)
+        cleaned.coverage.to_parquet(folder / "coverage.parquet", index=False)
+        write_recording(cleaned.recording, folder / "recording.parquet")
+        recording = cleaned.recording
+    return recording, nominal
+
+
+def _write_page(config: DiagnoseStage, run: StageRun) -> None:
+    from pipeline.report import ReportInputs, write_page
+
+    clean = run.output / "clean"
+    inputs = ReportInputs(diagnose=run.output, clean=clean if clean.is_dir() else None, name=config.name)
+    write_page(inputs, run.output / "report.html")
+
+
+def _say(document: dict[str, Any]) -> None:
+    print(f"verdict: {document['verdict']}")
+    for effect in document["effects"]:
+        print(f"  {effect['name']} (probability {effect['probability']:.2f}): {effect['statement']}")
+    for unnamed in document["unnamed"]:
+        print(f"  no name for {unnamed['share']:.0%} of the error in {unnamed['channel']}: {unnamed['formula']}")
+    closed = document["fit"]["gap_closed"]
+    if closed is not None:
+        print(f"gap closed on held-out runs: {closed:.0%}")
+
+
+if __name__ == "__main__":
+    diagnose.main()
