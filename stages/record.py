@@ -40,7 +40,9 @@ def _flight(config: RecordStage, run: StageRun) -> Any:
 
     platform = platform_from_config(config.platform)
     if not isinstance(platform, Quadrotor):
-        raise InputError(f"the concealed plant is a quadrotor, not a {platform.kind}", "platform", "use racer")
+        raise InputError(
+            f"the concealed plant is a quadrotor, not a {platform.kind}", "platform", "use racer"
+        )
     recording, key = fly(config.record, platform, config.seed)
     sealed = run.output / "key"
     sealed.mkdir()

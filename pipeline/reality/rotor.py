@@ -1,8 +1,8 @@
 """A rotor as blade elements in the air that it moves itself.
 
 Leishman 2006, "Principles of Helicopter Aerodynamics": blade elements of constant pitch and chord
-(§3.2), flapping (§4.4), momentum theory with Glauert's rule for oblique flow (§2.14). In still air the thrust is
-exactly quadratic in speed.
+(§3.2), flapping (§4.4), momentum theory with Glauert's rule for oblique flow (§2.14). In still air thrust
+is exactly quadratic in speed.
 """
 
 import math
@@ -13,6 +13,7 @@ import numpy as np
 from pipeline.reality.rotation import Array
 
 AIR_DENSITY = 1.225  # kg/m³, sea level, 15 °C
+_STILL = 1e-6  # m/s, below which air does not move
 NEWTON_STEPS = 2  # per evaluation from the last inflow, enough at a thousand evaluations a second
 
 
@@ -105,7 +106,7 @@ class Rotor:
         squared = crossing * crossing
         for _ in range(steps):
             through = climb + inflow
-            resultant = np.sqrt(squared + through * through) + 1e-9
+            resultant = np.maximum(np.sqrt(squared + through * through), _STILL)
             excess = unloaded - lift_slope * inflow - mass_flow * inflow * resultant
             slope = lift_slope + mass_flow * np.maximum(resultant + inflow * through / resultant, 0.0)
             inflow = np.maximum(inflow + excess / slope, 0.0)

@@ -47,7 +47,7 @@ class StageRun:
         self.tracker.log_input(str(path), self.inputs[str(path)])
         return path
 
-    def log_metrics(self, metrics: Mapping[str, float], step: int | None = None) -> None:
+    def log_metrics(self, metrics: Mapping[str, float | int], step: int | None = None) -> None:
         """Log numbers; those without a step are also written to `metrics.json` of the output."""
         values = {name: float(value) for name, value in metrics.items()}
         if step is None:

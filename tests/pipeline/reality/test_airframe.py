@@ -1,0 +1,80 @@
+import numpy as np
+import pytest
+import torch
+
+from pipeline.platforms.quadrotor_mechanism import QuadrotorMechanism
+from pipeline.reality.case import PlantCase
+from pipeline.reality.design import PROBE_SPEED, design
+
+ALL = {"rotor_drag": 0.4, "axial_inflow": 0.3, "translational_lift": 0.02, "body_drag": 0.04}
+
+
+def some_states(seed=0, count=50):
+    random = np.random.default_rng(seed)
+    velocity = random.uniform(-6.0, 6.0, (count, 3)) * [1.0, 1.0, 0.3]
+    return velocity, random.uniform(-4.0, 4.0, (count, 3)), random.uniform(700.0, 2000.0, (count, 4))
+
+
+def test_with_everything_off_it_is_the_nominal_mechanism(racer):
+    velocity, body_rate, speed = some_states()
+    airframe = design(racer, PlantCase())
+    force, torque, _ = airframe.wrench(velocity, body_rate, speed, airframe.rotor.still_inflow(speed))
+    mechanism = QuadrotorMechanism(racer)
+    nominal = mechanism.wrench({"rotor_speed": torch.from_numpy(speed)}, mechanism.constants())
+    for index, axis in enumerate("xyz"):
+        np.testing.assert_allclose(force[:, index], nominal[f"force_{axis}"], rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(torque[:, index], nominal[f"torque_{axis}"], rtol=1e-10, atol=1e-12)
+
+
+def test_strengths_are_reached_at_hover(racer):
+    hover, still = np.full(4, racer.hover_rotor_speed), np.zeros(3)
+
+    def added(effect, velocity):
+        airframe = design(racer, PlantCase(effects={effect: ALL[effect]}))
+        moving = airframe.specific_force(np.array(velocity), still, hover)
+        return moving - airframe.specific_force(still, still, hover)
+
+    assert -added("rotor_drag", (0.1, 0.0, 0.0))[0] / 0.1 == pytest.approx(0.4, rel=1e-6)
+    assert -added("axial_inflow", (0.0, 0.0, 0.01))[2] / 0.01 == pytest.approx(0.3, rel=0.02)
+    lift = added("translational_lift", (PROBE_SPEED, 0.0, 0.0))[2] / PROBE_SPEED**2
+    assert lift == pytest.approx(0.02, rel=0.02)
+    drag = added("body_drag", (0.0, 3.0, 0.0))[1] / 9.0
+    assert drag == pytest.approx(-0.04, rel=1e-6)
+
+
+@pytest.mark.parametrize("effect", ALL)
+def test_each_effect_can_be_taken_away_again(racer, effect):
+    velocity, body_rate, speed = some_states()
+    alone = design(racer, PlantCase(effects={effect: ALL[effect]}))
+    np.testing.assert_allclose(
+        alone.without(effect).specific_force(velocity, body_rate, speed),
+        design(racer, PlantCase()).specific_force(velocity, body_rate, speed),
+        rtol=1e-10,
+    )
+
+
+def test_a_mirrored_state_gives_the_mirrored_force(racer):
+    """Left and right exchanged: rotors 1 and 4, 2 and 3 swap; y of vectors and x, z of rates change sign."""
+    airframe = design(racer, PlantCase(effects=ALL))
+    velocity, body_rate, speed = some_states()
+    force = airframe.specific_force(velocity, body_rate, speed)
+    mirrored = airframe.specific_force(velocity * [1, -1, 1], body_rate * [-1, 1, -1], speed[:, [3, 2, 1, 0]])
+    np.testing.assert_allclose(mirrored, force * [1, -1, 1], rtol=1e-9, atol=1e-12)
+
+
+def test_drag_takes_energy_from_the_motion(racer):
+    velocity, _, speed = some_states()
+    still = np.zeros_like(velocity)
+    for effect in ("rotor_drag", "body_drag", "axial_inflow"):
+        airframe = design(racer, PlantCase(effects={effect: ALL[effect]}))
+        added = airframe.specific_force(velocity, still, speed)
+        added = added - airframe.without(effect).specific_force(velocity, still, speed)
+        assert ((added * velocity).sum(axis=-1) <= 1e-12).all()
+
+
+def test_decoys_change_the_plant_and_not_the_platform(racer):
+    airframe = design(racer, PlantCase(effects={"mass_error": 1.2, "thrust_coefficient_error": 0.9}))
+    assert airframe.mass == pytest.approx(1.2 * racer.mass)
+    still, speed = np.zeros(3), np.full(4, 1000.0)
+    lift = airframe.specific_force(still, still, speed)[2]
+    assert lift == pytest.approx(4 * 0.9 * racer.thrust_coefficient * 1e6 / (1.2 * racer.mass))

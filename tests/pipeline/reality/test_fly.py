@@ -1,0 +1,56 @@
+import hashlib
+
+import pandas as pd
+import pytest
+
+from pipeline.errors import InputError
+from pipeline.reality.case import PlantCase
+from pipeline.reality.fly import fly, key_text
+from pipeline.recordings.recording import read_recording, write_recording
+
+SHORT = {"runs": 3, "duration": 0.3}
+DRAG = PlantCase(effects={"rotor_drag": 0.35}, **SHORT)
+
+
+@pytest.fixture(scope="module")
+def concealed(racer):
+    return fly(DRAG, racer, seed=3)
+
+
+def test_the_same_seed_gives_the_same_recording_and_another_another(racer, concealed):
+    again, other = fly(DRAG, racer, seed=3)[0], fly(DRAG, racer, seed=4)[0]
+    pd.testing.assert_frame_equal(concealed[0].frame, again.frame)
+    assert not concealed[0].frame["position_x"].equals(other.frame["position_x"])
+
+
+def test_twins_differ_by_the_effect_alone(racer, concealed):
+    (recording, key), (twin, null) = concealed, fly(PlantCase(**SHORT), racer, seed=3)
+    assert recording.runs == twin.runs
+    assert recording.frame["t"].equals(twin.frame["t"])
+    apart = (recording.frame["position_x"] - twin.frame["position_x"]).abs().max()
+    assert 0 < apart < 0.5  # the same paths, but for what the drag does
+    assert [entry["name"] for entry in key["effects"]] == ["rotor_drag"]
+    assert null["effects"] == []
+
+
+def test_the_record_carries_the_hash_of_the_sealed_key_and_not_the_key(concealed):
+    recording, key = concealed
+    assert hashlib.sha256(key_text(key).encode()).hexdigest() in recording.source
+    assert "rotor" not in recording.source
+
+
+def test_the_recording_keeps_the_contract(concealed, tmp_path):
+    recording, _ = concealed
+    write_recording(recording, tmp_path / "recording.parquet")
+    read = read_recording(tmp_path / "recording.parquet")
+    pd.testing.assert_frame_equal(read.frame, recording.frame, check_like=True)
+    assert read.kind == "quadrotor"
+    assert read.units == recording.units
+    assert read.warnings == ()
+
+
+def test_one_run_alone_can_be_flown_and_an_unknown_effect_cannot(racer):
+    recording, _ = fly(PlantCase(runs=1, duration=0.1), racer, seed=0)
+    assert recording.runs == ["random_1"]
+    with pytest.raises(InputError, match="unknown effect"):
+        fly(PlantCase(effects={"flubber": 1.0}), racer, seed=0)

@@ -1,0 +1,89 @@
+import hashlib
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import yaml
+
+from pipeline.errors import InputError
+from pipeline.platforms import platform_from_config
+from pipeline.reality.case import PlantCase
+from pipeline.recordings.dataset import Dataset
+from pipeline.recordings.recording import read_recording
+from pipeline.stage import StageRun
+from stages.record import RecordStage, record
+
+CONF = Path(__file__).parents[2] / "conf"
+SHORT = PlantCase(effects={"rotor_drag": 0.35}, runs=2, duration=0.3)
+
+
+def platform(name):
+    return yaml.safe_load((CONF / "platform" / f"{name}.yaml").read_text())
+
+
+def recorded(output, **kwargs):
+    output.mkdir()
+    record(RecordStage(**kwargs), StageRun(output))
+    return output
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory):
+    output = tmp_path_factory.mktemp("record") / "flown"
+    return recorded(output, platform=platform("racer"), dataset=Dataset(source="reality"), record=SHORT)
+
+
+def test_the_concealed_plant_is_recorded_and_its_key_sealed(flown):
+    recording = read_recording(flown / "recording.parquet")
+    key = (flown / "key" / "key.json").read_bytes()
+    assert hashlib.sha256(key).hexdigest() in recording.source
+    (effect,) = json.loads(key)["effects"]
+    assert effect["name"] == "rotor_drag"
+    assert effect["parameters"]["coefficient"]["value"] == pytest.approx(0.35, rel=0.05)
+    assert recording.runs == ["random_1", "circle_2"]
+
+
+def test_the_same_configuration_gives_the_same_bytes(flown, tmp_path):
+    again = recorded(
+        tmp_path / "again", platform=platform("racer"), dataset=Dataset(source="reality"), record=SHORT
+    )
+    for file in ("recording.parquet", "key/key.json"):
+        assert (flown / file).read_bytes() == (again / file).read_bytes()
+
+
+def test_a_recording_of_ones_own_is_taken_as_it_is(flown, tmp_path):
+    dataset = Dataset(source="file", files=[str(flown / "recording.parquet")])
+    output = recorded(tmp_path / "own", dataset=dataset)
+    original = read_recording(flown / "recording.parquet")
+    pd.testing.assert_frame_equal(read_recording(output / "recording.parquet").frame, original.frame)
+    assert not (output / "key").exists()
+
+
+def test_only_a_quadrotor_is_flown(tmp_path):
+    with pytest.raises(InputError, match="quadrotor, not a joint"):
+        recorded(
+            tmp_path / "x", platform=platform("flywheel"), dataset=Dataset(source="reality"), record=SHORT
+        )
+
+
+@pytest.mark.parametrize("path", sorted((CONF / "platform").glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_platform_file_is_a_platform(path):
+    platform_from_config(yaml.safe_load(path.read_text()), where=str(path))
+
+
+@pytest.mark.parametrize(
+    ("name", "velocity_constant", "acceleration_constant"),
+    [("swerve_drivetrain", 2.7851, 0.30103), ("flywheel", 0.0088813, 0.0045649)],
+)
+def test_published_voltage_balances_hold(name, velocity_constant, acceleration_constant):
+    joint = platform_from_config(platform(name))
+    constant = joint.motor.torque_constant * joint.motor.gear_ratio
+    assert constant == pytest.approx(velocity_constant, rel=1e-7)
+    assert joint.inertia * joint.motor.resistance / constant == pytest.approx(acceleration_constant, rel=1e-7)
+
+
+@pytest.mark.parametrize("name", ["racer", "crazyflie_brushed", "crazyflie_brushless"])
+def test_quadrotors_hover_well_within_their_power(name):
+    quadrotor = platform_from_config(platform(name))
+    assert 0.3 < quadrotor.hover_rotor_speed / quadrotor.motor_speed_max < 0.75
