@@ -1,0 +1,92 @@
+"""One motor's voltage and speed out of a recording, whatever its kind."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from pipeline.errors import InputError
+from pipeline.models.segments import segments
+from pipeline.recordings.recording import Recording
+
+FEWEST_BLOCKS = 10
+
+
+@dataclass(frozen=True)
+class MotorSamples:
+    """What one motor did.
+
+    Attributes:
+        voltage: per segment (samples,), V.
+        velocity: per segment (samples,), in `speed_unit`.
+        time_step: s.
+        speed_unit: rad/s or m/s.
+    """
+
+    voltage: list[np.ndarray]
+    velocity: list[np.ndarray]
+    time_step: float
+    speed_unit: str
+
+    def blocks(self, duration: float) -> list[np.ndarray]:
+        """Number the samples by blocks of so many seconds, at least ten in all; none spans two segments."""
+        total = sum(map(len, self.voltage))
+        length = max(min(round(duration / self.time_step), total // FEWEST_BLOCKS), 1)
+        numbers, first = [], 0
+        for samples in self.voltage:
+            numbers.append(first + np.arange(len(samples)) // length)
+            first = int(numbers[-1][-1]) + 1
+        return numbers
+
+
+def motors_of(
+    recording: Recording, runs: Sequence[str], patterns: Mapping[str, Sequence[str]]
+) -> Iterator[tuple[str, MotorSamples]]:
+    """Yield the motors of a joint or swerve recording by name.
+
+    Args:
+        recording: cleaned, with voltages.
+        runs: to take samples from.
+        patterns: motor to patterns of the runs that it made, where the runs of a joint are of several motors.
+
+    Raises:
+        InputError: when the patterns leave out a run, or take none.
+    """
+    if recording.kind == "swerve":
+        for group in ("drive", "steer"):
+            for number in range(1, 5):
+                columns = (f"{group}_voltage_{number}", f"{group}_velocity_{number}")
+                yield f"{group}_{number}", _samples(recording, runs, columns)
+        return
+    for motor, chosen in _runs_by_motor(runs, patterns).items():
+        yield motor, _samples(recording, chosen, ("voltage", "velocity"))
+
+
+def _runs_by_motor(runs: Sequence[str], patterns: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
+    if not patterns:
+        return {"motor": list(runs)}
+    chosen = {
+        motor: [run for run in runs if any(fnmatchcase(run, pattern) for pattern in wanted)]
+        for motor, wanted in patterns.items()
+    }
+    for motor, own in chosen.items():
+        if not own:
+            raise InputError("matches no run", f"sysid.motors.{motor}", f"the runs are {', '.join(runs)}")
+    left = set(runs) - {run for own in chosen.values() for run in own}
+    if left:
+        raise InputError(f"no motor for run {min(left)!r}", "sysid.motors", "add a pattern that matches it")
+    return chosen
+
+
+def _samples(recording: Recording, runs: Sequence[str], columns: tuple[str, str]) -> MotorSamples:
+    pieces = [segment.columns(columns) for segment in segments(recording, runs)]
+    pieces = [piece for piece in pieces if len(piece) > 2]
+    if not pieces:
+        raise InputError("no segment has three samples", recording.source or "recording", "record more")
+    return MotorSamples(
+        voltage=[piece[:, 0] for piece in pieces],
+        velocity=[piece[:, 1] for piece in pieces],
+        time_step=recording.time_step,
+        speed_unit=recording.units[columns[1]],
+    )

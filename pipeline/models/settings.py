@@ -1,0 +1,26 @@
+"""What a person may change about identification and training."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass
+class SystemIdentification:
+    """The configuration group `sysid`."""
+
+    window: float = 0.2  # s, of the functions with which the equations of motion are averaged
+    consistency: float = 0.1  # share by which a quadrotor's parameter may change when the window is doubled
+    block_duration: float = 2.0  # s, longer than errors last: standard errors leave out one block at a time
+    ridge: float = 1e-9  # penalty per sample on the motors' scaled coefficients
+    motion_threshold: float = 0.02  # of the highest speed; a motor below it counts as standing
+    motors: dict[str, list[str]] = field(default_factory=dict)  # motor: patterns of runs; empty: one motor
+
+
+@dataclass
+class Training:
+    """The configuration group `train`."""
+
+    max_epochs: int = 40
+    patience: int = 6  # epochs without a better validation loss before training stops
+    batch_size: int = 512  # windows
+    horizons: list[int] = field(default_factory=lambda: [1, 10, 50])  # steps at which rollouts are scored
+    evaluation_windows: int = 2000  # at most, evenly over the held-out runs
