@@ -16,7 +16,11 @@ def competition_section(inputs: ReportInputs, drawing: Drawing) -> Section | Non
     if not competition or not competition.get("steps"):
         return None
     steps = [_step(entry) for entry in competition["steps"]]
-    return Section("competition", "How sure", {"steps": steps, "metric": competition.get("metric") or ""})
+    return Section(
+        "competition",
+        "How sure",
+        {"steps": steps, "metric": competition.get("metric") or "", "shown": drawing.competition_steps},
+    )
 
 
 def _step(entry: dict[str, Any]) -> dict[str, Any]:
@@ -30,7 +34,13 @@ def _step(entry: dict[str, Any]) -> dict[str, Any]:
     chosen = next((candidate["name"] for candidate in candidates if candidate.get("chosen")), None)
     drawn = [candidate for candidate in candidates if is_number(candidate.get("gain"))][:_DRAWN]
     figure = _figure(drawn) if drawn else None
-    return {"step": entry["step"], "chosen": chosen, "candidates": candidates, "figure": figure}
+    return {
+        "step": entry["step"],
+        "chosen": chosen,
+        "outcome": spoken(chosen) if chosen else "nothing",
+        "candidates": candidates,
+        "figure": figure,
+    }
 
 
 def _figure(candidates: list[dict[str, Any]]) -> Figure:

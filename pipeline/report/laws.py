@@ -27,9 +27,18 @@ def laws_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     if not laws:
         return None
     residuals = inputs.evidence("residuals.parquet")
-    return Section(
-        "laws", "The law in the residual", {"figures": [_figure(law, residuals, drawing) for law in laws]}
-    )
+    strongest = sorted(laws, key=lambda law: _strength(law, residuals), reverse=True)
+    figures = [_figure(law, residuals, drawing) for law in strongest]
+    return Section("laws", "The law in the residual", {"figures": figures, "shown": drawing.laws})
+
+
+def _strength(law: dict[str, Any], residuals: pd.DataFrame | None) -> float:
+    """Return how far the law reaches, in standard deviations of the channel's residual before."""
+    reach = float(np.ptp(np.asarray(law["law"], dtype=float)))
+    if residuals is None:
+        return reach
+    spread = float(residuals.loc[residuals["channel"] == law["channel"], "before"].std())
+    return reach / spread if spread > 0 else 0.0
 
 
 def _figure(law: dict[str, Any], residuals: pd.DataFrame | None, drawing: Drawing) -> Figure:
@@ -78,6 +87,6 @@ def _means(bins: dict[str, Any]) -> dict[str, Any]:
         "x": encode(bins["x"]),
         "y": encode(bins["mean"]),
         "error_y": errors | {"color": INK, "thickness": 1.2, "width": 3},
-        "name": "mean before",
+        "name": "left by the others",
         "marker": {"color": "var(--paper)", "size": 7, "line": {"color": INK, "width": 1.5}},
     }

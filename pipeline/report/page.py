@@ -42,6 +42,7 @@ _SECTIONS = (
 )
 _FILTERS = (
     text.number,
+    text.short,
     text.estimate,
     text.with_unit,
     text.pretty_unit,

@@ -24,14 +24,14 @@ def number(value: Real | None, digits: int = 3) -> str:
     if value == 0:
         return "0"
     exponent = math.floor(math.log10(abs(value)))
-    if -4 <= exponent < 5:
+    if -3 <= exponent < 5:
         return _minus(f"{value:.{max(digits - 1 - exponent, 0)}f}")
     return f"{_minus(f'{value / 10.0**exponent:.{digits - 1}f}')}×{_power(exponent)}"
 
 
-def short(value: Real | None) -> str:
-    """Write a number with up to three significant digits and no trailing zeros."""
-    text = number(value)
+def short(value: Real | None, digits: int = 3) -> str:
+    """Write a number with up to so many significant digits and no trailing zeros."""
+    text = number(value, digits)
     mantissa, cross, power = text.partition("×")
     return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + cross + power
 
@@ -41,7 +41,7 @@ def estimate(value: Real | None, std: Real | None, unit: str = "") -> str:
     if value is None or not is_number(value) or std is None or not is_number(std) or std <= 0:
         return with_unit(number(value, 4), unit)
     exponent = math.floor(math.log10(max(abs(value), std)))
-    scale = 10.0**exponent if not -4 <= exponent < 5 else 1.0
+    scale = 10.0**exponent if not -3 <= exponent < 5 else 1.0
     places = min(max(1 - math.floor(math.log10(std / scale)), 0), 12)
     pair = f"{_minus(f'{value / scale:.{places}f}')}{NO_BREAK}±{NO_BREAK}{std / scale:.{places}f}"
     return with_unit(pair if scale == 1.0 else f"({pair})×{_power(exponent)}", unit)

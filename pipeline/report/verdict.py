@@ -23,7 +23,7 @@ LABELS = {
     "none": "Nothing is missing",
     "unexplained": "Unexplained gap",
 }
-_NAMED_IN_SENTENCE = 4
+_NAMED_IN_SENTENCE = 3
 
 
 def verdict_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:

@@ -152,9 +152,9 @@ def _regimes(text: str, random: np.random.Generator) -> list[dict[str, Any]]:
             named = text if text and index == 0 else channel
             known = {
                 "channel": named,
-                "unit": channel_unit,
+                "channel_unit": channel_unit,
                 "variable": variable,
-                "variable_unit": unit,
+                "unit": unit,
                 "edges": edges,
             }
             entries.append(

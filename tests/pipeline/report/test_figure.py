@@ -74,7 +74,7 @@ def test_the_map_shows_multiples_of_the_noise_floor_and_not_a_floor_of_zero(tmp_
     path.write_text(json.dumps(regimes))
     heat = where_section(ReportInputs.of_branch(branch), Drawing()).content["maps"][0].data[0]
     ratios = decode(heat["z"])
-    np.testing.assert_allclose(ratios[0], np.array(regimes[0]["before"]) / 0.03, rtol=1e-6)
+    np.testing.assert_allclose(10 ** ratios[0], np.array(regimes[0]["before"]) / 0.03, rtol=1e-5)
     assert np.isnan(ratios[1]).all()
     assert heat["zmax"] >= ratios[0].max()
 

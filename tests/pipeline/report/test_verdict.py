@@ -26,6 +26,12 @@ def test_corrections_beside_missing_physics_are_told_apart():
     assert said.index("rotor drag") < said.index("nominal parameters need correcting: mass error")
 
 
+def test_a_long_list_of_effects_stays_a_sentence():
+    found = diagnosis("missing_physics")
+    found["effects"] = [found["effects"][0] | {"name": f"effect_{number}"} for number in range(8)]
+    assert " and 5 more; with that" in sentence(found)
+
+
 def test_an_unexplained_gap_names_its_variables():
     assert "torque y follows velocity x and motor speed" in sentence(diagnosis("unexplained"))
 
