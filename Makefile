@@ -34,11 +34,11 @@ $(STAMP): pyproject.toml constraints.txt
 	if [ $(STAMP) -nt pyproject.toml ] && [ $(STAMP) -nt constraints.txt ]; then exit 0; fi; \
 	if [ ! -e $(STAMP) ]; then rm -rf .venv; $(PYTHON) -m venv .venv; fi; rm -f $(STAMP); \
 	echo "installing into .venv"; \
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt uv; \
+	$(BIN)/python -m pip install -qq --constraint constraints.txt uv; \
 	UV_HTTP_RETRIES=0 $(BIN)/uv pip install --quiet --python $(BIN)/python --torch-backend=auto \
 		--constraint constraints.txt torch 2> /dev/null \
-		|| $(BIN)/python -m pip install --quiet --constraint constraints.txt torch; \
+		|| $(BIN)/python -m pip install -qq --constraint constraints.txt torch; \
 	UV_COMPILE_BYTECODE=1 $(BIN)/uv pip install --quiet --python $(BIN)/python \
 		--constraint constraints.txt --editable '.[dev]' \
-		|| $(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'; \
+		|| $(BIN)/python -m pip install -qq --constraint constraints.txt --editable '.[dev]'; \
 	touch $(STAMP)

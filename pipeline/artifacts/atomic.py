@@ -36,8 +36,9 @@ def staged_directory(target: str | Path, owned: bool = False) -> Iterator[Path]:
         InputError: when the place cannot be written or the disk is full. Nothing is left behind then.
     """
     place = Path(os.path.realpath(target))
-    parent = place if _only_inside(place) else place.parent
-    made = [path for path in (parent, *parent.parents) if not path.exists()]
+    with _said(place):
+        parent = place if _only_inside(place) else place.parent
+        made = [path for path in (parent, *parent.parents) if not path.exists()]
     try:
         with _said(place):
             staging = _staging(parent, place)

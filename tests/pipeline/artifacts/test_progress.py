@@ -1,0 +1,57 @@
+import logging
+import sys
+
+import pytest
+
+from pipeline.artifacts import progress
+
+clock_module = sys.modules[progress.__module__]
+
+
+class Clock:
+    """Every look at it takes a second."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def __call__(self) -> float:
+        self.now += 1.0
+        return self.now
+
+
+def test_long_work_without_a_terminal_is_told_in_lines(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(clock_module.time, "monotonic", Clock())
+    with caplog.at_level(logging.INFO, logger="simgap"):
+        assert list(progress(range(30), "flying")) == list(range(30))
+    lines = [record.getMessage() for record in caplog.records]
+    assert lines == [
+        "flying: 1 of 30 after 2 s",
+        "flying: 11 of 30 after 12 s",
+        "flying: 21 of 30 after 22 s",
+    ]
+
+
+def test_short_work_says_nothing(
+    caplog: pytest.LogCaptureFixture, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with caplog.at_level(logging.INFO, logger="simgap"):
+        assert list(progress((n for n in range(3)), "flying")) == [0, 1, 2]
+    assert not caplog.records
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_terminal_gets_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    import tqdm
+
+    seen: dict = {}
+
+    def bar(iterable: object, **keywords: object) -> object:
+        seen.update(keywords)
+        return iterable
+
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr(tqdm, "tqdm", bar)
+    assert list(progress(iter("ab"), "flying", total=2)) == ["a", "b"]
+    assert (seen["desc"], seen["total"], seen["delay"]) == ("flying", 2, 2.0)
