@@ -84,6 +84,7 @@ class PlantCase:
         slowest: peak speed of the gentlest flight, m/s.
         fastest: peak speed of the wildest flight, m/s.
         acceleration: that the flights' paths are laid out for, m/s².
+        excitation: scale of the multisine on thrust and body rates (see `dither`); 0 for none.
         jitter: standard deviation of the sampling instant, s.
         dropped: share of the samples that are lost.
         sensors: noise of the sensors.
@@ -96,6 +97,7 @@ class PlantCase:
     slowest: float = 2.0
     fastest: float = 8.0
     acceleration: float = 10.0
+    excitation: float = 1.0
     jitter: float = 0.0
     dropped: float = 0.0
     sensors: Sensors = field(default_factory=Sensors)
@@ -114,6 +116,10 @@ class PlantCase:
         for key in ("runs", "duration", "rate", "slowest", "fastest", "acceleration"):
             if getattr(self, key) <= 0:
                 raise InputError(f"must be positive, is {getattr(self, key)}", f"{where}.{key}", "correct it")
+        if self.excitation < 0:
+            raise InputError(
+                f"must not be negative, is {self.excitation}", f"{where}.excitation", "correct it"
+            )
         if not 0 <= self.dropped < 0.9:
             raise InputError(f"must be from 0 to 0.9, is {self.dropped}", f"{where}.dropped", "give a share")
         if not 0 <= self.jitter * self.rate < 0.2:

@@ -52,6 +52,7 @@ class Controller:
         velocity: Array,
         rotation: Array,
         body_rate: Array,
+        dither: Array,
     ) -> Array:
         """Return commanded rotor speeds (runs, 4), rad/s.
 
@@ -61,6 +62,7 @@ class Controller:
             velocity: world frame, (runs, 3) m/s.
             rotation: body to world, (runs, 3, 3).
             body_rate: (runs, 3) rad/s.
+            dither: added to mass-normalised thrust, m/s², and body rates, rad/s; (runs, 4).
         """
         target, speed, quickening = reference
         gains, platform = self.gains, self.platform
@@ -70,8 +72,8 @@ class Controller:
             + gains.position * (target[:, :3] - position)
         )
         wanted[:, 2] += platform.gravity
-        thrust = platform.mass * (wanted * rotation[:, :, 2]).sum(axis=-1)
-        turn = gains.attitude * self._attitude_error(wanted, target[:, 3], rotation)
+        thrust = platform.mass * ((wanted * rotation[:, :, 2]).sum(axis=-1) + dither[:, 0])
+        turn = gains.attitude * self._attitude_error(wanted, target[:, 3], rotation) + dither[:, 1:]
         turn += rotation[:, 2, :] * speed[:, 3:]  # the heading's rate about the vertical, in the body frame
         momentum = self.inertia * body_rate
         torque = self.inertia * gains.body_rate * (turn - body_rate) + cross(body_rate, momentum)

@@ -8,6 +8,7 @@ from pipeline.platforms import Quadrotor
 from pipeline.reality.airframe import Airframe
 from pipeline.reality.case import PlantCase
 from pipeline.reality.controller import Controller
+from pipeline.reality.dither import Dither
 from pipeline.reality.path import Paths
 from pipeline.reality.rotation import Array, cross, matrix, product
 
@@ -47,6 +48,7 @@ def fly_paths(
     platform: Quadrotor,
     case: PlantCase,
     paths: Paths,
+    dither: Dither,
     random: np.random.Generator,
     step: float = STEP,
 ) -> Log:
@@ -60,6 +62,7 @@ def fly_paths(
         platform: what the controller believes.
         case: motor lag and gyro noise are taken from it.
         paths: where to go.
+        dither: what is shaken on the way.
         random: for the gyro noise in the loop and the spread of the rotors.
         step: s.
     """
@@ -72,9 +75,8 @@ def fly_paths(
     kept: list[tuple[Array, Array, Array, Array]] = []
     for time in times:
         rotation, body_rate = matrix(state[:, 6:10]), state[:, 10:]
-        command = controller.command(
-            paths.at(time), state[:, :3], state[:, 3:6], rotation, estimate(body_rate)
-        )
+        pose = state[:, :3], state[:, 3:6], rotation, estimate(body_rate)
+        command = controller.command(paths.at(time), *pose, dither.at(time))
         speed = command + (speed - command) * decay
         velocity = (state[:, None, 3:6] @ rotation)[:, 0]
         force, torque, inflow = airframe.wrench(velocity, body_rate, speed, inflow)

@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.platforms import Quadrotor
 from pipeline.reality.case import PlantCase
 from pipeline.reality.design import design
+from pipeline.reality.dither import shake
 from pipeline.reality.flight import fly_paths
 from pipeline.reality.path import plan
 from pipeline.reality.sensing import record
@@ -35,8 +36,9 @@ def fly(case: PlantCase, platform: Quadrotor, seed: int) -> tuple[Recording, dic
     """
     case.check()
     for_paths, for_plant, for_sensors = (np.random.default_rng([seed, part]) for part in range(3))
-    airframe, paths = design(platform, case), plan(case, for_paths)
-    log = fly_paths(airframe, platform, case, paths, for_plant)
+    airframe = design(platform, case)
+    paths, dither = plan(case, for_paths), shake(case, for_paths)
+    log = fly_paths(airframe, platform, case, paths, dither, for_plant)
     key = answer_key(airframe, platform, case, log)
     frame = record(log, platform, case, paths.names, for_sensors)
     units = channel_units("quadrotor")

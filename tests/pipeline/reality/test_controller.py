@@ -10,7 +10,7 @@ def reference(position=(0.0, 0.0, 0.0), heading=0.0):
 def command(racer, reference, rotation=None, body_rate=(0.0, 0.0, 0.0)):
     level = np.eye(3)[None] if rotation is None else rotation
     return Controller(racer).command(
-        reference, np.zeros((1, 3)), np.zeros((1, 3)), level, np.array([body_rate])
+        reference, np.zeros((1, 3)), np.zeros((1, 3)), level, np.array([body_rate]), np.zeros((1, 4))
     )
 
 

@@ -6,6 +6,7 @@ from pipeline.physics import rigid_body, rotations, rotors
 from pipeline.physics.integrators import rk4
 from pipeline.reality.case import PlantCase, Sensors
 from pipeline.reality.design import design
+from pipeline.reality.dither import shake
 from pipeline.reality.flight import SETTLING, fly_paths
 from pipeline.reality.path import plan
 
@@ -14,8 +15,9 @@ QUIET = Sensors(scale=0.0)
 
 def flight(racer, step=1e-3, **kwargs):
     case = PlantCase(runs=3, duration=1.0, sensors=QUIET, **kwargs)
-    paths = plan(case, np.random.default_rng(1))
-    return fly_paths(design(racer, case), racer, case, paths, np.random.default_rng(2), step), paths
+    random = np.random.default_rng(1)
+    paths, dither = plan(case, random), shake(case, random)
+    return fly_paths(design(racer, case), racer, case, paths, dither, random, step), paths
 
 
 def test_with_everything_off_it_moves_as_the_nominal_rigid_body(racer):
