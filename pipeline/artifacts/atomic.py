@@ -41,9 +41,7 @@ def staged_directory(target: str | Path, owned: bool = False) -> Iterator[Path]:
         made = [path for path in (parent, *parent.parents) if not path.exists()]
     try:
         with _said(place):
-            staging = _staging(parent, place)
-            lock = os.open(staging, os.O_RDONLY)
-            fcntl.flock(lock, fcntl.LOCK_EX)
+            staging, lock = _staging(parent, place)
         try:
             with _said(place, staging):
                 yield staging
@@ -64,14 +62,25 @@ def _only_inside(place: Path) -> bool:
     return place.is_dir() and (os.path.ismount(place) or not os.access(place.parent, os.W_OK))
 
 
-def _staging(parent: Path, place: Path) -> Path:
+def _staging(parent: Path, place: Path) -> tuple[Path, int]:
+    """Make the hidden sibling; return it and the descriptor that holds its lock."""
     if place.exists() and not place.is_dir():
         raise InputError("is a file where a directory is to be written", str(place), _REMEDY)
     parent.mkdir(parents=True, exist_ok=True)
-    _remove_abandoned(parent, place)
-    staging = parent / f"{_PREFIX}{place.name}-{uuid.uuid4().hex[:8]}"
-    staging.mkdir()
-    return staging
+    guard = _locked(parent)  # so that nobody takes for abandoned what is there but not locked yet
+    try:
+        _remove_abandoned(parent, place)
+        staging = parent / f"{_PREFIX}{place.name}-{uuid.uuid4().hex[:8]}"
+        staging.mkdir()
+        return staging, _locked(staging)
+    finally:
+        os.close(guard)
+
+
+def _locked(directory: Path) -> int:
+    descriptor = os.open(directory, os.O_RDONLY)
+    fcntl.flock(descriptor, fcntl.LOCK_EX)
+    return descriptor
 
 
 def _remove_abandoned(parent: Path, place: Path) -> None:

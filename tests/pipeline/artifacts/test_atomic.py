@@ -137,7 +137,7 @@ def test_death_between_the_two_renames_of_a_swap_keeps_the_old_state(tmp_path: P
 
 
 def test_writers_that_end_together_leave_one_whole_state(tmp_path: Path) -> None:
-    barrier = threading.Barrier(4)
+    barrier = threading.Barrier(4, timeout=20)
 
     def work(name: str) -> None:
         with staged_directory(tmp_path / "stage", owned=True) as staging:
