@@ -45,11 +45,11 @@ def staged_directory(target: str | Path, owned: bool = False) -> Iterator[Path]:
         try:
             with _said(place, staging):
                 yield staging
-            with _said(place):
+            with _said(place), _guarded(parent):
                 _commit(staging, place, owned)
         finally:
-            os.close(lock)
             shutil.rmtree(staging, ignore_errors=True)
+            os.close(lock)
     except BaseException:
         for path in made:
             with suppress(OSError):
@@ -67,12 +67,19 @@ def _staging(parent: Path, place: Path) -> tuple[Path, int]:
     if place.exists() and not place.is_dir():
         raise InputError("is a file where a directory is to be written", str(place), _REMEDY)
     parent.mkdir(parents=True, exist_ok=True)
-    guard = _locked(parent)  # so that nobody takes for abandoned what is there but not locked yet
-    try:
+    with _guarded(parent):
         _remove_abandoned(parent, place)
         staging = parent / f"{_PREFIX}{place.name}-{uuid.uuid4().hex[:8]}"
         staging.mkdir()
         return staging, _locked(staging)
+
+
+@contextmanager
+def _guarded(parent: Path) -> Iterator[None]:
+    """Keep writers in one directory apart while they make their hidden sibling or put it in place."""
+    guard = _locked(parent)
+    try:
+        yield
     finally:
         os.close(guard)
 
@@ -94,7 +101,10 @@ def _remove_abandoned(parent: Path, place: Path) -> None:
 
 
 def _is_alive(staging: Path) -> bool:
-    descriptor = os.open(staging, os.O_RDONLY)
+    try:
+        descriptor = os.open(staging, os.O_RDONLY)
+    except FileNotFoundError:  # its writer has just removed it
+        return True
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
@@ -120,16 +130,9 @@ def _swap(new: Path, place: Path) -> None:
         new.replace(place)
         return
     old = new.with_name(new.name + _REPLACED)
-    for _ in range(3):  # somebody else may be putting the same directory there
-        with suppress(FileNotFoundError):
-            place.rename(old)
-        try:
-            new.rename(place)
-            break
-        except OSError as error:
-            if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
-                raise
-            shutil.rmtree(old, ignore_errors=True)
+    with suppress(FileNotFoundError):
+        place.rename(old)
+    new.rename(place)
     shutil.rmtree(old, ignore_errors=True) if old.is_dir() else old.unlink(missing_ok=True)
 
 
