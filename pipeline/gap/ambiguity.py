@@ -34,13 +34,17 @@ class Rivalry:
     weight: float
 
 
-def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> Rivalry | None:
-    """Return the others that do the named effect's work, or None where there are none.
+def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> list[Candidate]:
+    """Return the others that predict about as well in the named effect's place.
 
     An other is a rival when it gains at least half as much and the difference to the winner, taken over clusters of
     correlated residuals, is within chance (one-sided t test).
     """
-    rivals = [o for o in others if o.gain > _HALF * winner.gain and _within_chance(winner, o, cluster)]
+    return [o for o in others if o.gain > _HALF * winner.gain and _within_chance(winner, o, cluster)]
+
+
+def rivalry_of(winner: Candidate, rivals: list[Candidate]) -> Rivalry | None:
+    """Weigh a named effect against its rivals by what each gains; None where there are none."""
     if not rivals:
         return None
     gains = torch.tensor([winner.gain, *(rival.gain for rival in rivals)], dtype=torch.float64)

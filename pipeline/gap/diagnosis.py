@@ -18,7 +18,7 @@ from pipeline.gap.prove import Proof, prove
 from pipeline.gap.regimes import Regime, regimes_of
 from pipeline.gap.residuals import noise_of_rows
 from pipeline.gap.scoring import clusters_of, cross_validated, folds_of
-from pipeline.gap.sensors import settle_accelerometer
+from pipeline.gap.sensors import settle_accelerometer, settle_velocity
 from pipeline.gap.settings import Gap
 from pipeline.gap.unnamed import Unnamed, find_unnamed
 from pipeline.gap.weak_form import window_functions
@@ -117,6 +117,8 @@ def _blocks(recording: Recording, nominal: Simulator, settings: Gap) -> tuple[Bl
     remarks: list[str] = []
     if recording.kind == "quadrotor":
         blocks, remarks = settle_accelerometer(blocks, nominal.platform.gravity, settings.test_width)
+    if recording.kind == "joint":
+        blocks, remarks = settle_velocity(blocks, settings.test_width)
     return _with_clock_deviation(blocks, recording.clock_offset), remarks
 
 

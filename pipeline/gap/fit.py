@@ -1,6 +1,5 @@
 """Fitting the parameters of a simulator's effects to a recording, with standard errors that forgive an imperfect model."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
@@ -54,26 +53,26 @@ class Fit:
 
     @property
     def values(self) -> Tensor:
-        """The parameters of all effects in order, (parameters,)."""
+        """The parameters of the free effects in order, (parameters,)."""
         return values_of(self.simulator)
 
 
-def parameters_of(effects: Sequence[FittedEffect]) -> list[Parameter]:
-    """Return the parameters of the effects in the order of a fit's columns."""
-    return [parameter for fitted in effects for parameter in fitted.effect.parameters]
+def parameters_of(simulator: Simulator) -> list[Parameter]:
+    """Return the parameters of the free effects in the order of a fit's columns."""
+    return [parameter for fitted in simulator.free for parameter in fitted.effect.parameters]
 
 
 def columns_of(fit: Fit, effect: Effect) -> list[int]:
     """Return the columns of a fit that belong to one effect."""
-    owners = [f.effect.key for f in fit.simulator.effects for _ in f.effect.parameters]
+    owners = [f.effect.key for f in fit.simulator.free for _ in f.effect.parameters]
     return [column for column, owner in enumerate(owners) if owner == effect.key]
 
 
 def with_values(simulator: Simulator, values: Tensor) -> Simulator:
-    """Return the simulator with all its parameters replaced, in order."""
+    """Return the simulator with the parameters of its free effects replaced, in order."""
     remaining = values.tolist()
-    effects = []
-    for fitted in simulator.effects:
+    effects = list(simulator.known)
+    for fitted in simulator.free:
         names = [parameter.name for parameter in fitted.effect.parameters]
         effects.append(FittedEffect(fitted.effect, dict(zip(names, remaining, strict=False))))
         remaining = remaining[len(names) :]
@@ -103,13 +102,13 @@ def fit(simulator: Simulator, problem: Problem) -> Fit:
 
 
 def values_of(simulator: Simulator) -> Tensor:
-    """Return the parameters of all effects in order, (parameters,)."""
-    return torch.tensor([v for f in simulator.effects for v in f.values.values()], dtype=torch.float64)
+    """Return the parameters of the free effects in order, (parameters,)."""
+    return torch.tensor([v for f in simulator.free for v in f.values.values()], dtype=torch.float64)
 
 
 def bounds_of(simulator: Simulator) -> tuple[Tensor, Tensor]:
     """Return the lower and the upper bound of each parameter."""
-    parameters = parameters_of(simulator.effects)
+    parameters = parameters_of(simulator)
     low = torch.tensor([parameter.low for parameter in parameters], dtype=torch.float64)
     return low, torch.tensor([parameter.high for parameter in parameters], dtype=torch.float64)
 
@@ -121,7 +120,7 @@ def channel_scale(residual: Tensor, noise: Tensor) -> Tensor:
 
 def jacobian_of(simulator: Simulator, problem: Problem, residual: Tensor) -> Tensor:
     """Return how the prediction changes with each parameter: (blocks, rows, channels, parameters)."""
-    parts = [effect_jacobian(simulator, fitted.effect, problem, residual) for fitted in simulator.effects]
+    parts = [effect_jacobian(simulator, fitted.effect, problem, residual) for fitted in simulator.free]
     return torch.cat(parts, dim=-1) if parts else residual.new_zeros((*residual.shape, 0))
 
 
@@ -129,7 +128,7 @@ def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, resi
     """Return the columns of one effect, exactly where it is linear, by a finite difference elsewhere."""
     if isinstance(effect, WrenchEffect) and effect.linear:
         return _regressor_columns(simulator, effect, problem)
-    owners = [(f.effect.key, parameter) for f in simulator.effects for parameter in f.effect.parameters]
+    owners = [(f.effect.key, parameter) for f in simulator.free for parameter in f.effect.parameters]
     columns = [
         _difference(simulator, problem, residual, column, parameter)
         for column, (key, parameter) in enumerate(owners)
@@ -217,8 +216,8 @@ def clustered_covariance(jacobian: Tensor, residual: Tensor, scale: Tensor, clus
 def with_errors(simulator: Simulator, covariance: Tensor) -> Simulator:
     """Return the simulator with the standard errors of its parameters."""
     errors = covariance.diagonal().clamp_min(0.0).sqrt().tolist()
-    effects = []
-    for fitted in simulator.effects:
+    effects = list(simulator.known)
+    for fitted in simulator.free:
         names = list(fitted.values)
         effects.append(FittedEffect(fitted.effect, fitted.values, dict(zip(names, errors, strict=False))))
         errors = errors[len(names) :]

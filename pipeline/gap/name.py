@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from torch import Tensor
 
 from pipeline.effects import Effect, MeasurementEffect, ParameterError, effect_by_key, effects_of
-from pipeline.gap.ambiguity import Rivalry, rivals_of
+from pipeline.gap.ambiguity import Rivalry, rivalry_of, rivals_of
 from pipeline.gap.fit import Fit, Problem, columns_of, fit
 from pipeline.gap.refit import extend, shrink
 from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
@@ -14,6 +14,7 @@ from pipeline.gap.settings import Gap
 from pipeline.simulation import Simulator
 
 _Z95 = 1.96
+_REDUNDANT = 0.2
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 
 
@@ -101,13 +102,14 @@ class _Competition:
         self.fold = folds_of(problem.blocks, settings.folds)
         self.clusters = int(problem.cluster.max()) + 1
         self.base = self.current = fit(simulator, problem)
+        self.known = {fitted.effect.key: fitted for fitted in simulator.known}
         self.rounds: list[Round] = []
         self.dropped: set[str] = set()
 
     def run(self, contestants: list[Effect]) -> None:
         """Add effects until none may be named any more."""
-        while len(self.current.simulator.effects) < self.settings.most_effects:
-            present = {fitted.effect.key for fitted in self.current.simulator.effects} | self.dropped
+        while len(self.current.simulator.free) < self.settings.most_effects:
+            present = {fitted.effect.key for fitted in self.current.simulator.free} | self.dropped
             candidates = [self.candidate(e) for e in contestants if e.key not in present]
             admitted = [candidate for candidate in candidates if not candidate.refusal]
             winner = max(admitted, key=lambda candidate: candidate.gain, default=None)
@@ -127,7 +129,7 @@ class _Competition:
     def judged(self, effect: Effect, without: Fit, fitted: Fit, before: Tensor, after: Tensor) -> Candidate:
         """Measure a candidate and say why it may not be named, if so."""
         columns = columns_of(fitted, effect)
-        neutral = [parameter.neutral for parameter in effect.parameters]
+        neutral = list(self.resting(effect).values())
         significance = significance_of(fitted, columns, neutral, self.clusters)
         gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
         share, interval, energy = self.explained(before, after)
@@ -154,8 +156,9 @@ class _Competition:
     def refusal(self, candidate: Candidate, energy: float) -> str:
         """Return why a candidate may not be named; empty where it may."""
         values = candidate.fit.values[columns_of(candidate.fit, candidate.effect)].tolist()
+        resting = self.resting(candidate.effect)
         for value, parameter in zip(values, candidate.effect.parameters, strict=True):
-            if value <= parameter.low and parameter.low != parameter.neutral:
+            if value <= parameter.low and parameter.low != resting[parameter.name]:
                 return f"{parameter.name} rests on its lower bound"
             if value >= parameter.high:
                 return f"{parameter.name} rests on its upper bound"
@@ -170,32 +173,45 @@ class _Competition:
     def prune(self, newest: str) -> None:
         """Drop every effect that the others have made needless, the least needed first."""
         while True:
-            older = [f.effect for f in self.current.simulator.effects if f.effect.key != newest]
+            older = [f.effect for f in self.current.simulator.free if f.effect.key != newest]
             needless = [c for c in (self.alone(effect) for effect in older) if c.refusal]
             if not needless:
                 return
             worst = min(needless, key=lambda candidate: candidate.gain)
             self.dropped.add(worst.effect.key)
-            self.current = fit(shrink(self.current, worst.effect, self.problem).simulator, self.problem)
+            self.current = fit(self.without(worst.effect).simulator, self.problem)
+
+    def resting(self, effect: Effect) -> dict[str, float]:
+        """Return the values at which an effect changes nothing: those known before, else none of it."""
+        return dict(self.known[effect.key].values) if effect.key in self.known else effect.neutral()
+
+    def without(self, effect: Effect) -> Fit:
+        """Return the current fit without an effect, or with what was known of it before."""
+        return shrink(self.current, effect, self.problem, self.known.get(effect.key))
 
     def alone(self, effect: Effect) -> Candidate:
         """Judge an effect of the current simulator as if it had been the last to enter."""
-        without = shrink(self.current, effect, self.problem)
+        without = self.without(effect)
         before, after = cross_validated(without, self.fold), cross_validated(self.current, self.fold)
         return self.judged(effect, without, self.current, before, after)
 
     def result(self) -> Naming:
         """Judge every named effect for the last time and look for those it cannot be told from."""
-        named = tuple(self.alone(fitted.effect) for fitted in self.current.simulator.effects)
+        named = tuple(self.alone(fitted.effect) for fitted in self.current.simulator.free)
         rivalries = tuple(rivalry for winner in named if (rivalry := self.rivalry(winner)))
         return Naming(self.base, self.current, named, tuple(self.rounds), rivalries)
 
     def rivalry(self, winner: Candidate) -> Rivalry | None:
         """Return the effects that could stand in for a named one."""
-        without = shrink(self.current, winner.effect, self.problem)
-        present = {fitted.effect.key for fitted in self.current.simulator.effects}
+        without = self.without(winner.effect)
+        present = {fitted.effect.key for fitted in self.current.simulator.free}
         others = [self.candidate(e, without) for e in self.catalogue if e.key not in present]
-        return rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
+        rivals = rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
+        return rivalry_of(winner, [rival for rival in rivals if self.is_needless(rival)])
+
+    def is_needless(self, rival: Candidate) -> bool:
+        """Whether the winner leaves nothing for a rival to explain: then both explain the same residual."""
+        return self.candidate(rival.effect).gain < _REDUNDANT * rival.gain
 
 
 def _derived(signals: dict[str, Tensor]) -> set[str]:

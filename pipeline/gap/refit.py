@@ -27,7 +27,7 @@ _STEPS = 3
 def extend(current: Fit, effect: Effect, problem: Problem) -> Fit:
     """Add an effect to a fit: its own columns are computed, those of the others kept.
 
-    A linear effect needs no evaluation of the simulator at all, any other a handful. The winner of a round is fitted
+    An effect that is known already is set free. A linear effect needs no evaluation of the simulator at all, any other a handful. The winner of a round is fitted
     again in full.
     """
     simulator, residual = _start(current, effect, problem)
@@ -38,16 +38,19 @@ def extend(current: Fit, effect: Effect, problem: Problem) -> Fit:
     return _finished(simulator, residual, jacobian, problem)
 
 
-def shrink(current: Fit, effect: Effect, problem: Problem) -> Fit:
-    """Take an effect out of a fit; the others move by one Newton step where it was linear, else are fitted again."""
-    simulator = current.simulator.with_effects(
-        tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
-    )
+def shrink(current: Fit, effect: Effect, problem: Problem, known: FittedEffect | None = None) -> Fit:
+    """Take an effect out of a fit, or put it back to what was known of it.
+
+    The others move by one Newton step where the effect is linear, else they are fitted again.
+    """
+    kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
+    simulator = current.simulator.with_effects((known, *kept) if known else kept)
     if not _is_linear(effect):
         return fit(simulator, problem)
     mine = columns_of(current, effect)
     others = [column for column in range(current.jacobian.shape[-1]) if column not in mine]
-    residual = current.residual + current.jacobian[..., mine] @ current.values[mine]
+    rest = torch.tensor(list((known.values if known else effect.neutral()).values()), dtype=torch.float64)
+    residual = current.residual + current.jacobian[..., mine] @ (current.values[mine] - rest)
     jacobian = current.jacobian[..., others]
     if others:
         simulator, residual = _stepped(simulator, residual, jacobian, problem, linear=True)
@@ -60,10 +63,12 @@ def _is_linear(effect: Effect) -> bool:
 
 def _start(current: Fit, effect: Effect, problem: Problem) -> tuple[Simulator, Tensor]:
     """Return the simulator at the effect's most promising starting point, and its residual."""
+    kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
+    known = next((f for f in current.simulator.known if f.effect.key == effect.key), None)
     tried = []
-    for values in effect.starts():
-        simulator = current.simulator.with_effects((*current.simulator.effects, FittedEffect(effect, values)))
-        if values == effect.neutral():
+    for values in [dict(known.values)] if known else effect.starts():
+        simulator = current.simulator.with_effects((*kept, FittedEffect(effect, values)))
+        if known or values == effect.neutral():
             tried.append((simulator, current.residual))
         else:
             tried.append((simulator, residual_rows(simulator, problem.blocks, problem.functions)))

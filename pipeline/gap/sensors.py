@@ -7,8 +7,10 @@ from torch import Tensor
 
 from pipeline.simulation.blocks import Blocks
 from pipeline.gap.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
+from pipeline.effects.shift import shift_in_time
 from pipeline.physics import rotations
 
+_AGREED = 0.5  # of the disagreement must go for a shift to be believed
 _NOTABLE = 0.05  # m/s²: half a hundredth of gravity, the zero error of a calibrated consumer accelerometer
 
 
@@ -32,6 +34,30 @@ def settle_accelerometer(blocks: Blocks, gravity: float, width: float) -> tuple[
         zeros[blocks.runs[index]] = zero = difference[mine].flatten(0, 1).median(0).values
         corrected[mine] -= zero
     return replace(blocks, signals={**blocks.signals, "specific_force": corrected}), _remarks(zeros)
+
+
+def settle_velocity(blocks: Blocks, width: float) -> tuple[Blocks, list[str]]:
+    """Shift a joint's velocity to the clock of its position, which shows the delay of a filtered velocity without a model.
+
+    Returns:
+        The blocks with the velocity shifted where it was late or early, and a sentence about it.
+    """
+    functions = window_functions(blocks.samples, width, blocks.time_step)
+    rate = mean_rate_of(functions, blocks.inner(blocks.signals["position"]))
+
+    def disagreement(late: int) -> float:
+        shifted = shift_in_time(blocks.signals["velocity"], -late * blocks.time_step, blocks.time_step)
+        return float((rate - mean_of(functions, blocks.inner(shifted))).square().mean())
+
+    errors = {late: disagreement(late) for late in range(-blocks.margin, blocks.margin + 1)}
+    late = min(errors, key=lambda samples: errors[samples])
+    if abs(late) <= 1 or errors[late] > _AGREED * errors[0]:
+        return blocks, []
+    offset = late * blocks.time_step
+    shifted = shift_in_time(blocks.signals["velocity"], -offset, blocks.time_step)
+    word = "late" if late > 0 else "early"
+    remark = f"the velocity was recorded {abs(offset):.3g} s {word} with respect to the position; shifted back"
+    return replace(blocks, signals={**blocks.signals, "velocity": shifted}), [remark]
 
 
 def _remarks(zeros: dict[str, Tensor]) -> list[str]:

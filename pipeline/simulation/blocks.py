@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
 import pandas as pd
 import torch
 from torch import Tensor
@@ -60,10 +59,10 @@ class Blocks:
 
 
 def cut_blocks(recording: Recording, platform: Platform, duration: float, margin_duration: float) -> Blocks:
-    """Cut a cleaned recording into blocks that do not overlap; margins may.
+    """Cut a cleaned recording into blocks that do not overlap; their margins do, and end with a segment's end held.
 
-    Blocks never reach over the end of a run or of a segment. Where segments are too short for the wanted length, the
-    blocks are shortened to a third of the median segment.
+    Blocks never reach over the end of a run or of a segment. They are shortened, margins too, so far that every run has a
+    part in the recording's blocks.
 
     Args:
         recording: cleaned.
@@ -77,17 +76,18 @@ def cut_blocks(recording: Recording, platform: Platform, duration: float, margin
     time_step = recording.time_step
     keys = ["run", "segment"] if "segment" in recording.frame else ["run"]
     segments = [segment for _, segment in recording.frame.groupby(keys, sort=False)]
-    samples, margin = _lengths(segments, duration / time_step, margin_duration / time_step)
+    samples, margin = _lengths(recording.frame, keys, duration / time_step, margin_duration / time_step)
     runs = tuple(recording.runs)
     index = {name: position for position, name in enumerate(runs)}
     pieces: list[dict[str, Tensor]] = []
     run: list[int] = []
     start: list[float] = []
     for segment in segments:
-        firsts = range(margin, len(segment) - samples - margin + 1, samples)
+        firsts = range(0, len(segment) - samples + 1, samples)
         signals = recorded_signals(segment, platform) if firsts else {}
+        padded = {name: _padded(series, margin) for name, series in signals.items()}
         for first in firsts:
-            pieces.append({n: s[first - margin : first + samples + margin] for n, s in signals.items()})
+            pieces.append({n: s[first : first + samples + 2 * margin] for n, s in padded.items()})
             run.append(index[str(segment["run"].iloc[0])])
             start.append(float(segment["t"].iloc[first]))
     if not pieces:
@@ -104,7 +104,13 @@ def cut_blocks(recording: Recording, platform: Platform, duration: float, margin
     )
 
 
-def _lengths(segments: list[pd.DataFrame], samples: float, margin: float) -> tuple[int, int]:
-    """Return samples and margin of a block, shortened where the recording is made of short pieces."""
-    usual = float(np.median([len(segment) for segment in segments]))
-    return max(round(min(samples, usual / 3)), 10), max(round(min(margin, usual / 6)), 2)
+def _padded(series: Tensor, margin: int) -> Tensor:
+    """Hold the first and the last value before and after a segment, so that none of it is lost to margins."""
+    return torch.cat([series[:1].expand(margin, *series.shape[1:]), series, series[-1:].expand(margin, *series.shape[1:])])
+
+
+def _lengths(frame: pd.DataFrame, keys: list[str], samples: float, margin: float) -> tuple[int, int]:
+    """Return samples and margin of a block, so that three fit into the longest segment of every run."""
+    longest = frame.groupby(keys, sort=False).size().groupby(level=0 if len(keys) > 1 else "run").max()
+    shortest = float(longest.min())
+    return max(round(min(samples, shortest / 3)), 10), max(round(min(margin, shortest / 8)), 2)

@@ -36,4 +36,4 @@ def _known(kind: str, key: str, values: Mapping[str, float]) -> FittedEffect:
     for name in values:
         if name not in names:
             raise InputError(f"unknown parameter {name!r}", f"simulator.effects.{key}", f"use {', '.join(names)}")
-    return FittedEffect(effect, {**effect.defaults(), **values})
+    return FittedEffect(effect, {**effect.defaults(), **values}, known=True)

@@ -29,11 +29,13 @@ class FittedEffect:
         effect: the entry of the catalogue.
         values: parameter values in the effect's units.
         std: standard errors, empty where the values were set by hand.
+        known: whether the effect was believed before any diagnosis, which then holds its values.
     """
 
     effect: Effect
     values: Mapping[str, float]
     std: Mapping[str, float] = field(default_factory=dict)
+    known: bool = False
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,16 @@ class Simulator:
     def mechanism(self) -> Mechanism:
         """The nominal mechanism of the platform."""
         return mechanism_of(self.platform, self.position_unit)
+
+    @property
+    def free(self) -> tuple[FittedEffect, ...]:
+        """The effects whose values a fit may change."""
+        return tuple(fitted for fitted in self.effects if not fitted.known)
+
+    @property
+    def known(self) -> tuple[FittedEffect, ...]:
+        """The effects that were believed before."""
+        return tuple(fitted for fitted in self.effects if fitted.known)
 
     def of_type(self, kind: type[Effect]) -> list[FittedEffect]:
         """Return the effects that act in one place."""

@@ -34,7 +34,8 @@ def _describe(fitted: FittedEffect, position_unit: str) -> dict[str, Any]:
         parameters[name] = {"value": float(value), "unit": units[name]}
         if name in fitted.std:
             parameters[name]["std"] = float(fitted.std[name])
-    return {"effect": fitted.effect.key, "formula": fitted.effect.formula, "parameters": parameters}
+    described = {"effect": fitted.effect.key, "formula": fitted.effect.formula, "parameters": parameters}
+    return described | ({"known": True} if fitted.known else {})
 
 
 def read_simulator(folder: Path) -> Simulator:
@@ -59,4 +60,4 @@ def _fitted(kind: str, entry: dict[str, Any]) -> FittedEffect:
     parameters = entry["parameters"]
     values = {name: float(parameter["value"]) for name, parameter in parameters.items()}
     std = {name: float(parameter["std"]) for name, parameter in parameters.items() if "std" in parameter}
-    return FittedEffect(effect_by_key(kind, entry["effect"]), values, std)
+    return FittedEffect(effect_by_key(kind, entry["effect"]), values, std, bool(entry.get("known")))
