@@ -110,7 +110,9 @@ def _begin(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderClean
         time=time,
         columns=recording.channels,
         values=rows[recording.channels].to_numpy(dtype="float64", copy=True),
-        stretch=rows["segment"].to_numpy() if recording.cleaned else np.zeros(len(time), dtype=np.int64),
+        stretch=rows["segment"].to_numpy(copy=True)
+        if "segment" in rows
+        else np.zeros(len(time), dtype=np.int64),
         needed=[*REQUIRED[recording.kind], *(needed_groups(rows, recording.kind) if not reason else [])],
         time_step=typical_step(time) if len(time) > 1 else 0.0,
     )
@@ -123,7 +125,7 @@ def _begin(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderClean
 
 def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
     gap = max(settings.max_gap, 1.5 * time_step)
-    run.stretch = split_at_gaps(run.time, run.stretch, gap)
+    split_at_gaps(run, gap)
     mend_quaternions(run)
     erase_beyond_limits(run)
     erase_straight(run, gap)

@@ -7,13 +7,12 @@ from pipeline.recordings.cleaning.work import RunUnderCleaning
 
 _GRAVITY = 9.81  # m/s²
 _RECOVERY = 3.0  # s of flight without any sign of a crash: then it was none
-_USUAL = 0.98  # quantile of a flight that is taken as usual
 _TIMES_USUAL = 3.0
-_SLIGHTEST = {  # m/s, rad/s, m/s², m
-    "speed": 3.0,
-    "body rate": 12.0,
-    "specific force": 2.0 * _GRAVITY,
-    "position jump": 1.0,
+_SIGNS = {  # the slightest that counts (m/s, rad/s, m/s², m), and the quantile of a flight that is its usual
+    "speed": (3.0, 0.9),  # an estimate that is lost runs away for long, a shock is short
+    "body rate": (12.0, 0.98),
+    "specific force": (2.0 * _GRAVITY, 0.98),
+    "position jump": (1.0, 0.9),
 }
 _JUMP_TIME = 0.5  # s within which a position jumps
 _UPSIDE_DOWN = -0.2  # cosine of the tilt
@@ -60,10 +59,11 @@ def _signs(run: RunUnderCleaning) -> dict[str, np.ndarray]:
 
 
 def _far_above(size: np.ndarray, sign: str) -> np.ndarray:
+    slightest, quantile = _SIGNS[sign]
     known = size[np.isfinite(size)]
-    usual = float(np.quantile(known, _USUAL)) if len(known) else np.inf
+    usual = float(np.quantile(known, quantile)) if len(known) else np.inf
     with np.errstate(invalid="ignore"):
-        return size > max(_SLIGHTEST[sign], _TIMES_USUAL * usual)
+        return size > max(slightest, _TIMES_USUAL * usual)
 
 
 def _position_jump(run: RunUnderCleaning) -> np.ndarray:

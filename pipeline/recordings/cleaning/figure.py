@@ -41,7 +41,7 @@ def _legend(longest: float) -> list[str]:
     return parts
 
 
-def _bar(run: str, rows: pd.DataFrame, top: float, scale: float) -> list[str]:
+def _bar(run: str, rows: pd.DataFrame, top: int, scale: float) -> list[str]:
     parts = [f'<text x="{_LABEL - 8}" y="{top + 11}" text-anchor="end">{escape(run)}</text>']
     origin = float(rows["start"].min())
     for state in ("kept", "missing", "interpolated", "dropped"):

@@ -11,6 +11,8 @@ from pipeline.recordings.cleaning.settings import Cleaning
 from pipeline.recordings.cleaning.work import RunUnderCleaning
 
 _EQUAL = 1e-4  # of a time step: recorded times this close to the grid are taken as they are
+_ROUNDING = 1.0 + 1e-6
+_NEAR = 0.5 * _ROUNDING  # time steps: a value this close to a measured one is as good as measured
 _SAME_STEP = 1e-3  # relative
 _DIGITS = 10  # of the time step, so that 0.0099999999 is 0.01
 
@@ -23,24 +25,37 @@ def typical_step(time: np.ndarray) -> float:
     return float(f"{step:.{_DIGITS}g}") if abs(step / median - 1.0) < 1e-2 else median
 
 
-def split_at_gaps(time: np.ndarray, segment: np.ndarray | None, max_gap: float) -> np.ndarray:
-    """Number the stretches between gaps wider than `max_gap` s (and between segments that were there
-    before)."""
-    begins = np.diff(time) > max_gap
-    if segment is not None:
-        begins |= np.diff(segment) != 0
-    return np.concatenate([[0], np.cumsum(begins)]).astype(np.int64)
+def split_at_gaps(run: RunUnderCleaning, max_gap: float) -> None:
+    """Divide the stretches of a run at gaps wider than `max_gap` s."""
+    step = np.diff(run.time)
+    same = np.diff(run.stretch) == 0
+    wide = same & (step > max_gap * _ROUNDING)
+    for first in np.flatnonzero(wide):
+        detail = f"at t = {run.time[first]:.6g} s"
+        reason = "gap too wide to interpolate, run split"
+        run.note("gaps", "", reason, 0, detail, seconds=float(step[first]))
+    run.stretch = np.concatenate([[0], np.cumsum(wide | ~same)]).astype(np.int64)
 
 
 @dataclass
 class _Grid:
-    """The new times, the recorded times as far as they are moved onto it, and the stretch of each new
-    time."""
+    """The new times and how the recorded ones lie to them.
+
+    Attributes:
+        time: new times, s, shape (new samples,).
+        recorded: recorded times as far as they are moved onto the grid, s, shape (samples,).
+        stretch: the stretch of each new time.
+        moved: whether recorded times are off the grid.
+        nearest: the recorded sample nearest to each new time.
+        present: whether that is within half a time step.
+    """
 
     time: np.ndarray
     recorded: np.ndarray
     stretch: np.ndarray
     moved: bool
+    nearest: np.ndarray
+    present: np.ndarray
 
 
 def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
@@ -79,11 +94,17 @@ def _grid(run: RunUnderCleaning, time_step: float, jitter: float) -> _Grid:
     edges = [0, *(np.flatnonzero(np.diff(run.stretch)) + 1), len(run.time)]
     parts = [run.time[first:past] for first, past in itertools.pairwise(edges)]
     pieces = [_piece(part, time_step, run.time_step, jitter) for part in parts]
+    new = np.concatenate([time for time, _, _ in pieces])
+    recorded = np.concatenate([recorded for _, recorded, _ in pieces])
+    after = np.clip(np.searchsorted(recorded, new), 1, max(1, len(recorded) - 1)) % len(recorded)
+    nearest = np.where(new - recorded[after - 1] < recorded[after] - new, after - 1, after)
     return _Grid(
-        np.concatenate([time for time, _, _ in pieces]),
-        np.concatenate([recorded for _, recorded, _ in pieces]),
-        np.concatenate([np.full(len(time), number) for number, (time, _, _) in enumerate(pieces)]),
-        any(moved for _, _, moved in pieces),
+        time=new,
+        recorded=recorded,
+        stretch=np.concatenate([np.full(len(time), number) for number, (time, _, _) in enumerate(pieces)]),
+        moved=any(moved for _, _, moved in pieces),
+        nearest=nearest,
+        present=np.abs(recorded[nearest] - new) <= _NEAR * run.time_step,
     )
 
 
@@ -113,12 +134,6 @@ def _note_rows(run: RunUnderCleaning, result: RunUnderCleaning, grid: _Grid) -> 
         run.note("resample", "", reason, difference, detail, seconds=float(np.ptp(run.time)))
     else:
         run.note("resample", "", "samples absent from the recording", difference)
-    for number in np.unique(run.stretch)[1:]:
-        first = int(np.argmax(run.stretch == number))
-        gap = float(run.time[first] - run.time[first - 1])
-        run.note(
-            "gaps", "", "gap too wide to interpolate, run split", 0, f"at t = {run.time[first]:.6g} s", gap
-        )
 
 
 def _fill(
@@ -129,20 +144,21 @@ def _fill(
     known = np.flatnonzero(np.isfinite(values).all(axis=1))
     if not len(known):
         return
-    times, values = grid.recorded[known], values[known]
+    times, values, stretch = grid.recorded[known], values[known], run.stretch[known]
     tolerance = 1e-6 * result.time_step
     left = np.clip(np.searchsorted(times, grid.time + tolerance, side="right") - 1, 0, None)
     right = np.clip(left + 1, None, len(times) - 1)
+    apart = times[right] - times[left]
     exact = np.abs(times[left] - grid.time) <= tolerance
-    stretch = run.stretch[known]
     between = (times[left] <= grid.time) & (times[right] >= grid.time) & (stretch[left] == stretch[right])
-    between &= (stretch[left] == grid.stretch) & (times[right] - times[left] <= limit + tolerance) & ~exact
-    share = (grid.time - times[left])[between] / (times[right] - times[left])[between]
+    between &= (stretch[left] == grid.stretch) & (apart <= limit + tolerance) & ~exact
+    share = (grid.time - times[left])[between] / apart[between]
     new = np.full((len(grid.time), len(places)), np.nan)
     new[exact] = values[left[exact]]
     new[between] = _between(run.kind, columns, values[left[between]], values[right[between]], share)
     result.values[:, places] = new
-    _note_filled(run, result, grid, columns, between)
+    distance = np.minimum(grid.time - times[left], times[right] - grid.time)
+    _note_filled(run, result, grid, columns, between & (distance > _NEAR * run.time_step))
 
 
 def _between(
@@ -159,15 +175,17 @@ def _between(
 
 
 def _note_filled(
-    run: RunUnderCleaning, result: RunUnderCleaning, grid: _Grid, columns: list[str], between: np.ndarray
+    run: RunUnderCleaning, result: RunUnderCleaning, grid: _Grid, columns: list[str], filled: np.ndarray
 ) -> None:
-    nearest = np.clip(np.searchsorted(grid.recorded, grid.time), 0, len(run.time) - 1)
-    present = np.abs(grid.recorded[nearest] - grid.time) <= 1e-6 * result.time_step
+    """Write down, per channel, for want of what values were made up or remain missing."""
     for column in columns:
         place = run.columns.index(column)
-        cause = np.where(present, run.cause[nearest, place], "resampled" if grid.moved else "absent")
-        result.cause[:, place] = np.where(between | np.isnan(result.values[:, place]), cause, "")
-        held = column in INPUTS[run.kind]
-        how = "earlier value kept" if held else "interpolated"
-        for reason in sorted(set(cause[between])) if not grid.moved else ():
-            run.note("fill", column, f"{how} ({reason})", int((cause[between] == reason).sum()))
+        wanting = np.flatnonzero(filled | np.isnan(result.values[:, place]))
+        cause = np.where(grid.present, run.cause[grid.nearest, place], "")[wanting]
+        cause[cause == ""] = "absent"
+        result.cause[:, place] = ""
+        result.cause[wanting, place] = cause
+        how = "earlier value kept" if column in INPUTS[run.kind] else "interpolated"
+        made_up = cause[filled[wanting]]
+        for reason in sorted(set(made_up)):
+            run.note("fill", column, f"{how} ({reason})", int((made_up == reason).sum()))

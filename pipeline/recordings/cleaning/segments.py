@@ -1,11 +1,9 @@
 """Unbroken stretches: samples that cannot be used are dropped, what is left is numbered, the short ones
 go."""
 
-import itertools
-
 import numpy as np
 
-from pipeline.recordings.cleaning.work import RunUnderCleaning, stretches_of
+from pipeline.recordings.cleaning.work import RunUnderCleaning
 
 _ROUNDING = 1.0 - 1e-9
 
@@ -49,14 +47,11 @@ def drop_made_up(run: RunUnderCleaning, least_measured: float) -> None:
 
 def unbroken(run: RunUnderCleaning) -> np.ndarray:
     """Return the kept stretches as rows [first, one past last], shape (stretches, 2)."""
-    kept = stretches_of(run.dropped == "")
-    cuts = np.flatnonzero(np.diff(run.stretch)) + 1
-    pieces = [
-        (low, high)
-        for first, past in kept
-        for low, high in _pairs([first, *cuts[(cuts > first) & (cuts < past)], past])
-    ]
-    return np.array(pieces, dtype=np.int64).reshape(-1, 2)
+    kept = np.concatenate([[False], run.dropped == "", [False]])
+    joined = np.concatenate([[False], np.diff(run.stretch) == 0, [False]]) & kept[1:] & kept[:-1]
+    first = np.flatnonzero(kept[1:-1] & ~joined[:-1])
+    last = np.flatnonzero(kept[1:-1] & ~joined[1:])
+    return np.stack([first, last + 1], axis=1)
 
 
 def segment_numbers(run: RunUnderCleaning) -> np.ndarray:
@@ -65,7 +60,3 @@ def segment_numbers(run: RunUnderCleaning) -> np.ndarray:
     for number, (first, past) in enumerate(unbroken(run)):
         numbers[first:past] = number
     return numbers
-
-
-def _pairs(edges: list[int]) -> list[tuple[int, int]]:
-    return list(itertools.pairwise(edges))

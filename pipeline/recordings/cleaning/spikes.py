@@ -145,4 +145,4 @@ def _confirmed(values: np.ndarray, integral: np.ndarray, time: np.ndarray, rows:
     base = 0.5 * (values[first] + values[last])
     pulse = float(((values[rows] - base) * np.gradient(time)[rows]).sum())
     moved = float(integral[last] - integral[first] - base * (time[last] - time[first]))
-    return bool(np.isfinite(moved)) and moved * np.sign(pulse) >= 0.5 * abs(pulse)
+    return bool(np.isfinite(moved) and moved * np.sign(pulse) >= 0.5 * abs(pulse))
