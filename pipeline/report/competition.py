@@ -66,7 +66,7 @@ def _figure(candidates: list[dict[str, Any]]) -> Figure:
     y = axis(
         "", tickvals=list(range(len(names))), ticktext=ticktext, range=[len(names) - 0.4, -0.6], ticks=""
     )
-    x = axis("share of the remaining gap closed", tickformat=".0%", zeroline=True, zerolinecolor=INK)
+    x = axis("share of the remaining gap closed", tickformat=".2~%", zeroline=True, zerolinecolor=INK)
     drawn = layout(x, y | {"gridcolor": GRID, "zeroline": False}, margin={"l": 8, "r": 16, "t": 30, "b": 44})
     return Figure("", [points], drawn, 100 + 26 * len(candidates))
 

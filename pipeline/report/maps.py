@@ -49,6 +49,7 @@ def _map(entries: list[dict[str, Any]], highest: float, drawing: Drawing) -> Fig
         "tickvals": list(range(len(edges))),
         "ticktext": [short(edge, 2) for edge in edges],
         "tickangle": 0,
+        "tickfont": {"size": 11},
     }
     name = quantity(entries[0]["variable"], entries[0].get("unit"))
     # Equal widths for every bin: the edges are quantiles, and true widths would hide the crowded ones.
@@ -62,7 +63,9 @@ def _map(entries: list[dict[str, Any]], highest: float, drawing: Drawing) -> Fig
         annotations=[_heading(stage, sum(side) / 2) for stage, side in _SIDES.items()],
     )
     data = [_heat(entries, stage, highest, drawing) for stage in _SIDES]
-    return Figure(f"Error over {spoken(entries[0]['variable'])}", data, both, 140 + 34 * len(entries))
+    return Figure(
+        f"Error over {spoken(entries[0]['variable'])}", data, both, max(140 + 34 * len(entries), 240)
+    )
 
 
 def _heading(stage: str, middle: float) -> dict[str, Any]:
@@ -97,9 +100,9 @@ def _heat(entries: list[dict[str, Any]], stage: str, highest: float, drawing: Dr
 
 
 def _scale(highest: float) -> dict[str, Any]:
-    """Return the legend of the colours, with a tick at 1, 2, 5, 10, … noise floors."""
+    """Return the legend of the colours: ticks at 1, 2, 5, 10, … noise floors, at decades over a wide range."""
     decades = range(math.ceil(math.log10(highest)) + 1)
-    steps = [step * 10**decade for decade in decades for step in (1, 2, 5)]
+    steps = [step * 10**decade for decade in decades for step in ((1, 2, 5) if highest < 40 else (1,))]
     ticks = [step for step in steps if step <= highest]
     shown = {"tickvals": [math.log10(step) for step in ticks], "ticktext": [str(step) for step in ticks]}
     title = {"text": "× noise floor", "side": "right"}

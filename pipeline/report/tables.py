@@ -68,7 +68,7 @@ def cell(value: Any) -> str:
     if isinstance(value, int):
         return f"{value:,}".replace(",", "\u202f")
     if isinstance(value, float):
-        return short(value) if is_number(value) else "–"
+        return short(value, 4) if is_number(value) else "–"
     return ", ".join(map(cell, value)) if isinstance(value, list) else str(value)
 
 
