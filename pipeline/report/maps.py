@@ -100,7 +100,7 @@ def _heat(entries: list[dict[str, Any]], stage: str, highest: float, drawing: Dr
 
 
 def _scale(highest: float) -> dict[str, Any]:
-    """Return the legend of the colours: ticks at 1, 2, 5, 10, … noise floors, at decades over a wide range."""
+    """Return the legend of the colours: ticks at 1, 2, 5, … noise floors, at decades over a wide range."""
     decades = range(math.ceil(math.log10(highest)) + 1)
     steps = [step * 10**decade for decade in decades for step in ((1, 2, 5) if highest < 40 else (1,))]
     ticks = [step for step in steps if step <= highest]
