@@ -15,20 +15,22 @@ def summary(recording: Recording, cleaned: Cleaned) -> pd.DataFrame:
         cleaned: what became of it.
 
     Returns:
-        Indexed by run: samples `recorded`, `added`, `dropped` and `kept` (recorded + added − dropped = kept),
-        `interpolated` of those kept in some needed channel, the number of unbroken `segments`, the `part` of
-        the split and the `clock_offset` in ms, NaN where it is unknown.
+        Indexed by run: samples `recorded`, by how many resampling made them more (`resampled`), `dropped` and
+        `kept` (recorded + resampled − dropped = kept), `interpolated` of those kept in some needed channel,
+        the number of unbroken `segments`, the `part` of the split and the `clock_offset` in ms, NaN where it
+        is unknown.
     """
     runs = recording.runs
     rows = cleaned.changes[cleaned.changes["column"] == ""]
+    resampled = rows["step"] == "resample"
     kept = cleaned.recording.frame.groupby("run", sort=False)
     step = cleaned.recording.time_step
     filled = cleaned.coverage[cleaned.coverage["state"] == "interpolated"]
     lengths = ((filled["end"] - filled["start"]) / step).round().groupby(filled["run"]).sum()
     columns = {
         "recorded": recording.frame.groupby("run", sort=False).size(),
-        "added": rows[rows["samples"] > 0].groupby("run")["samples"].sum(),
-        "dropped": -rows[rows["samples"] < 0].groupby("run")["samples"].sum(),
+        "resampled": rows[resampled].groupby("run")["samples"].sum(),
+        "dropped": -rows[~resampled].groupby("run")["samples"].sum(),
         "kept": kept.size(),
         "interpolated": lengths,
         "segments": kept["segment"].nunique() if "segment" in cleaned.recording.frame else 1,

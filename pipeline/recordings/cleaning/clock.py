@@ -91,9 +91,9 @@ def _offset(
     band = butter(2, [_BAND[0], min(_BAND[1], 0.8 * nyquist)], "band", fs=2 * nyquist, output="sos")
     edge = int(np.ceil((_EDGE + largest) / run.time_step))
     pieces = []
+    squared, channels = run.channel(*inputs) ** 2, run.channel(*outputs)
     for first, past in unbroken(run):
-        motors = run.channel(*inputs)[first:past] ** 2
-        measured = run.channel(*outputs)[first:past]
+        motors, measured = squared[first:past], channels[first:past]
         if past - first > 4 * edge and np.isfinite(measured).all():
             if differentiate:
                 measured = np.gradient(measured, run.time_step, axis=0)
@@ -143,18 +143,18 @@ def compare_clocks(
 
 def _nearest_sample(pieces: list[tuple[np.ndarray, np.ndarray]], largest: int, edge: int) -> tuple[int, bool]:
     """Return the best offset in whole samples by cross-correlation, and whether it is the largest tried."""
-    moments: np.ndarray | float = 0.0
-    products: np.ndarray | float = 0.0
     lags = np.arange(-largest, largest + 1)
+    count, measured = pieces[0][0].shape[1], pieces[0][1].shape[1]
+    moments, products = np.zeros((count, count)), np.zeros((len(lags), count, measured))
     for inputs, outputs in pieces:
         inner = np.zeros_like(outputs)
         inner[edge:-edge] = outputs[edge:-edge]
         spectrum, _ = _spectrum(inputs)
         length = 2 * (len(spectrum) - 1)
         cross = np.conj(spectrum)[:, :, None] * np.fft.rfft(inner, axis=0, n=length)[:, None, :]
-        products = products + np.fft.irfft(cross, axis=0, n=length)[lags]  # (lags, inputs, outputs)
-        moments = moments + inputs.T @ inputs
-    gains = np.linalg.solve(moments + 1e-9 * np.trace(moments) * np.eye(len(moments)), products)
+        products += np.fft.irfft(cross, axis=0, n=length)[lags]  # (lags, inputs, outputs)
+        moments += inputs.T @ inputs
+    gains = np.linalg.solve(moments + 1e-9 * np.trace(moments) * np.eye(count), products)
     best = int(np.argmax((products * gains).sum(axis=(1, 2))))
     return int(lags[best]), best in (0, len(lags) - 1)
 

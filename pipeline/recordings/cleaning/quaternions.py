@@ -14,7 +14,7 @@ def mend_quaternions(run: RunUnderCleaning) -> None:
     rotation."""
     for columns in QUATERNIONS:
         if run.has(columns):
-            places = run.index(columns)
+            places = np.array(run.index(columns))
             name = columns[0].removesuffix("_w")
             off = np.abs(np.linalg.norm(run.values[:, places], axis=1) - 1.0)
             run.erase(off > _NO_ROTATION, columns, "quaternions", "norm too far from 1 for a rotation")

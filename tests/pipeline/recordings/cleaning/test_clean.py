@@ -62,7 +62,7 @@ def test_the_account_balances_and_the_promises_hold(kind, seed):
     kept = result.frame.groupby("run").size()
     assert (recorded.add(moved, fill_value=0) == kept.reindex(recorded.index, fill_value=0)).all()
     table = summary(recording, cleaned)
-    assert (table["recorded"] + table["added"] - table["dropped"] == table["kept"]).all()
+    assert (table["recorded"] + table["resampled"] - table["dropped"] == table["kept"]).all()
     needed = needed_channels(kind, set(result.channels))
     assert np.isfinite(result.frame[needed].to_numpy()).all()
     for _, stretch in result.frame.groupby(["run", "segment"]):
