@@ -19,8 +19,17 @@ class SystemIdentification:
 class Training:
     """The configuration group `train`."""
 
-    max_epochs: int = 40
+    max_epochs: int = 30
     patience: int = 6  # epochs without a better validation loss before training stops
     batch_size: int = 512  # windows
     horizons: list[int] = field(default_factory=lambda: [1, 10, 50])  # steps at which rollouts are scored
     evaluation_windows: int = 2000  # at most, evenly over the held-out runs
+
+
+@dataclass
+class ModelSettings:
+    """What all learned models have in common; each adds its own (configuration group `model`)."""
+
+    name: str = ""
+    sequence_length: int = 1  # samples in the window from which the next is predicted
+    scaling: str = "standard"  # standard (mean, standard deviation) or robust (median, interquartile range)

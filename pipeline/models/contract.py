@@ -1,0 +1,153 @@
+"""What every learned dynamics model can do, whatever it is made of."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar
+
+import torch
+from torch import Tensor
+
+from pipeline.models.layout import Layout
+from pipeline.models.settings import ModelSettings, Training
+from pipeline.models.windows import Series
+
+
+def _log_nothing(metrics: Mapping[str, float], step: int) -> None:
+    """Stand in where no one listens."""
+
+
+@dataclass(frozen=True)
+class FitContext:
+    """What surrounds a fit.
+
+    Attributes:
+        seed: of initial weights, order of batches and dropout.
+        checkpoint: folder from which a killed fit is taken up again; None where that is not wanted.
+        log: called with metrics and their epoch.
+    """
+
+    seed: int = 0
+    checkpoint: Path | None = None
+    log: Callable[[Mapping[str, float], int], None] = _log_nothing
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a model comes from.
+
+    Attributes:
+        data: SHA-256 of the recording it was fitted on.
+        chosen_by: the metric that chose it.
+        value: of that metric.
+        seed: of every random draw.
+        training: the settings of its training.
+        data_source: how the recording says it is to be cited.
+    """
+
+    data: str = ""
+    chosen_by: str = ""
+    value: float | None = None
+    seed: int = 0
+    training: dict[str, Any] = field(default_factory=dict)
+    data_source: str = ""
+
+
+class DynamicsModel(ABC):
+    """Predicts the next state of a machine from a window of states and inputs.
+
+    A window holds the last `sequence_length` samples; its last input is held over the predicted step.
+
+    Attributes:
+        layout: what is seen and predicted.
+        settings: of the model.
+        time_step: s.
+        provenance: where the model comes from.
+    """
+
+    settings_class: ClassVar[type[ModelSettings]]
+
+    def __init__(self, layout: Layout, settings: ModelSettings, time_step: float) -> None:
+        self.layout = layout
+        self.settings = settings
+        self.time_step = time_step
+        self.provenance = Provenance()
+
+    @abstractmethod
+    def fit(
+        self, train: Series, validation: Series, training: Training, context: FitContext | None = None
+    ) -> float:
+        """Fit to the windows of one series, choose by another, and return the validation loss.
+
+        The loss is the mean squared error of the one-step increments, each scaled by its spread in training.
+
+        Raises:
+            InputError: when a series has no window, or the fit diverges.
+        """
+
+    @abstractmethod
+    def increments(self, features: Tensor) -> Tensor:
+        """Return increments (batch, targets) that follow windows of features (batch, length, features)."""
+
+    @abstractmethod
+    def tensors(self) -> dict[str, Tensor]:
+        """Return everything that was learned, by name."""
+
+    @abstractmethod
+    def restore(self, tensors: Mapping[str, Tensor]) -> None:
+        """Take over what `tensors` returned.
+
+        Raises:
+            InputError: when names or shapes differ from the settings'.
+        """
+
+    def predict(self, states: Tensor, actions: Tensor) -> Tensor:
+        """Return the next state of each window.
+
+        Args:
+            states: (batch, length, states).
+            actions: inputs, (batch, length, inputs).
+
+        Returns:
+            (batch, states).
+        """
+        return self.rollout(states, actions)[:, 0]
+
+    @torch.no_grad()
+    def rollout(self, states: Tensor, actions: Tensor) -> Tensor:
+        """Return the states of many steps, each fed back as the next window's last sample.
+
+        Args:
+            states: known to begin with, (batch, length, states).
+            actions: inputs, (batch, length − 1 + steps, inputs); the first belong to the known states.
+
+        Returns:
+            (batch, steps, states).
+        """
+        length = states.shape[1]
+        window = self.layout.encode(states, actions[:, :length])
+        state, reached = states[:, -1], []
+        for step in range(actions.shape[1] - length + 1):
+            if step:
+                newest = self.layout.encode(state, actions[:, length - 1 + step])
+                window = torch.cat([window[:, 1:], newest[:, None]], dim=1)
+            increment = self.increments(window).to(state.dtype)
+            state = self.layout.advance(state, increment, self.time_step)
+            reached.append(state)
+        return torch.stack(reached, dim=1)
+
+    def save(self, folder: Path) -> None:
+        """Write `model.yaml` and `model.safetensors`; see `pipeline.models.storage.load_model`."""
+        from pipeline.models.storage import save_model
+
+        save_model(self, folder)
+
+    def description(self) -> dict[str, Any]:
+        """Return everything about the model but what it learned."""
+        return {
+            "model": asdict(self.settings),
+            "layout": self.layout.as_mapping(),
+            "time_step": self.time_step,
+            "provenance": asdict(self.provenance),
+        }

@@ -1,0 +1,66 @@
+"""From series to what a regression sees: windows of features and the increments that follow them."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from pipeline.errors import InputError
+from pipeline.models.layout import Layout
+from pipeline.models.windows import Series, gather
+
+
+@dataclass(frozen=True)
+class Examples:
+    """Windows by index.
+
+    Attributes:
+        features: (samples, features).
+        targets: increment from each sample to the next, (samples, targets).
+        starts: first samples of the windows that are followed by a sample of the same segment, (windows,).
+        length: of a window.
+    """
+
+    features: Tensor
+    targets: Tensor
+    starts: Tensor
+    length: int
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+    @classmethod
+    def of_series(cls, series: Series, layout: Layout, length: int, what: str) -> "Examples":
+        """Encode a series.
+
+        Args:
+            series: the samples.
+            layout: how they are seen.
+            length: of a window.
+            what: what the series is for, to be named in the error.
+
+        Raises:
+            InputError: when no segment is long enough for a window and the sample after it.
+        """
+        if length < 1:
+            raise InputError("must be at least 1", "model.sequence_length", "give a number of samples")
+        starts = series.starts(length + 1)
+        if not len(starts):
+            remedy = "shorten it, or record longer without gaps"
+            raise InputError(f"no {what} segment holds {length + 1} samples", "model.sequence_length", remedy)
+        following = torch.roll(series.states, -1, dims=0)  # the last row of a segment is never a target
+        return cls(
+            features=layout.encode(series.states, series.actions),
+            targets=layout.increment(series.states, following),
+            starts=starts,
+            length=length,
+        )
+
+    def seen(self) -> Tensor:
+        """Return the samples (n,) that are the last of some window: those whose targets are real."""
+        return self.starts + self.length - 1
+
+    def take(self, index: Tensor) -> tuple[Tensor, Tensor]:
+        """Return windows (batch, length, features) and targets (batch, targets)."""
+        starts = self.starts[index]
+        return gather(self.features, starts, self.length), self.targets[starts + self.length - 1]

@@ -1,0 +1,107 @@
+"""What a learned model sees and predicts of each kind of platform, and what needs no learning.
+
+| kind | state | input | features | predicted increment over a step | |---|---|---|---|---| | quadrotor |
+position, attitude, velocity, body rate | motor speeds (commands where none) | body velocity, gravity's
+direction in the body frame, body rate, input squared | velocity in the body frame of the step's beginning;
+body rate | | swerve | drive velocities, steer velocities, steer angles | drive and steer voltages |
+velocities, cosine and sine of the angles, voltages | drive and steer velocities | | joint | position,
+velocity | voltage (effort where none) | sine and cosine of the position (position itself of a sliding joint),
+velocity, input | velocity |
+
+Positions, attitudes and angles follow from the velocities by kinematics, so they are never learned.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar
+
+from torch import Tensor
+
+from pipeline.errors import InputError
+from pipeline.recordings.recording import Recording
+
+
+@dataclass(frozen=True)
+class Layout(ABC):
+    """The columns of states and inputs, and the functions between states, features and increments.
+
+    All functions take tensors with free leading dimensions and work in their precision.
+
+    Attributes:
+        inputs: columns of the recording that drive the machine.
+    """
+
+    kind: ClassVar[str]
+    states: ClassVar[tuple[str, ...]]
+    inputs: tuple[str, ...]
+
+    @property
+    @abstractmethod
+    def features(self) -> tuple[str, ...]:
+        """Names of what `encode` returns."""
+
+    @property
+    @abstractmethod
+    def targets(self) -> tuple[str, ...]:
+        """Names of what `increment` returns."""
+
+    @classmethod
+    @abstractmethod
+    def of_recording(cls, recording: Recording) -> "Layout":
+        """Return the layout of what was recorded."""
+
+    @abstractmethod
+    def encode(self, state: Tensor, action: Tensor) -> Tensor:
+        """Return the features (..., features) of states (..., states) and inputs (..., inputs)."""
+
+    @abstractmethod
+    def increment(self, state: Tensor, following: Tensor) -> Tensor:
+        """Return the increments (..., targets) from states to the next ones."""
+
+    @abstractmethod
+    def advance(self, state: Tensor, increment: Tensor, time_step: float) -> Tensor:
+        """Return the next states, (..., states); the inverse of `increment`, completed by kinematics.
+
+        Args:
+            state: (..., states).
+            increment: (..., targets).
+            time_step: s.
+        """
+
+    @abstractmethod
+    def errors(self, predicted: Tensor, true: Tensor) -> dict[str, Tensor]:
+        """Return the size (...) of the difference of states by quantity, in the quantity's unit."""
+
+    def as_mapping(self) -> dict[str, Any]:
+        """Return the plain mapping from which `layout_from_mapping` builds the same layout."""
+        values = {
+            key: list(value) if isinstance(value, tuple) else value for key, value in asdict(self).items()
+        }
+        return {"kind": self.kind} | values
+
+
+def layout_of(recording: Recording) -> Layout:
+    """Return the layout of a recording by its kind."""
+    return _layouts()[recording.kind].of_recording(recording)
+
+
+def layout_from_mapping(values: Mapping[str, Any]) -> Layout:
+    """Return the layout that `Layout.as_mapping` described.
+
+    Raises:
+        InputError: when it describes none.
+    """
+    arguments = {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
+    try:
+        return _layouts()[arguments.pop("kind")](**arguments)
+    except (KeyError, TypeError) as error:
+        raise InputError("describes no known platform", "layout", "train the model again") from error
+
+
+def _layouts() -> dict[str, type[Layout]]:
+    from pipeline.models.joint_layout import JointLayout
+    from pipeline.models.quadrotor_layout import QuadrotorLayout
+    from pipeline.models.swerve_layout import SwerveLayout
+
+    return {layout.kind: layout for layout in (QuadrotorLayout, SwerveLayout, JointLayout)}

@@ -1,0 +1,80 @@
+"""The linear model: ridge regression of the increment on the features of a window."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import torch
+from torch import Tensor
+
+from pipeline.models.contract import DynamicsModel, FitContext
+from pipeline.models.examples import Examples
+from pipeline.models.restoring import take_tensors
+from pipeline.models.scaling import Scaler
+from pipeline.models.settings import ModelSettings, Training
+from pipeline.models.windows import Series
+
+_CHUNK = 4096
+
+
+@dataclass
+class LinearSettings(ModelSettings):
+    """Settings of the linear model."""
+
+    name: str = "linear"
+    ridge: float = 1e-8  # penalty per window on the coefficients of scaled features
+
+
+class LinearModel(DynamicsModel):
+    """Solved in closed form in float64."""
+
+    settings_class: ClassVar[type[ModelSettings]] = LinearSettings
+    settings: LinearSettings
+
+    def fit(
+        self, train: Series, validation: Series, training: Training, context: FitContext | None = None
+    ) -> float:
+        """Solve the normal equations; the validation series only scores."""
+        length = self.settings.sequence_length
+        examples = Examples.of_series(train, self.layout, length, "training")
+        held = Examples.of_series(validation, self.layout, length, "validation")
+        self.scaler = Scaler.fit(examples.features, self.settings.scaling)
+        spread = Scaler.fit(examples.targets[examples.seen()], "standard").spread
+        columns = length * examples.features.shape[1] + 1
+        gram = torch.zeros(columns, columns, dtype=torch.float64)
+        moment = torch.zeros(columns, examples.targets.shape[1], dtype=torch.float64)
+        for index in torch.arange(len(examples)).split(_CHUNK):
+            windows, targets = examples.take(index)
+            design = self._design(windows)
+            gram += design.T @ design
+            moment += design.T @ targets
+        penalty = torch.full((columns,), self.settings.ridge * len(examples), dtype=torch.float64)
+        penalty[-1] = 0.0  # the constant is free
+        self.coefficients = torch.linalg.lstsq(gram + penalty.diag(), moment, driver="gelsd").solution
+        squared = [
+            ((self.increments(windows) - targets) / spread).square().mean(1)
+            for windows, targets in map(held.take, torch.arange(len(held)).split(_CHUNK))
+        ]
+        return float(torch.cat(squared).mean())
+
+    def increments(self, features: Tensor) -> Tensor:
+        """Return the linear map of the window."""
+        return self._design(features.to(torch.float64)) @ self.coefficients
+
+    def tensors(self) -> dict[str, Tensor]:
+        """Return coefficients and scaling."""
+        return {"coefficients": self.coefficients, "centre": self.scaler.centre, "spread": self.scaler.spread}
+
+    def restore(self, tensors: Mapping[str, Tensor]) -> None:
+        """Take over coefficients and scaling."""
+        features, targets = len(self.layout.features), len(self.layout.targets)
+        rows = self.settings.sequence_length * features + 1
+        shapes = {"coefficients": (rows, targets), "centre": (features,), "spread": (features,)}
+        own = take_tensors(tensors, shapes)
+        self.coefficients = own["coefficients"]
+        self.scaler = Scaler(own["centre"], own["spread"])
+
+    def _design(self, windows: Tensor) -> Tensor:
+        """Return scaled features in a row, and a constant, (batch, length · features + 1)."""
+        flat = self.scaler.apply(windows).flatten(1)
+        return torch.cat([flat, torch.ones_like(flat[:, :1])], dim=1)

@@ -1,0 +1,110 @@
+"""A dynamics model whose increments come from a neural network."""
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import torch
+from torch import Tensor, nn
+
+from pipeline.errors import InputError
+from pipeline.models.contract import DynamicsModel, FitContext
+from pipeline.models.examples import Examples
+from pipeline.models.layout import Layout
+from pipeline.models.restoring import take_tensors
+from pipeline.models.scaling import Scaler
+from pipeline.models.settings import ModelSettings, Training
+from pipeline.models.windows import Series
+
+
+@dataclass
+class NetworkSettings(ModelSettings):
+    """What all networks have in common."""
+
+    hidden: list[int] = field(default_factory=lambda: [64, 64])  # units of each hidden layer
+    dropout: list[float] = field(default_factory=list)  # after each hidden layer; none where the list ends
+    learning_rate: float = 1e-3  # of Adam
+    weight_decay: float = 0.0  # L2 penalty
+
+    def dropouts(self) -> list[float]:
+        """Return the dropout of every hidden layer.
+
+        Raises:
+            InputError: when sizes or rates make no network.
+        """
+        if any(size < 1 for size in self.hidden):
+            raise InputError("a layer needs at least one unit", "model.hidden", "give positive numbers")
+        if any(not 0 <= rate < 1 for rate in self.dropout) or len(self.dropout) > len(self.hidden):
+            raise InputError(
+                "needs one rate from 0 to below 1 per hidden layer", "model.dropout", "correct the list"
+            )
+        return [*self.dropout, *[0.0] * (len(self.hidden) - len(self.dropout))]
+
+
+class NetworkModel(DynamicsModel):
+    """Scales features and increments; the rest is a network of (batch, length, features) in float32."""
+
+    settings: NetworkSettings
+
+    def __init__(self, layout: Layout, settings: NetworkSettings, time_step: float) -> None:
+        super().__init__(layout, settings, time_step)
+        self.network = self.build_network(len(layout.features), len(layout.targets))
+
+    @abstractmethod
+    def build_network(self, features: int, targets: int) -> nn.Module:
+        """Return a network from (batch, length, features) to (batch, targets)."""
+
+    def fit(
+        self, train: Series, validation: Series, training: Training, context: FitContext | None = None
+    ) -> float:
+        """Train until the validation loss stops falling, and keep the weights with which it was lowest."""
+        from pipeline.models.training import train_network
+
+        context = context or FitContext()
+        length = self.settings.sequence_length
+        examples = Examples.of_series(train, self.layout, length, "training")
+        held = Examples.of_series(validation, self.layout, length, "validation")
+        self.inputs = Scaler.fit(examples.features, self.settings.scaling)
+        self.outputs = Scaler.fit(examples.targets[examples.seen()], "standard")
+        torch.manual_seed(context.seed)
+        self.network = self.build_network(examples.features.shape[1], examples.targets.shape[1])
+        scaled = [self._scaled(one) for one in (examples, held)]
+        loss = train_network(self.network, *scaled, self.settings, training, context)
+        self.network.eval()
+        return loss
+
+    def increments(self, features: Tensor) -> Tensor:
+        """Return the network's increments in their own units."""
+        self.network.eval()
+        with torch.no_grad():
+            scaled = self.network(self.inputs.apply(features.to(self.inputs.centre)).float())
+        return self.outputs.undo(scaled.to(self.outputs.centre))
+
+    def tensors(self) -> dict[str, Tensor]:
+        """Return weights and scaling."""
+        scalers = {
+            f"{name}.{part}": getattr(scaler, part)
+            for name, scaler in (("inputs", self.inputs), ("outputs", self.outputs))
+            for part in ("centre", "spread")
+        }
+        return {f"network.{name}": tensor for name, tensor in self.network.state_dict().items()} | scalers
+
+    def restore(self, tensors: Mapping[str, Tensor]) -> None:
+        """Take over weights and scaling."""
+        features, targets = len(self.layout.features), len(self.layout.targets)
+        shapes: dict[str, tuple[int, ...]] = {
+            f"network.{name}": tuple(tensor.shape) for name, tensor in self.network.state_dict().items()
+        }
+        shapes |= {f"inputs.{part}": (features,) for part in ("centre", "spread")}
+        shapes |= {f"outputs.{part}": (targets,) for part in ("centre", "spread")}
+        own = take_tensors(tensors, shapes)
+        self.inputs = Scaler(own["inputs.centre"], own["inputs.spread"])
+        self.outputs = Scaler(own["outputs.centre"], own["outputs.spread"])
+        weights = {name: own[f"network.{name}"] for name in self.network.state_dict()}
+        self.network.load_state_dict(weights)
+        self.network.eval()
+
+    def _scaled(self, examples: Examples) -> Examples:
+        features = self.inputs.apply(examples.features).float()
+        targets = self.outputs.apply(examples.targets).float()
+        return Examples(features, targets, examples.starts, examples.length)

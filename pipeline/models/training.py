@@ -1,0 +1,154 @@
+"""Training of a network with PyTorch Lightning: early stopping, best weights, resumption after a kill."""
+
+import logging
+import sys
+from collections.abc import Iterator
+
+import pytorch_lightning as lightning
+import torch
+from torch import Tensor, nn
+
+from pipeline.errors import InputError
+from pipeline.models.callbacks import KeepBest, ResumePoint, Tell
+from pipeline.models.contract import FitContext
+from pipeline.models.examples import Examples
+from pipeline.models.network_model import NetworkSettings
+from pipeline.models.settings import Training
+
+VALIDATION_LOSS = "validation_loss"
+_VALIDATION_BATCH = 8192
+
+
+class Batches:
+    """Batches of windows in a given order, gathered from the series when they are asked for."""
+
+    def __init__(self, examples: Examples, order: Tensor, size: int) -> None:
+        self.examples = examples
+        self.parts = order.split(size)
+
+    def __len__(self) -> int:
+        return len(self.parts)
+
+    def __iter__(self) -> Iterator[tuple[Tensor, Tensor]]:
+        """Yield windows (batch, length, features) and targets (batch, targets)."""
+        return map(self.examples.take, self.parts)
+
+
+class Regression(lightning.LightningModule):
+    """One-step mean squared error of a network on scaled windows."""
+
+    def __init__(
+        self,
+        network: nn.Module,
+        train: Examples,
+        validation: Examples,
+        settings: NetworkSettings,
+        size: int,
+        seed: int,
+    ) -> None:
+        super().__init__()
+        self.network = network
+        self.train_examples = train
+        self.validation_examples = validation
+        self.settings = settings
+        self.size = size
+        self.seed = seed
+
+    def train_dataloader(self) -> Batches:
+        """Shuffle anew by seed and epoch, so that a resumed epoch is the one that was interrupted."""
+        generator = torch.Generator().manual_seed(self._epoch_seed())
+        order = torch.randperm(len(self.train_examples), generator=generator)
+        # Batch normalisation needs two samples: a last batch of one is left out.
+        if len(order) > 1 and len(order) % self.size == 1:
+            order = order[:-1]
+        return Batches(self.train_examples, order, self.size)
+
+    def val_dataloader(self) -> Batches:
+        """Go through all validation windows in order."""
+        order = torch.arange(len(self.validation_examples))
+        return Batches(self.validation_examples, order, _VALIDATION_BATCH)
+
+    def on_train_epoch_start(self) -> None:
+        """Let dropout depend on seed and epoch only."""
+        torch.manual_seed(self._epoch_seed())
+
+    def training_step(self, batch: tuple[Tensor, Tensor], index: int) -> Tensor:
+        """Return the loss of a batch."""
+        loss = self._loss(batch)
+        self.log("train_loss", loss, on_step=False, on_epoch=True, batch_size=len(batch[0]))
+        return loss
+
+    def validation_step(self, batch: tuple[Tensor, Tensor], index: int) -> None:
+        """Log the loss of a batch."""
+        self.log(VALIDATION_LOSS, self._loss(batch), on_epoch=True, batch_size=len(batch[0]), prog_bar=True)
+
+    def configure_optimizers(self) -> torch.optim.Optimizer:
+        """Return Adam with L2 penalty."""
+        settings = self.settings
+        return torch.optim.Adam(
+            self.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
+        )
+
+    def _loss(self, batch: tuple[Tensor, Tensor]) -> Tensor:
+        windows, targets = batch
+        return nn.functional.mse_loss(self.network(windows), targets)
+
+    def _epoch_seed(self) -> int:
+        return (self.seed * 100_003 + self.current_epoch) % 2**63
+
+
+def train_network(
+    network: nn.Module,
+    train: Examples,
+    validation: Examples,
+    settings: NetworkSettings,
+    training: Training,
+    context: FitContext,
+) -> float:
+    """Train a network in place and return its lowest validation loss, whose weights it is left with.
+
+    Args:
+        network: from (batch, length, features) to (batch, targets), float32.
+        train: scaled windows.
+        validation: scaled windows of other runs.
+        settings: learning rate and penalty.
+        training: epochs, patience, batch size.
+        context: seed, checkpoint folder, listener.
+
+    Raises:
+        InputError: when the loss is not finite from the beginning.
+    """
+    _quiet()
+    best = KeepBest(VALIDATION_LOSS)
+    stopping = lightning.callbacks.EarlyStopping(VALIDATION_LOSS, patience=training.patience, mode="min")
+    callbacks: list[lightning.Callback] = [stopping, best, Tell(context.log)]
+    resume = None
+    if context.checkpoint is not None:
+        point = ResumePoint(context.checkpoint)
+        callbacks.append(point)
+        resume = point.existing()
+    trainer = lightning.Trainer(
+        max_epochs=training.max_epochs,
+        callbacks=callbacks,
+        logger=False,
+        enable_checkpointing=False,
+        enable_model_summary=False,
+        enable_progress_bar=sys.stderr.isatty(),
+        num_sanity_val_steps=0,
+        reload_dataloaders_every_n_epochs=1,
+        deterministic=True,
+        devices=1,
+    )
+    module = Regression(network, train, validation, settings, training.batch_size, context.seed)
+    trainer.fit(module, ckpt_path=resume, weights_only=True)
+    network.cpu()
+    if best.weights is None:
+        raise InputError("the training diverges", "model.learning_rate", "lower it")
+    network.load_state_dict(best.weights)
+    return best.loss
+
+
+def _quiet() -> None:
+    """Keep Lightning from telling about hardware and its own products."""
+    for name in ("pytorch_lightning", "lightning.pytorch", "pytorch_lightning.utilities.rank_zero"):
+        logging.getLogger(name).setLevel(logging.ERROR)

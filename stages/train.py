@@ -1,0 +1,94 @@
+"""The stage that trains a learned dynamics model."""
+
+import math
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pipeline.models.settings import Training
+from pipeline.stage import StageConfig, StageRun, stage
+
+VALIDATION_SHARE = 0.2
+CHECKPOINTS = "checkpoints"
+
+
+@dataclass
+class TrainStage(StageConfig):
+    """What training reads of the configuration."""
+
+    recording: str | None = None
+    model: dict[str, Any] = field(default_factory=dict)
+    train: Training = field(default_factory=Training)
+
+
+@stage(TrainStage)
+def train(config: TrainStage, run: StageRun) -> None:
+    """Train a learned dynamics model and score it on held-out runs against persistence."""
+    import json
+    import shutil
+
+    from pipeline.models.contract import FitContext, Provenance
+    from pipeline.models.evaluation import rollout_errors
+    from pipeline.models.layout import layout_of
+    from pipeline.models.registry import model_class, model_settings
+    from pipeline.models.windows import series_of
+    from pipeline.recordings.recording import read_recording
+    from pipeline.recordings.split import require_holdout, runs_of
+
+    path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
+    settings = model_settings(config.model)
+    recording = read_recording(path)
+    time_step = recording.time_step
+    require_holdout(recording.split, str(path))
+    layout = layout_of(recording)
+    fitted, chosen, held = (
+        series_of(recording, layout, runs_of(recording.split, part))
+        for part in ("train", "validation", "holdout")
+    )
+    if not len(chosen):
+        run.warn(f"no validation run: the last {VALIDATION_SHARE:.0%} of each training segment validates")
+        fitted, chosen = fitted.split_tail(VALIDATION_SHARE)
+    model = model_class(config.model)(layout, settings, time_step)
+    checkpoint = _checkpoint_folder(config, settings, run.inputs[str(path)])
+    loss = model.fit(fitted, chosen, config.train, FitContext(config.seed, checkpoint, run.log_metrics))
+    model.provenance = Provenance(
+        data=run.inputs[str(path)],
+        data_source=recording.source,
+        chosen_by="validation loss: one-step mean squared error, scaled",
+        value=loss,
+        seed=config.seed,
+        training=asdict(config.train),
+    )
+    model.save(run.output / "model")
+    errors = rollout_errors(model, held, config.train.horizons, config.train.evaluation_windows)
+    (run.output / "metrics.json").write_text(json.dumps(_finite(errors), indent=2) + "\n")
+    run.log_metrics({"best_validation_loss": loss} | _flat(errors))
+    shutil.rmtree(checkpoint, ignore_errors=True)
+
+
+def _checkpoint_folder(config: TrainStage, settings: Any, data: str) -> Path:
+    """Return where an interrupted training with the same data and settings left its checkpoint."""
+    from pipeline.artifacts import hash_value
+
+    identity = hash_value([asdict(settings), asdict(config.train), config.seed, data])
+    return Path(config.artifacts) / CHECKPOINTS / identity[:16]
+
+
+def _finite(errors: Any) -> Any:
+    """Return the errors with None, which JSON can say, where a rollout has run away."""
+    if isinstance(errors, dict):
+        return {key: _finite(value) for key, value in errors.items()}
+    return errors if math.isfinite(errors) else None
+
+
+def _flat(errors: dict[str, dict[str, dict[str, float]]]) -> dict[str, float]:
+    return {
+        f"{quantity}/{horizon}/{whose}": value
+        for quantity, horizons in errors.items()
+        for horizon, pair in horizons.items()
+        for whose, value in pair.items()
+    }
+
+
+if __name__ == "__main__":
+    train.main()
