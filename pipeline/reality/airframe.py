@@ -23,6 +23,8 @@ class Airframe:
         torque_coefficient: N·m/(rad/s)².
         rotor: the blades, alike for all four.
         drag_area: drag coefficient times area, m².
+        arm: share of the hubs' distance from the centre of mass over which the body's turning moves them
+            through the air and their in-plane forces twist the body.
         gravity: m/s².
     """
 
@@ -33,6 +35,7 @@ class Airframe:
     torque_coefficient: float
     rotor: Rotor
     drag_area: float
+    arm: float
     gravity: float
 
     def wrench(
@@ -50,24 +53,27 @@ class Airframe:
         Returns:
             Specific force (..., 3) m/s² and torque (..., 3) N·m, body frame; induced velocities.
         """
-        hubs = velocity[..., None, :] + cross(body_rate[..., None, :], self.rotor_positions)
+        hubs = velocity[..., None, :] + cross(body_rate[..., None, :], self.arm * self.rotor_positions)
         thrust, in_plane, inflow = self.rotor.forces(rotor_speed, hubs, inflow, steps)
         forces = np.concatenate((in_plane, thrust[..., None]), axis=-1)  # (..., 4, 3)
-        torque = cross(self.rotor_positions, forces).sum(axis=-2)
+        twisting = np.concatenate((self.arm * in_plane, thrust[..., None]), axis=-1)
+        torque = cross(self.rotor_positions, twisting).sum(axis=-2)
         torque[..., 2] += (rotor_speed * rotor_speed) @ (self.torque_coefficient * self.rotor_directions)
         airspeed = np.sqrt((velocity * velocity).sum(axis=-1, keepdims=True))
         drag = -0.5 * AIR_DENSITY * self.drag_area * FACES * airspeed * velocity
         return (forces.sum(axis=-2) + drag) / self.mass, torque, inflow
 
-    def specific_force(self, velocity: Array, body_rate: Array, rotor_speed: Array) -> Array:
-        """Return the specific force (..., 3) m/s² with the induced velocities settled."""
+    def settled(self, velocity: Array, body_rate: Array, rotor_speed: Array) -> tuple[Array, Array]:
+        """Return specific force and torque, as `wrench`, with the induced velocities settled."""
         inflow = self.rotor.still_inflow(rotor_speed)
-        return self.wrench(velocity, body_rate, rotor_speed, inflow, steps=30)[0]
+        return self.wrench(velocity, body_rate, rotor_speed, inflow, steps=30)[:2]
 
     def without(self, effect: str) -> "Airframe":
-        """Return the same airframe with one of its forces switched off."""
+        """Return the same airframe with one of its forces or torques switched off."""
         if effect == "body_drag":
             return replace(self, drag_area=0.0)
+        if effect == "angular_drag":
+            return replace(self, arm=0.0)
         return replace(self, rotor=replace(self.rotor, **{ROTOR_SWITCHES[effect]: 0.0}))
 
 

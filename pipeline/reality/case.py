@@ -78,6 +78,9 @@ class PlantCase:
 
     Attributes:
         effects: strength by effect name, in the unit that the diagnosis uses (see `CONCEALABLE`).
+        arm: share of the hubs' distance from the centre of mass that the air knows of: over it the body's
+            turning moves rotors through the air, and their in-plane forces twist the body. A real rotor has all
+            of it; the damping of the turning is then `angular_drag`, which the key lists. 0 leaves forces alone.
         runs: number of flights.
         duration: of each flight, s.
         rate: of the recording, Hz.
@@ -91,8 +94,9 @@ class PlantCase:
     """
 
     effects: dict[str, float] = field(default_factory=dict)
-    runs: int = 8
-    duration: float = 20.0
+    arm: float = 0.0
+    runs: int = 10
+    duration: float = 15.0
     rate: float = 100.0
     slowest: float = 2.0
     fastest: float = 8.0
@@ -116,10 +120,9 @@ class PlantCase:
         for key in ("runs", "duration", "rate", "slowest", "fastest", "acceleration"):
             if getattr(self, key) <= 0:
                 raise InputError(f"must be positive, is {getattr(self, key)}", f"{where}.{key}", "correct it")
-        if self.excitation < 0:
-            raise InputError(
-                f"must not be negative, is {self.excitation}", f"{where}.excitation", "correct it"
-            )
+        for key in ("excitation", "arm"):
+            if getattr(self, key) < 0:
+                raise InputError("must not be negative", f"{where}.{key}", "give 0 or more")
         if not 0 <= self.dropped < 0.9:
             raise InputError(f"must be from 0 to 0.9, is {self.dropped}", f"{where}.dropped", "give a share")
         if not 0 <= self.jitter * self.rate < 0.2:

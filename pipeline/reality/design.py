@@ -33,6 +33,7 @@ def design(platform: Quadrotor, case: PlantCase) -> Airframe:
         torque_coefficient=platform.torque_coefficient,
         rotor=Rotor(thrust_coefficient, radius=disc**0.25),
         drag_area=2.0 * mass * case.strength("body_drag") / AIR_DENSITY,
+        arm=case.arm,
         gravity=platform.gravity,
     )
     return _with_rotor_effects(airframe, platform.hover_rotor_speed, case)
@@ -60,5 +61,4 @@ def _gained(
     moving = np.array(velocity)
     speed = np.full(4, hover)
     full = replace(airframe, rotor=replace(airframe.rotor, **{switch: 1.0}), drag_area=0.0)
-    still = full.specific_force(np.zeros(3), np.zeros(3), speed)
-    return full.specific_force(moving, np.zeros(3), speed) - still
+    return full.settled(moving, np.zeros(3), speed)[0] - full.settled(np.zeros(3), np.zeros(3), speed)[0]

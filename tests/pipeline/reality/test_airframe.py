@@ -31,8 +31,9 @@ def test_strengths_are_reached_at_hover(racer):
 
     def added(effect, velocity):
         airframe = design(racer, PlantCase(effects={effect: ALL[effect]}))
-        moving = airframe.specific_force(np.array(velocity), still, hover)
-        return moving - airframe.specific_force(still, still, hover)
+        return (
+            airframe.settled(np.array(velocity), still, hover)[0] - airframe.settled(still, still, hover)[0]
+        )
 
     assert -added("rotor_drag", (0.1, 0.0, 0.0))[0] / 0.1 == pytest.approx(0.4, rel=1e-6)
     assert -added("axial_inflow", (0.0, 0.0, 0.01))[2] / 0.01 == pytest.approx(0.3, rel=0.02)
@@ -47,19 +48,32 @@ def test_each_effect_can_be_taken_away_again(racer, effect):
     velocity, body_rate, speed = some_states()
     alone = design(racer, PlantCase(effects={effect: ALL[effect]}))
     np.testing.assert_allclose(
-        alone.without(effect).specific_force(velocity, body_rate, speed),
-        design(racer, PlantCase()).specific_force(velocity, body_rate, speed),
+        alone.without(effect).settled(velocity, body_rate, speed)[0],
+        design(racer, PlantCase()).settled(velocity, body_rate, speed)[0],
         rtol=1e-10,
     )
 
 
 def test_a_mirrored_state_gives_the_mirrored_force(racer):
     """Left and right exchanged: rotors 1 and 4, 2 and 3 swap; y of vectors and x, z of rates change sign."""
-    airframe = design(racer, PlantCase(effects=ALL))
+    airframe = design(racer, PlantCase(effects=ALL, arm=1.0))
     velocity, body_rate, speed = some_states()
-    force = airframe.specific_force(velocity, body_rate, speed)
-    mirrored = airframe.specific_force(velocity * [1, -1, 1], body_rate * [-1, 1, -1], speed[:, [3, 2, 1, 0]])
-    np.testing.assert_allclose(mirrored, force * [1, -1, 1], rtol=1e-9, atol=1e-12)
+    force, torque = airframe.settled(velocity, body_rate, speed)
+    mirrored_force, mirrored_torque = airframe.settled(
+        velocity * [1, -1, 1], body_rate * [-1, 1, -1], speed[:, [3, 2, 1, 0]]
+    )
+    np.testing.assert_allclose(mirrored_force, force * [1, -1, 1], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(mirrored_torque, torque * [-1, 1, -1], rtol=1e-9, atol=1e-12)
+
+
+def test_rotors_that_feel_the_turning_resist_it(racer):
+    airframe = design(racer, PlantCase(effects=ALL, arm=1.0))
+    _, body_rate, speed = some_states()
+    still, even = np.zeros_like(body_rate), np.full_like(speed, 1200.0)
+    torque = airframe.settled(still, body_rate, even)[1]
+    without = airframe.without("angular_drag").settled(still, body_rate, even)[1]
+    np.testing.assert_allclose(without, 0.0, atol=1e-12)
+    assert ((torque * body_rate).sum(axis=-1) < 0).all()
 
 
 def test_drag_takes_energy_from_the_motion(racer):
@@ -67,8 +81,8 @@ def test_drag_takes_energy_from_the_motion(racer):
     still = np.zeros_like(velocity)
     for effect in ("rotor_drag", "body_drag", "axial_inflow"):
         airframe = design(racer, PlantCase(effects={effect: ALL[effect]}))
-        added = airframe.specific_force(velocity, still, speed)
-        added = added - airframe.without(effect).specific_force(velocity, still, speed)
+        added = airframe.settled(velocity, still, speed)[0]
+        added = added - airframe.without(effect).settled(velocity, still, speed)[0]
         assert ((added * velocity).sum(axis=-1) <= 1e-12).all()
 
 
@@ -76,5 +90,5 @@ def test_decoys_change_the_plant_and_not_the_platform(racer):
     airframe = design(racer, PlantCase(effects={"mass_error": 1.2, "thrust_coefficient_error": 0.9}))
     assert airframe.mass == pytest.approx(1.2 * racer.mass)
     still, speed = np.zeros(3), np.full(4, 1000.0)
-    lift = airframe.specific_force(still, still, speed)[2]
+    lift = airframe.settled(still, still, speed)[0][2]
     assert lift == pytest.approx(4 * 0.9 * racer.thrust_coefficient * 1e6 / (1.2 * racer.mass))

@@ -54,6 +54,18 @@ def test_the_null_case_leaves_nothing_unexplained(racer):
         assert abs(regressed(recording.frame, racer, effect)) < 1e-6
 
 
+def test_the_torque_that_turning_costs_the_rotors_is_in_the_key(racer):
+    case = PlantCase(effects={"rotor_drag": 0.4}, arm=1.0, runs=2, duration=0.5)
+    _, key = fly(case, racer, seed=4)
+    drag, angular = key["effects"]
+    assert (drag["name"], angular["name"]) == ("rotor_drag", "angular_drag")
+    coefficient = angular["parameters"]["coefficient"]
+    assert coefficient["unit"] == "N·m·s/rad"
+    reach = sum(x * x + y * y for x, y, _ in racer.rotor_positions) / 4
+    assert 0 < coefficient["value"] < 1.2 * 0.4 * racer.mass * reach  # about z alone; the law has all axes
+    assert fly(PlantCase(arm=1.0, runs=1, duration=0.1), racer, seed=4)[1]["effects"] == []
+
+
 def test_parameters_that_are_wrong_in_the_platform_file_are_in_the_key(racer):
     effects = {
         "mass_error": 1.15,
