@@ -85,7 +85,9 @@ def _say(document: dict[str, Any]) -> None:
     for effect in document["effects"]:
         print(f"  {effect['name']} (probability {effect['probability']:.2f}): {effect['statement']}")
     for unnamed in document["unnamed"]:
-        print(f"  no name for {unnamed['share']:.0%} of the error in {unnamed['channel']}: {unnamed['formula']}")
+        print(
+            f"  no name for {unnamed['share']:.0%} of the error in {unnamed['channel']}: {unnamed['formula']}"
+        )
     closed = document["fit"]["gap_closed"]
     if closed is not None:
         print(f"gap closed on held-out runs: {closed:.0%}")

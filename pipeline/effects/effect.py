@@ -16,8 +16,8 @@ from torch import Tensor
 Signals = Mapping[str, Tensor]
 """Physical signals by name: `velocity` (..., 3), `rotor_speed` (..., 4), `voltage` (...,) and so on."""
 
-Values = Mapping[str, Tensor | float]
-"""Parameter values, or constants of a platform, by name."""
+Values = Mapping[str, Any]
+"""Parameter values (numbers or tensors), or constants of a platform, by name."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,8 @@ class WrenchEffect(Effect):
         """Return, for each parameter of a linear effect, the wrench per unit of it."""
         names = [parameter.name for parameter in self.parameters]
         return [
-            self.wrench(signals, {other: float(other == name) for other in names}, constants) for name in names
+            self.wrench(signals, {other: float(other == name) for other in names}, constants)
+            for name in names
         ]
 
 
@@ -160,7 +161,7 @@ class ParameterError(Effect):
     parameters = (Parameter("ratio", "1", 1.2, 1 / 3, 3.0, neutral=1.0),)
 
     @abstractmethod
-    def adjust(self, constants: Values, values: Values) -> dict[str, Tensor | float]:
+    def adjust(self, constants: Values, values: Values) -> dict[str, Any]:
         """Return the constants with the ratio applied."""
 
 

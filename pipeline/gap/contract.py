@@ -16,7 +16,9 @@ SCHEMA = "simgap.diagnosis/1"
 def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the diagnosis as plain numbers, texts and lists."""
     fitted = {f.effect.key: f for f in diagnosis.simulator.effects}
-    effects = [_effect(diagnosis, candidate, fitted[candidate.effect.key]) for candidate in diagnosis.naming.named]
+    effects = [
+        _effect(diagnosis, candidate, fitted[candidate.effect.key]) for candidate in diagnosis.naming.named
+    ]
     proof = diagnosis.proof
     return {
         "schema": SCHEMA,
@@ -26,7 +28,12 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
         "effects": sorted(effects, key=lambda effect: -effect["probability"]),
         "ambiguous": [_ambiguous(rivalry) for rivalry in diagnosis.naming.rivalries],
         "unnamed": [
-            {"channel": u.channel.name, "depends_on": list(u.depends_on), "formula": u.formula, "share": u.share}
+            {
+                "channel": u.channel.name,
+                "depends_on": list(u.depends_on),
+                "formula": u.formula,
+                "share": u.share,
+            }
             for u in diagnosis.unnamed
         ],
         "fit": {

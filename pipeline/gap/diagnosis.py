@@ -7,13 +7,12 @@ import torch
 
 from pipeline.effects import MeasurementEffect, ParameterError
 from pipeline.errors import InputError
-from pipeline.simulation.blocks import Blocks, cut_blocks
 from pipeline.gap.fit import Problem, columns_of
 from pipeline.gap.horizon import HorizonError, horizon_errors
 from pipeline.gap.locate import Mismatch, locate
-from pipeline.gap.model import Drift, drifts_of, steadiness
+from pipeline.gap.model import Drift, drifts_of
 from pipeline.gap.name import Naming, name
-from pipeline.gap.probability import probability_of
+from pipeline.gap.probability import presence_of
 from pipeline.gap.prove import Proof, prove
 from pipeline.gap.regimes import Regime, regimes_of
 from pipeline.gap.residuals import noise_of_rows
@@ -25,6 +24,7 @@ from pipeline.gap.weak_form import window_functions
 from pipeline.platforms.mechanism import Channel
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
+from pipeline.simulation.blocks import Blocks, cut_blocks
 
 _CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
 
@@ -153,7 +153,9 @@ def _resolved(nominal: Simulator, blocks: Blocks) -> Simulator:
     velocity = blocks.inner(blocks.signals[sliding])
     usual = float(velocity.square().mean().sqrt())
     jitter = float(velocity.diff(dim=1).square().median().sqrt())
-    return replace(nominal, settings={**nominal.settings, "sliding_velocity": max(0.01 * usual, jitter, 1e-6)})
+    return replace(
+        nominal, settings={**nominal.settings, "sliding_velocity": max(0.01 * usual, jitter, 1e-6)}
+    )
 
 
 def regimes_on(blocks: Blocks, simulator: Simulator) -> list[Regime]:
@@ -169,7 +171,9 @@ def _counted(naming: Naming, mismatches: Sequence[Mismatch], channels: Sequence[
     for candidate in naming.named:
         columns = columns_of(naming.fit, candidate.effect)
         touched |= naming.fit.jacobian[..., columns].abs().amax((0, 1, 3)) > 0
-    counted = [channel for channel, hit in zip(channels, touched.tolist(), strict=True) if hit] or list(channels)
+    counted = [channel for channel, hit in zip(channels, touched.tolist(), strict=True) if hit] or list(
+        channels
+    )
     failing = {mismatch.channel.name for mismatch in mismatches}
     return [channel for channel in counted if channel.name in failing] or counted
 
@@ -185,17 +189,18 @@ def _verdict(naming: Naming, unnamed: Sequence[Unnamed]) -> str:
 def _probabilities(naming: Naming, drifts: dict[str, list[Drift]], clusters: int) -> dict[str, float]:
     weight = {rivalry.winner.key: rivalry.weight for rivalry in naming.rivalries}
     return {
-        candidate.effect.key: probability_of(
-            candidate, clusters, weight.get(candidate.effect.key, 1.0), steadiness(drifts[candidate.effect.key])
-        )
-        for candidate in naming.named
+        c.effect.key: weight.get(c.effect.key, 1.0)
+        * presence_of(c.gain, len(c.effect.parameters), clusters, drifts[c.effect.key])
+        for c in naming.named
     }
 
 
 def _doubts(naming: Naming, drifts: dict[str, list[Drift]], held_out: bool) -> list[str]:
     doubts = []
     if not held_out:
-        doubts.append("one run only: nothing could be held out, so the fit is judged on the data it was made on")
+        doubts.append(
+            "one run only: nothing could be held out, so the fit is judged on the data it was made on"
+        )
     for candidate in naming.named:
         for drift in drifts[candidate.effect.key]:
             if drift.notable and not isinstance(candidate.effect, MeasurementEffect):

@@ -8,22 +8,23 @@ import pandas as pd
 import torch
 from torch import Tensor
 
-from pipeline.simulation.blocks import Blocks
 from pipeline.gap.contract import write_json
 from pipeline.gap.diagnosis import Diagnosis, regimes_on
-from pipeline.gap.fit import columns_of
 from pipeline.gap.name import Candidate
 from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
 from pipeline.gap.residuals import channel_series, residual_rows
 from pipeline.gap.scoring import clusters_of
 from pipeline.gap.weak_form import mean_of, mean_rate_of
 from pipeline.simulation import Simulator
+from pipeline.simulation.blocks import Blocks
 
 _BINS = 8
 _LAW_BINS = 15
 _MOST_ROWS = 20_000
 _Z95 = 1.96
-_SCORE = "share of the excess error over the noise floor explained, cross-validated over runs, in the best channel"
+_SCORE = (
+    "share of the excess error over the noise floor explained, cross-validated over runs, in the best channel"
+)
 
 
 def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
@@ -71,7 +72,9 @@ def traces(diagnosis: Diagnosis) -> pd.DataFrame:
             "after": after[..., i],
         }
         values = {name: value.flatten().numpy() for name, value in columns.items()}
-        tables.append(pd.DataFrame(_labels(blocks, diagnosis) | values).assign(channel=channel.name, unit=channel.unit))
+        tables.append(
+            pd.DataFrame(_labels(blocks, diagnosis) | values).assign(channel=channel.name, unit=channel.unit)
+        )
     return pd.concat(tables, ignore_index=True)
 
 
@@ -84,7 +87,9 @@ def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
     tables = []
     for part, blocks in parts.items():
         blocks = blocks.thinned(most)
-        before, after = (residual_rows(s, blocks, functions) for s in (diagnosis.nominal, diagnosis.simulator))
+        before, after = (
+            residual_rows(s, blocks, functions) for s in (diagnosis.nominal, diagnosis.simulator)
+        )
         regimes = {
             regime.name: mean_of(functions, regime.series).flatten().numpy()
             for regime in regimes_on(blocks, diagnosis.simulator)
@@ -126,9 +131,9 @@ def laws(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     cluster = clusters_of(blocks, 3.0).repeat_interleave(len(functions.centres))
     drawn = []
     for candidate in diagnosis.naming.named:
-        columns = columns_of(fit, candidate.effect)
-        neutral = torch.tensor([p.neutral for p in candidate.effect.parameters], dtype=torch.float64)
-        contribution = fit.jacobian[..., columns] @ (fit.values[columns] - neutral)
+        kept = tuple(f for f in diagnosis.simulator.effects if f.effect.key != candidate.effect.key)
+        without = residual_rows(diagnosis.simulator.with_effects(kept), blocks, functions)
+        contribution = without - fit.residual
         for i, channel in enumerate(diagnosis.nominal.mechanism.channels):
             law = contribution[..., i].flatten()
             if float(law.abs().max()) > 0:
@@ -140,7 +145,9 @@ def laws(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     return drawn
 
 
-def _law(law: Tensor, target: Tensor, regimes: list[tuple[Regime, Tensor]], cluster: Tensor) -> dict[str, Any]:
+def _law(
+    law: Tensor, target: Tensor, regimes: list[tuple[Regime, Tensor]], cluster: Tensor
+) -> dict[str, Any]:
     """Bin what an effect explains over the variable that orders it best."""
     scored = []
     for regime, values in regimes:
@@ -150,13 +157,17 @@ def _law(law: Tensor, target: Tensor, regimes: list[tuple[Regime, Tensor]], clus
         place = bin_of(values, edges)
         count = len(edges) - 1
         means = mean_per_bin(law, place, count)
-        scored.append((float((means[place] - law.mean()).square().mean()), regime, values, place, count, means))
+        scored.append(
+            (float((means[place] - law.mean()).square().mean()), regime, values, place, count, means)
+        )
     _, regime, values, place, count, means = max(scored, key=lambda entry: entry[0])
     centre = mean_per_bin(values, place, count)
     mean = mean_per_bin(target, place, count)
     spread = mean_per_bin((target - mean[place]).square(), place, count)
     # Rows of one cluster move together: as many independent values as clusters in the bin.
-    independent = torch.tensor([len(torch.unique(cluster[place == b])) for b in range(count)], dtype=torch.float64)
+    independent = torch.tensor(
+        [len(torch.unique(cluster[place == b])) for b in range(count)], dtype=torch.float64
+    )
     error = _Z95 * (spread / independent.clamp_min(1.0)).sqrt()
     return {
         "variable": regime.name,
@@ -204,7 +215,8 @@ def regime_maps(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         place, count = bin_of(values, edges), len(edges) - 1
         for i, channel in enumerate(diagnosis.nominal.mechanism.channels):
             rms = [
-                mean_per_bin(rows[..., i].flatten().square(), place, count).sqrt().tolist() for rows in (before, after)
+                mean_per_bin(rows[..., i].flatten().square(), place, count).sqrt().tolist()
+                for rows in (before, after)
             ]
             maps.append(
                 {

@@ -1,4 +1,4 @@
-"""Fitting the parameters of a simulator's effects to a recording, with standard errors that forgive an imperfect model."""
+"""Fitting the parameters of a simulator's effects to a recording, with errors that forgive an imperfect model."""
 
 from dataclasses import dataclass
 
@@ -6,10 +6,10 @@ import torch
 from torch import Tensor
 
 from pipeline.effects import Effect, Parameter, WrenchEffect
-from pipeline.simulation.blocks import Blocks
 from pipeline.gap.residuals import residual_rows
 from pipeline.gap.weak_form import WindowFunctions, mean_of
 from pipeline.simulation import FittedEffect, Simulator
+from pipeline.simulation.blocks import Blocks
 
 _STEPS = 12
 _TOLERANCE = 1e-7  # of the cost of one standard deviation per row

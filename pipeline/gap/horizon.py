@@ -1,4 +1,4 @@
-"""Errors of open-loop predictions over many steps, before and after, beside what noisy sensors would give a right one."""
+"""Errors of open-loop predictions, before and after, beside what noisy sensors would give a right simulator."""
 
 from dataclasses import dataclass
 
@@ -6,10 +6,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.simulation.blocks import Blocks
 from pipeline.gap.residuals import sample_noise
 from pipeline.physics.rotations import rotation_angle
 from pipeline.simulation import Simulator, replay
+from pipeline.simulation.blocks import Blocks
 from pipeline.simulation.motion import motion_of
 
 _UNITS = {

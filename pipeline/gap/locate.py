@@ -13,7 +13,9 @@ from pipeline.gap.weak_form import mean_of
 from pipeline.platforms.mechanism import Channel
 
 _BINS = 8
-_TOLERATED = 1.2  # the noise is estimated from the recording itself; an energy within a fifth of it is no mismatch
+_TOLERATED = (
+    1.2  # the noise is estimated from the recording itself; an energy within a fifth of it is no mismatch
+)
 _CHANCE = 1e-3
 _WORDS = {
     "force_x": "along body x",
@@ -63,7 +65,9 @@ def locate(
     """
     energy = residual.square().mean((0, 1))
     misfit = torch.log1p((energy / problem.noise.square() - 1.0).clamp_min(0.0))
-    p_values = [_chance_of_noise(residual[..., i], problem.noise[i], problem.cluster) for i in range(len(channels))]
+    p_values = [
+        _chance_of_noise(residual[..., i], problem.noise[i], problem.cluster) for i in range(len(channels))
+    ]
     guilty = [i for i, p in enumerate(p_values) if p < _CHANCE]
     total = float(misfit[guilty].sum())
     averaged = [(regime, mean_of(problem.functions, regime.series).flatten()) for regime in regimes]

@@ -1,17 +1,20 @@
 """The named effects as part of the simulator: their values, how far to trust them, and what betrays them."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
 from scipy import stats
 
 from pipeline.effects import Effect
-from pipeline.simulation.blocks import Blocks
 from pipeline.gap.fit import Fit, columns_of
+from pipeline.simulation.blocks import Blocks
 
 _DRIFT_CHANCE = 1e-3
-_TOLERATED_DRIFT = 0.25  # of the value: runs of one machine differ by this much without another cause behind it
+_TOLERATED_DRIFT = (
+    0.25  # of the value: runs of one machine differ by this much without another cause behind it
+)
 
 
 @dataclass(frozen=True)
@@ -41,8 +44,8 @@ def drifts_of(fit: Fit, effect: Effect, blocks: Blocks, cluster: torch.Tensor) -
     Source: Cochran 1954, The combination of estimates from different experiments (Biometrics 10).
     """
     columns = columns_of(fit, effect)
-    estimates = [_estimate(fit, columns, blocks.run == run, cluster) for run in torch.unique(blocks.run)]
-    estimates = [estimate for estimate in estimates if estimate is not None]
+    attempts = (_estimate(fit, columns, blocks.run == run, cluster) for run in torch.unique(blocks.run))
+    estimates = [estimate for estimate in attempts if estimate is not None]
     drifts = []
     for position, parameter in enumerate(effect.parameters):
         pairs = [(values[position], errors[position]) for values, errors in estimates if errors[position] > 0]
@@ -83,7 +86,7 @@ def _heterogeneity(name: str, pairs: list[tuple[float, float]], distance: float)
     return Drift(name, spread, float(stats.chi2.sf(q, freedom)))
 
 
-def steadiness(drifts: list[Drift]) -> float:
+def steadiness(drifts: Sequence[Drift]) -> float:
     """Return 1 where the parameters agree between runs, less the more they certainly drift."""
     worst = max((drift.spread for drift in drifts if drift.notable), default=0.0)
     return 1.0 / (1.0 + worst**2)

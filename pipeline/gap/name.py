@@ -1,4 +1,4 @@
-"""Which physics is missing: effects of the catalogue compete to explain the residual on runs they were not fitted on."""
+"""Which physics is missing: effects compete to explain the residual on runs they were not fitted on."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,6 +8,8 @@ from torch import Tensor
 from pipeline.effects import Effect, MeasurementEffect, ParameterError, effect_by_key, effects_of
 from pipeline.gap.ambiguity import Rivalry, rivalry_of, rivals_of
 from pipeline.gap.fit import Fit, Problem, columns_of, fit
+from pipeline.gap.model import drifts_of
+from pipeline.gap.probability import presence_of
 from pipeline.gap.refit import extend, shrink
 from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
 from pipeline.gap.settings import Gap
@@ -15,6 +17,7 @@ from pipeline.simulation import Simulator
 
 _Z95 = 1.96
 _REDUNDANT = 0.2
+_BELIEVED = 0.5
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 
 
@@ -88,9 +91,12 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     effect is added at a time; each that stays must earn it again when the others are there.
     """
     competition = _Competition(simulator, problem, settings)
-    settled = [e for e in competition.catalogue if isinstance(e, MeasurementEffect | ParameterError)]
+    settled: list[Effect] = [
+        e for e in competition.catalogue if isinstance(e, MeasurementEffect | ParameterError)
+    ]
     competition.run(settled)
     competition.run(competition.catalogue)
+    competition.disown()
     return competition.result()
 
 
@@ -117,7 +123,7 @@ class _Competition:
             if winner is None:
                 return
             self.current = fit(winner.fit.simulator, self.problem)
-            self.prune(newest=winner.effect.key)
+            self.prune()
 
     def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
         """Refit with the effect added and compare with the simulator without it."""
@@ -170,16 +176,32 @@ class _Competition:
             return "explains too little to matter"
         return ""
 
-    def prune(self, newest: str) -> None:
-        """Drop every effect that the others have made needless, the least needed first."""
+    def prune(self) -> None:
+        """Drop every effect that the others have made needless, the least needed first; it does not come back."""
         while True:
-            older = [f.effect for f in self.current.simulator.free if f.effect.key != newest]
-            needless = [c for c in (self.alone(effect) for effect in older) if c.refusal]
+            judged = [self.alone(fitted.effect) for fitted in self.current.simulator.free]
+            needless = [candidate for candidate in judged if candidate.refusal]
             if not needless:
                 return
             worst = min(needless, key=lambda candidate: candidate.gain)
             self.dropped.add(worst.effect.key)
             self.current = fit(self.without(worst.effect).simulator, self.problem)
+
+    def disown(self) -> None:
+        """Drop what is less likely there than not: too little evidence, or parameters that follow the manoeuvre."""
+        while True:
+            judged = [self.alone(fitted.effect) for fitted in self.current.simulator.free]
+            unlikely = [candidate for candidate in judged if self.presence(candidate) < _BELIEVED]
+            if not unlikely:
+                return
+            worst = min(unlikely, key=self.presence)
+            self.dropped.add(worst.effect.key)
+            self.current = fit(self.without(worst.effect).simulator, self.problem)
+
+    def presence(self, candidate: Candidate) -> float:
+        """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
+        drifts = drifts_of(self.current, candidate.effect, self.problem.blocks, self.problem.cluster)
+        return presence_of(candidate.gain, len(candidate.effect.parameters), self.clusters, drifts)
 
     def resting(self, effect: Effect) -> dict[str, float]:
         """Return the values at which an effect changes nothing: those known before, else none of it."""

@@ -6,12 +6,12 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.simulation.blocks import Blocks
 from pipeline.gap.residuals import noise_of_rows, residual_rows
 from pipeline.gap.scoring import clusters_of
 from pipeline.gap.weak_form import WindowFunctions
 from pipeline.platforms.mechanism import Channel
 from pipeline.simulation import Simulator
+from pipeline.simulation.blocks import Blocks
 
 _CLUSTER_DURATION = 5.0  # s
 _PERCENTILES = (2.5, 97.5)
@@ -72,7 +72,7 @@ def prove(
     )  # (blocks, 2)
     noise = float((floor[columns] / size).square().mean())
     root = energy.mean(0).sqrt().tolist()
-    closed = gap_closed(*root, noise**0.5)
+    closed = gap_closed(root[0], root[1], noise**0.5)
     width = float(functions.weights.gt(0).sum(1).max()) * blocks.time_step
     present = torch.unique(blocks.run).tolist()
     return Proof(
@@ -86,7 +86,9 @@ def prove(
         noise_floor=noise**0.5,
         gap_closed=closed if held_out else None,
         interval=_interval(energy, noise, blocks, resamples) if held_out else None,
-        channels=torch.stack([before.square().mean((0, 1)).sqrt(), after.square().mean((0, 1)).sqrt(), floor], dim=1),
+        channels=torch.stack(
+            [before.square().mean((0, 1)).sqrt(), after.square().mean((0, 1)).sqrt(), floor], dim=1
+        ),
     )
 
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from pipeline.simulation.blocks import Blocks
 from pipeline.gap.weak_form import WindowFunctions, mean_of, mean_rate_of
 from pipeline.platforms.mechanism import Channel
 from pipeline.simulation import Simulator
+from pipeline.simulation.blocks import Blocks
 
 _FIFTH_DIFFERENCE = torch.tensor([1.0, -5.0, 10.0, -10.0, 5.0, -1.0], dtype=torch.float64)
 _MEDIAN_OF_SQUARE = 0.4549364  # median of a squared standard normal

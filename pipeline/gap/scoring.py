@@ -6,8 +6,8 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from pipeline.simulation.blocks import Blocks
 from pipeline.gap.fit import Fit
+from pipeline.simulation.blocks import Blocks
 
 
 def folds_of(blocks: Blocks, count: int) -> Tensor:

@@ -5,10 +5,10 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from pipeline.simulation.blocks import Blocks
-from pipeline.gap.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
 from pipeline.effects.shift import shift_in_time
+from pipeline.gap.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
 from pipeline.physics import rotations
+from pipeline.simulation.blocks import Blocks
 
 _AGREED = 0.5  # of the disagreement must go for a shift to be believed
 _NOTABLE = 0.05  # m/s²: half a hundredth of gravity, the zero error of a calibrated consumer accelerometer
@@ -37,7 +37,7 @@ def settle_accelerometer(blocks: Blocks, gravity: float, width: float) -> tuple[
 
 
 def settle_velocity(blocks: Blocks, width: float) -> tuple[Blocks, list[str]]:
-    """Shift a joint's velocity to the clock of its position, which shows the delay of a filtered velocity without a model.
+    """Shift a joint's velocity to the clock of its position: a filtered velocity is late.
 
     Returns:
         The blocks with the velocity shifted where it was late or early, and a sentence about it.
@@ -56,7 +56,9 @@ def settle_velocity(blocks: Blocks, width: float) -> tuple[Blocks, list[str]]:
     offset = late * blocks.time_step
     shifted = shift_in_time(blocks.signals["velocity"], -offset, blocks.time_step)
     word = "late" if late > 0 else "early"
-    remark = f"the velocity was recorded {abs(offset):.3g} s {word} with respect to the position; shifted back"
+    remark = (
+        f"the velocity was recorded {abs(offset):.3g} s {word} with respect to the position; shifted back"
+    )
     return replace(blocks, signals={**blocks.signals, "velocity": shifted}), [remark]
 
 
@@ -67,8 +69,8 @@ def _remarks(zeros: dict[str, Tensor]) -> list[str]:
     worst = max(notable, key=lambda run: float(notable[run].abs().max()))
     text = ", ".join(f"{value:+.2f}" for value in notable[worst].tolist())
     return [
-        f"the accelerometer's zero is off in {len(notable)} of {len(zeros)} runs, most in {worst} by ({text}) m/s² along "
-        "x, y, z, as velocity and attitude show; taken out"
+        f"the accelerometer's zero is off in {len(notable)} of {len(zeros)} runs, most in {worst} by ({text}) m/s² "
+        "along x, y, z, as velocity and attitude show; taken out"
     ]
 
 

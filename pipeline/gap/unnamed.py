@@ -83,7 +83,7 @@ def _library(regimes: Sequence[Regime], problem: Problem) -> list[_Term]:
     """Return constants, signals, their squares with sign, and products of two, averaged over the windows."""
     signals = {regime.name: regime.series for regime in regimes}
     shape = next(iter(signals.values()))
-    series = [("1", (), torch.ones_like(shape))]
+    series: list[tuple[str, tuple[str, ...], Tensor]] = [("1", (), torch.ones_like(shape))]
     series += [(name, (name,), value) for name, value in signals.items()]
     series += [(f"{name}·|{name}|", (name,), value * value.abs()) for name, value in signals.items()]
     pairs = itertools.combinations(signals.items(), 2)
@@ -118,7 +118,9 @@ def _cross_validated_energy(matrix: Tensor, left: Tensor, fold: Tensor) -> float
     for part in torch.unique(fold):
         mine = fold == part
         held = matrix[mine]
-        weights = torch.linalg.pinv(gram_all - held.T @ held, hermitian=True) @ (score_all - held.T @ left[mine])
+        weights = torch.linalg.pinv(gram_all - held.T @ held, hermitian=True) @ (
+            score_all - held.T @ left[mine]
+        )
         energy += float((left[mine] - held @ weights).square().sum())
     return energy / len(left)
 
@@ -126,5 +128,8 @@ def _cross_validated_energy(matrix: Tensor, left: Tensor, fold: Tensor) -> float
 def _formula(chosen: list[_Term], left: Tensor) -> str:
     matrix = torch.stack([term.series for term in chosen], dim=1)
     weights = torch.linalg.lstsq(matrix, left[:, None]).solution[:, 0].tolist()
-    parts = [f"{weight:+.3g}" + ("" if term.text == "1" else f"·{term.text}") for weight, term in zip(weights, chosen, strict=True)]
+    parts = [
+        f"{weight:+.3g}" + ("" if term.text == "1" else f"·{term.text}")
+        for weight, term in zip(weights, chosen, strict=True)
+    ]
     return " ".join(parts)

@@ -1,7 +1,7 @@
 """Residuals without differentiating noise: equations of motion multiplied by test functions and integrated by parts.
 
-For a smooth w(t) that vanishes at both ends of its window, ∫ w·(dq/dt) dt = −∫ (dw/dt)·q dt. A recording's momentum q is
-therefore never differentiated; each row of a residual is a weighted mean over one window, in the unit of the channel.
+For a smooth w(t) that vanishes at both ends of its window, ∫ w·(dq/dt) dt = −∫ (dw/dt)·q dt. A recording's momentum q
+is therefore never differentiated; each row of a residual is a weighted mean over one window, in the unit of the channel.
 Source: Messenger & Bortz 2021, Weak SINDy (SIAM Multiscale Model. Simul. 19(3)), eqs. 2.2–2.5.
 """
 
@@ -26,7 +26,6 @@ class WindowFunctions:
     centres: Tensor
 
 
-
 def window_functions(samples: int, width: float, time_step: float) -> WindowFunctions:
     """Place test functions (1 − s²)³ that overlap by half over a block.
 
@@ -48,8 +47,6 @@ def window_functions(samples: int, width: float, time_step: float) -> WindowFunc
     # Scaled so that the rate of a straight line comes out exact on the sampled functions.
     slopes = slopes / (slopes * time).sum(1, keepdim=True)
     return WindowFunctions(weights, slopes, centres.long())
-
-
 
 
 def mean_of(functions: WindowFunctions, series: Tensor) -> Tensor:

@@ -7,9 +7,9 @@ import torch
 from torch import Tensor
 
 from pipeline.errors import InputError
-from pipeline.simulation.signals import recorded_signals
 from pipeline.platforms import Platform
 from pipeline.recordings.recording import Recording
+from pipeline.simulation.signals import recorded_signals
 
 
 @dataclass(frozen=True)
@@ -61,8 +61,8 @@ class Blocks:
 def cut_blocks(recording: Recording, platform: Platform, duration: float, margin_duration: float) -> Blocks:
     """Cut a cleaned recording into blocks that do not overlap; their margins do, and end with a segment's end held.
 
-    Blocks never reach over the end of a run or of a segment. They are shortened, margins too, so far that every run has a
-    part in the recording's blocks.
+    Blocks never reach over the end of a run or of a segment. They are shortened, margins too, so far that every run has
+    a part in the recording's blocks.
 
     Args:
         recording: cleaned.
@@ -91,7 +91,9 @@ def cut_blocks(recording: Recording, platform: Platform, duration: float, margin
             run.append(index[str(segment["run"].iloc[0])])
             start.append(float(segment["t"].iloc[first]))
     if not pieces:
-        raise InputError("is too short to be replayed", recording.source or "recording", "record at least a few seconds")
+        raise InputError(
+            "is too short to be replayed", recording.source or "recording", "record at least a few seconds"
+        )
     shared = set.intersection(*(set(piece) for piece in pieces))
     return Blocks(
         signals={name: torch.stack([piece[name] for piece in pieces]) for name in sorted(shared)},
@@ -106,7 +108,9 @@ def cut_blocks(recording: Recording, platform: Platform, duration: float, margin
 
 def _padded(series: Tensor, margin: int) -> Tensor:
     """Hold the first and the last value before and after a segment, so that none of it is lost to margins."""
-    return torch.cat([series[:1].expand(margin, *series.shape[1:]), series, series[-1:].expand(margin, *series.shape[1:])])
+    return torch.cat(
+        [series[:1].expand(margin, *series.shape[1:]), series, series[-1:].expand(margin, *series.shape[1:])]
+    )
 
 
 def _lengths(frame: pd.DataFrame, keys: list[str], samples: float, margin: float) -> tuple[int, int]:

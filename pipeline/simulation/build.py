@@ -12,7 +12,10 @@ from pipeline.simulation.simulator import FittedEffect, Simulator
 
 
 def build_simulator(
-    platform: Mapping[str, Any], settings: SimulatorSettings, units: Mapping[str, str], identified: Path | None = None
+    platform: Mapping[str, Any],
+    settings: SimulatorSettings,
+    units: Mapping[str, str],
+    identified: Path | None = None,
 ) -> Simulator:
     """Build the simulator that is believed before the diagnosis.
 
@@ -35,5 +38,7 @@ def _known(kind: str, key: str, values: Mapping[str, float]) -> FittedEffect:
     names = [parameter.name for parameter in effect.parameters]
     for name in values:
         if name not in names:
-            raise InputError(f"unknown parameter {name!r}", f"simulator.effects.{key}", f"use {', '.join(names)}")
+            raise InputError(
+                f"unknown parameter {name!r}", f"simulator.effects.{key}", f"use {', '.join(names)}"
+            )
     return FittedEffect(effect, {**effect.defaults(), **values}, known=True)

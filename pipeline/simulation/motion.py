@@ -41,7 +41,7 @@ class Motion(ABC):
 class QuadrotorMotion(Motion):
     """Position (world), attitude, velocity (world), body rate."""
 
-    parts = {
+    parts: ClassVar = {
         "position": slice(0, 3),
         "attitude": slice(3, 7),
         "velocity": slice(7, 10),
@@ -55,7 +55,7 @@ class QuadrotorMotion(Motion):
 
     def signals(self, state: Tensor) -> dict[str, Tensor]:
         """Return the parts, with velocity in the body frame."""
-        parts = {name: state[..., where] for name, where in self.parts.items()}
+        parts: ClassVar = {name: state[..., where] for name, where in self.parts.items()}
         return parts | {"velocity": rotations.rotate_inverse(parts["attitude"], parts["velocity"])}
 
     def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
@@ -83,7 +83,7 @@ class QuadrotorMotion(Motion):
 class JointMotion(Motion):
     """Position and velocity of the axis."""
 
-    parts = {"position": slice(0, 1), "velocity": slice(1, 2)}
+    parts: ClassVar = {"position": slice(0, 1), "velocity": slice(1, 2)}
 
     def pack(self, signals: Signals) -> Tensor:
         """Return (..., 2)."""
@@ -102,7 +102,7 @@ class JointMotion(Motion):
 class SwerveMotion(Motion):
     """Chassis velocity (robot frame, with yaw rate), steering angles and steering rates."""
 
-    parts = {"chassis_velocity": slice(0, 3), "steer_angle": slice(3, 7), "steer_velocity": slice(7, 11)}
+    parts: ClassVar = {"chassis_velocity": slice(0, 3), "steer_angle": slice(3, 7), "steer_velocity": slice(7, 11)}
 
     def __init__(self, platform: Swerve) -> None:
         self.platform = platform
@@ -113,7 +113,7 @@ class SwerveMotion(Motion):
 
     def signals(self, state: Tensor) -> dict[str, Tensor]:
         """Return the parts and the drive motors' speeds, which follow from rolling without slip."""
-        parts = {name: state[..., where] for name, where in self.parts.items()}
+        parts: ClassVar = {name: state[..., where] for name, where in self.parts.items()}
         return parts | {"drive_velocity": self._motor_speed(parts)}
 
     def _motor_speed(self, parts: Mapping[str, Tensor]) -> Tensor:
@@ -145,5 +145,3 @@ def motion_of(platform: Platform) -> Motion:
     if isinstance(platform, Swerve):
         return SwerveMotion(platform)
     return QuadrotorMotion() if platform.kind == "quadrotor" else JointMotion()
-
-

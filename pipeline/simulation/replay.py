@@ -57,4 +57,6 @@ def replay_error(simulator: Simulator, blocks: Blocks, duration: float) -> dict[
     last = replay(simulator, blocks, recorded[:, 0], steps)[:, -1]
     difference = last - recorded[:, steps]
     rms = {name: difference[:, where].square().sum(-1).mean().sqrt() for name, where in motion.parts.items()}
-    return {f"replay_error_{name}": float(torch.nan_to_num(value, nan=torch.inf)) for name, value in rms.items()}
+    return {
+        f"replay_error_{name}": float(torch.nan_to_num(value, nan=torch.inf)) for name, value in rms.items()
+    }

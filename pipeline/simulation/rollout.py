@@ -103,5 +103,3 @@ def rollout(
         state, memory = step(simulator, states[-1], command, time_step, memory, substeps)
         states.append(state)
     return torch.stack(states, dim=1)
-
-

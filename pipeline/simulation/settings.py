@@ -8,4 +8,6 @@ class SimulatorSettings:
     """Settings of the simulator that is diagnosed."""
 
     identified: bool = False  # take the parameters that sysid found in place of the platform file's
-    effects: dict[str, dict[str, float]] = field(default_factory=dict)  # effect to parameter to value, believed before
+    effects: dict[str, dict[str, float]] = field(
+        default_factory=dict
+    )  # effect to parameter to value, believed before

@@ -24,7 +24,9 @@ def write_simulator(simulator: Simulator, folder: Path) -> None:
         "settings": dict(simulator.settings),
         "effects": [_describe(fitted, simulator.position_unit) for fitted in simulator.effects],
     }
-    (folder / _FILE).write_text(yaml.safe_dump(content, sort_keys=False, allow_unicode=True), encoding="utf-8")
+    (folder / _FILE).write_text(
+        yaml.safe_dump(content, sort_keys=False, allow_unicode=True), encoding="utf-8"
+    )
 
 
 def _describe(fitted: FittedEffect, position_unit: str) -> dict[str, Any]:
@@ -48,7 +50,9 @@ def read_simulator(folder: Path) -> Simulator:
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InputError(f"no simulator can be read: {error}", str(path), "give the folder that build_sim wrote") from error
+        raise InputError(
+            f"no simulator can be read: {error}", str(path), "give the folder that build_sim wrote"
+        ) from error
     if not isinstance(content, dict) or content.get("schema") != _SCHEMA:
         raise InputError(f"is not a {_SCHEMA} file", str(path), "give the folder that build_sim wrote")
     platform = platform_from_config(content["platform"], f"{path}: platform")

@@ -1,0 +1,1 @@
+"""The effects of a joint, one file each."""

@@ -3,22 +3,23 @@
 from torch import Tensor
 
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.joint.common import direction, on_axis
+from pipeline.effects.joint.common import dry_friction, on_axis
 
 
 class CoulombFriction(WrenchEffect):
     """Constant friction against the direction of motion."""
 
+    linear = False
     name = "coulomb_friction"
     kind = "joint"
     acts_on = "torque"
     parameters = (Parameter("level", "N·m", 0.1, 0.0, 1e4),)
-    needs = ("velocity",)
-    formula = "torque = −level · sign(velocity)"
+    needs = ("velocity", "effort")
+    formula = "torque = −level · sign(velocity); at standstill it holds whatever is applied, up to its level"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
-    sentence = "Dry friction holds the axis back with {level} {level_unit} whichever way it moves; add Coulomb friction."
+    sentence = "Dry friction holds the axis back with {level} {level_unit} either way; add Coulomb friction."
     excitation = "slow ramps in both directions, through standstill"
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on the axis, N·m or N."""
-        return on_axis(constants, -values["level"] * direction(signals, constants))
+        return on_axis(constants, dry_friction(values["level"], signals, constants))

@@ -1,0 +1,1 @@
+"""The effects of a quadrotor, one file each."""

@@ -15,7 +15,9 @@ class AxialInflow(WrenchEffect):
     parameters = (Parameter("coefficient", "1/s", 0.3, 0.0, 5.0),)
     needs = ("velocity", "rotor_speed")
     formula = "a_z = −coefficient · (mean Ω / Ω_hover) · v_z"
-    source = "Leishman 2006, Principles of helicopter aerodynamics, §3.2; linear in inflow as Kaufmann et al. 2023"
+    source = (
+        "Leishman 2006, Principles of helicopter aerodynamics, §3.2; linear in inflow as Kaufmann et al. 2023"
+    )
     sentence = (
         "The rotors lose thrust when they climb: each m/s along the thrust axis costs {coefficient} m/s² at hover "
         "rotor speed; add axial inflow to the simulator."

@@ -15,7 +15,9 @@ class BladeFlappingMoment(WrenchEffect):
     parameters = (Parameter("coefficient", "N·s", 3e-4, 0.0, 1.0),)
     needs = ("velocity", "rotor_speed")
     formula = "τ_x = +coefficient · (mean Ω / Ω_hover) · v_y, τ_y = −coefficient · (mean Ω / Ω_hover) · v_x"
-    source = "Hoffmann, Huang, Waslander & Tomlin 2007, Quadrotor helicopter flight dynamics and control, §III"
+    source = (
+        "Hoffmann, Huang, Waslander & Tomlin 2007, Quadrotor helicopter flight dynamics and control, §III"
+    )
     sentence = (
         "Flapping blades pitch the machine up against its motion: {coefficient} N·m for each m/s of in-plane "
         "airspeed at hover rotor speed; add the flapping moment to the simulator."

@@ -20,7 +20,9 @@ class BodyDrag(WrenchEffect):
         "The airframe drags through the air in proportion to airspeed squared: {coefficient} m/s² at 1 m/s, a "
         "hundred times that at 10 m/s; add quadratic body drag to the simulator."
     )
-    excitation = "fly straight lines at speeds at least a factor of three apart, and coast down from the fastest"
+    excitation = (
+        "fly straight lines at speeds at least a factor of three apart, and coast down from the fastest"
+    )
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return specific force along the airflow, m/s²."""

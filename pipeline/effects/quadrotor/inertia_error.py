@@ -11,9 +11,7 @@ class InertiaError(ParameterError):
     acts_on = "torque"
     formula = "inertia = ratio · nominal inertia"
     source = "the platform's nominal equations"
-    sentence = (
-        "The moments of inertia are {ratio} times what the platform file says; correct them."
-    )
+    sentence = "The moments of inertia are {ratio} times what the platform file says; correct them."
     excitation = "roll, pitch and yaw quickly to and fro"
 
     def adjust(self, constants: Values, values: Values) -> dict:

@@ -11,10 +11,10 @@ class MassError(ParameterError):
     acts_on = "force"
     formula = "mass = ratio · nominal mass"
     source = "the platform's nominal equations"
-    sentence = (
-        "The machine weighs {ratio} times what the platform file says; correct its mass."
+    sentence = "The machine weighs {ratio} times what the platform file says; correct its mass."
+    excitation = (
+        "hover and climb; a mass is told from a thrust coefficient only where torques show the thrust as well"
     )
-    excitation = "hover and climb; a mass is told from a thrust coefficient only where torques show the thrust as well"
 
     def adjust(self, constants: Values, values: Values) -> dict:
         """Return the constants with the mass scaled."""

@@ -15,7 +15,9 @@ class SensorTimeOffset(MeasurementEffect):
     parameters = (Parameter("offset", "s", 0.02, -0.1, 0.1),)
     needs = ("rotor_speed",)
     formula = "recorded(t) = true(t − offset)"
-    source = "Furgale, Rehder & Siegwart 2013, Unified temporal and spatial calibration for multi-sensor systems"
+    source = (
+        "Furgale, Rehder & Siegwart 2013, Unified temporal and spatial calibration for multi-sensor systems"
+    )
     sentence = (
         "The state was recorded {offset} s late with respect to the motors; shift the clocks before anything is "
         "fitted."

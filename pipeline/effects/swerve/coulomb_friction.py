@@ -15,7 +15,9 @@ class DriveCoulombFriction(WrenchEffect):
     parameters = (Parameter("level", "N·m", 0.5, 0.0, 1e3),)
     formula = "wheel torque = −level · sign(wheel speed)"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
-    sentence = "Dry friction holds each driven wheel back with {level} N·m; add Coulomb friction to the drive."
+    sentence = (
+        "Dry friction holds each driven wheel back with {level} N·m; add Coulomb friction to the drive."
+    )
     excitation = "slow voltage ramps forward and backward, through standstill"
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
@@ -33,7 +35,9 @@ class SteerCoulombFriction(WrenchEffect):
     parameters = (Parameter("level", "N·m", 0.5, 0.0, 1e3),)
     formula = "module torque = −level · sign(module speed)"
     source = DriveCoulombFriction.source
-    sentence = "Dry friction holds each steering module back with {level} N·m; add Coulomb friction to the steering."
+    sentence = (
+        "Dry friction holds each steering module back with {level} N·m; add Coulomb friction to the steering."
+    )
     excitation = "turn the modules slowly to and fro, through standstill"
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:

@@ -32,7 +32,9 @@ class SteerViscousFriction(WrenchEffect):
     parameters = (Parameter("coefficient", "N·m·s/rad", 0.05, 0.0, 1e2),)
     formula = "module torque = −coefficient · module speed"
     source = DriveViscousFriction.source
-    sentence = "Friction in each steering module grows by {coefficient} N·m per rad/s; add it to the steering."
+    sentence = (
+        "Friction in each steering module grows by {coefficient} N·m per rad/s; add it to the steering."
+    )
     excitation = "turn the modules at several constant speeds"
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
