@@ -135,6 +135,13 @@ def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> R
         erase_spikes(run)
     run = resample(run, time_step, settings)
     drop_incomplete(run)
+    if (run.dropped == "").any():
+        _cut(run, settings)
+    return run
+
+
+def _cut(run: RunUnderCleaning, settings: Cleaning) -> None:
+    """Drop what is no use, and compare clocks in what is left."""
     if settings.crash:
         cut_crash(run, settings.crash_margin)
     if settings.idle:
@@ -142,7 +149,6 @@ def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> R
     drop_short(run, settings.min_duration)
     drop_made_up(run, settings.min_measured)
     run.clock_offset = estimate_clock_offset(run, settings.max_clock_offset)
-    return run
 
 
 def _frame(runs: list[RunUnderCleaning], recording: Recording) -> pd.DataFrame:

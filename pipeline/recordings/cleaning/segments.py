@@ -24,9 +24,10 @@ def drop_incomplete(run: RunUnderCleaning) -> None:
 
 
 def drop_short(run: RunUnderCleaning, min_duration: float) -> None:
-    """Drop unbroken stretches shorter than `min_duration` s."""
+    """Drop unbroken stretches shorter than `min_duration` s, and single samples."""
     rows = np.zeros(len(run.time), dtype=bool)
-    short = [piece for piece in unbroken(run) if np.diff(piece)[0] * run.time_step < min_duration * _ROUNDING]
+    least = max(2, int(np.ceil(min_duration * _ROUNDING / run.time_step)))
+    short = [piece for piece in unbroken(run) if np.diff(piece)[0] < least]
     for first, past in short:
         rows[first:past] = True
     run.drop(rows, "short", f"unbroken for less than {min_duration:g} s", f"{len(short)} stretches")

@@ -25,6 +25,7 @@ _OF_SPEED = 3.0  # times as fast as the rate of change that is measured beside t
 _SHOCK = dict.fromkeys(BODY_RATE, 40.0) | dict.fromkeys(SPECIFIC_FORCE, 200.0)  # rad/s, m/s²; shocks are true
 _GROSS = 4.0  # times all of these: impossible even where samples close by are missing
 _AROUND = 15  # samples on either side that make the roughness
+_FEWEST = 2 * _AROUND  # samples of a channel that can be judged
 
 _RATE = {"position": ["velocity"]}
 _RATE |= {f"steer_angle_{module}": [f"steer_velocity_{module}"] for module in "1234"}
@@ -46,6 +47,8 @@ def erase_spikes(run: RunUnderCleaning) -> None:
         if column in COMMANDS | SLOW or column in INPUTS[run.kind]:
             continue
         values = run.channel(column)[:, 0]
+        if np.isfinite(values).sum() < _FEWEST:
+            continue
         rows = find_spikes(values, run.time, _least(run, column), _integral(run, column))
         if rows.any():
             quaternion = next((columns for columns in QUATERNIONS if column in columns), [column])
@@ -59,7 +62,8 @@ def _least(run: RunUnderCleaning, column: str) -> float:
         return _SHOCK[column]
     rates = [rate for rate in _RATE.get(column, []) if rate in run.columns]
     if rates:
-        usual = np.nanquantile(np.abs(run.channel(*rates)), 0.99)
+        speeds = np.abs(run.channel(*rates))
+        usual = np.quantile(speeds[np.isfinite(speeds)], 0.99) if np.isfinite(speeds).any() else np.inf
         return float(_OF_SPEED * usual * run.time_step)
     low, high = np.nanquantile(run.channel(column), [0.01, 0.99])
     return float(_OF_RANGE * (high - low))
@@ -83,7 +87,7 @@ def find_spikes(
     """
     result = np.zeros(len(values), dtype=bool)
     known = np.flatnonzero(np.isfinite(values))
-    if len(known) < 2 * _AROUND:
+    if len(known) < _FEWEST:
         return result
     present = values[known]
     roughness = np.abs(present - median_filter(present, size=5, mode="nearest"))
