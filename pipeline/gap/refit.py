@@ -27,8 +27,8 @@ _STEPS = 3
 def extend(current: Fit, effect: Effect, problem: Problem) -> Fit:
     """Add an effect to a fit: its own columns are computed, those of the others kept.
 
-    An effect that is known already is set free. A linear effect needs no evaluation of the simulator at all, any other a
-    handful. The winner of a round is fitted again in full.
+    An effect that is known already is set free. A linear effect needs no evaluation of the simulator at all, any other
+    a handful. The winner of a round is fitted again in full.
     """
     simulator, residual = _start(current, effect, problem)
     for _ in range(1 if _is_linear(effect) else _STEPS):

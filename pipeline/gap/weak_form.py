@@ -1,7 +1,7 @@
 """Residuals without differentiating noise: equations of motion multiplied by test functions and integrated by parts.
 
 For a smooth w(t) that vanishes at both ends of its window, ∫ w·(dq/dt) dt = −∫ (dw/dt)·q dt. A recording's momentum q
-is therefore never differentiated; each row of a residual is a weighted mean over one window, in the unit of the channel.
+is therefore never differentiated; each row of a residual is a weighted mean over one window, in the channel's unit.
 Source: Messenger & Bortz 2021, Weak SINDy (SIAM Multiscale Model. Simul. 19(3)), eqs. 2.2–2.5.
 """
 

@@ -41,7 +41,6 @@ class QuadrotorMechanism(Mechanism):
             "torque_coefficient": platform.torque_coefficient,
             "motor_speed_max": platform.motor_speed_max,
             "nominal_voltage": platform.nominal_voltage,
-            "hover_rotor_speed": platform.hover_rotor_speed,
             "inertia": torch.tensor(platform.inertia, dtype=torch.float64),
             "rotor_positions": torch.tensor(platform.rotor_positions, dtype=torch.float64),
             "rotor_directions": torch.tensor(platform.rotor_directions, dtype=torch.float64),

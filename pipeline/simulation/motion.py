@@ -55,7 +55,7 @@ class QuadrotorMotion(Motion):
 
     def signals(self, state: Tensor) -> dict[str, Tensor]:
         """Return the parts, with velocity in the body frame."""
-        parts: ClassVar = {name: state[..., where] for name, where in self.parts.items()}
+        parts = {name: state[..., where] for name, where in self.parts.items()}
         return parts | {"velocity": rotations.rotate_inverse(parts["attitude"], parts["velocity"])}
 
     def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
@@ -113,7 +113,7 @@ class SwerveMotion(Motion):
 
     def signals(self, state: Tensor) -> dict[str, Tensor]:
         """Return the parts and the drive motors' speeds, which follow from rolling without slip."""
-        parts: ClassVar = {name: state[..., where] for name, where in self.parts.items()}
+        parts = {name: state[..., where] for name, where in self.parts.items()}
         return parts | {"drive_velocity": self._motor_speed(parts)}
 
     def _motor_speed(self, parts: Mapping[str, Tensor]) -> Tensor:

@@ -1,13 +1,16 @@
 """Quantities that several effects of the quadrotor share."""
 
+import torch
 from torch import Tensor
 
 from pipeline.effects.effect import Signals, Values
 
 
 def rotor_speed_ratio(signals: Signals, constants: Values) -> Tensor:
-    """Mean rotor speed over the nominal hover rotor speed (...,)."""
-    return signals["rotor_speed"].mean(-1) / constants["hover_rotor_speed"]
+    """Mean rotor speed over the rotor speed that carries the weight (...,)."""
+    weight = constants["mass"] * constants["gravity"]
+    hover = torch.as_tensor(weight / (4.0 * constants["thrust_coefficient"])).sqrt()
+    return signals["rotor_speed"].mean(-1) / hover
 
 
 def along_axes(stem: str, vector: Tensor) -> dict[str, Tensor]:
