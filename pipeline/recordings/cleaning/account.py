@@ -17,7 +17,7 @@ def summary(recording: Recording, cleaned: Cleaned) -> pd.DataFrame:
     Returns:
         Indexed by run: samples `recorded`, by how many resampling made them more (`resampled`), `dropped` and
         `kept` (recorded + resampled − dropped = kept), `interpolated` of those kept in some needed channel,
-        the number of unbroken `segments`, the `part` of the split and the `clock_offset` in ms, NaN where it
+        the number of unbroken `segments`, the `part` of the split and the `clock_offset_ms`, NaN where it
         is unknown.
     """
     runs = recording.runs
@@ -38,5 +38,5 @@ def summary(recording: Recording, cleaned: Cleaned) -> pd.DataFrame:
     table = pd.DataFrame(columns, index=pd.Index(runs, name="run")).fillna(0).astype("int64")
     table["part"] = [cleaned.recording.split.get(run, "dropped") for run in runs]
     offsets = cleaned.recording.clock_offset
-    table["clock_offset"] = [1e3 * offsets.get(run, np.nan) for run in runs]
+    table["clock_offset_ms"] = [1e3 * offsets.get(run, np.nan) for run in runs]
     return table
