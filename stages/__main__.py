@@ -4,9 +4,11 @@ import importlib
 import sys
 from typing import NoReturn
 
-from pipeline.stage.project import commands, nearest
+from pipeline.stage.project import commands, described, nearest
 
 ORDER = ("reproduce", "configure", "record", "clean", "sysid", "train", "build_sim", "diagnose", "report")
+
+HELP = {"-h", "--help"}
 
 USAGE = """\
 simgap: from recordings of a real robot to a simulator that explains them
@@ -24,13 +26,18 @@ def main(argv: list[str] | None = None) -> NoReturn:
     """Run the command that the first argument names, with the others."""
     arguments = sys.argv[1:] if argv is None else argv
     known = commands()
-    if not arguments or arguments[0] in ("-h", "--help", "help"):
+    if not arguments or arguments[0] in HELP:
         print(_usage(known), end="")
         sys.exit(0)
     name = arguments[0]
     if name not in known:
         print(f"simgap: unknown command {name!r}; {nearest(name, known)}", file=sys.stderr)
         sys.exit(2)
+    if HELP & set(arguments) and (description := described(name)):
+        from pipeline.stage.command import stage_parser
+
+        stage_parser(name, *description).print_help()
+        sys.exit(0)
     from pipeline.stage import Stage
 
     module = importlib.import_module(f"stages.{name}")

@@ -21,7 +21,9 @@ INTERRUPTED = 130
 
 def run_command(stage: "Stage[Any]", argv: Sequence[str]) -> int:
     """Run a stage with the arguments of a command line and return the exit code: 2 for a person's mistake."""
-    parser = _parser(stage)
+    parser = stage_parser(
+        stage.name, stage.__doc__ or "", [field.name for field in fields(stage.config_class)]
+    )
     flags, unknown = parser.parse_known_args(argv)
     return report_mistakes(stage.name, flags.debug, lambda: _run(stage, flags, unknown))
 
@@ -101,12 +103,18 @@ def _plain_output(debug: bool) -> Iterator[None]:
         root.setLevel(level)
 
 
-def _parser(stage: "Stage[Any]") -> argparse.ArgumentParser:
-    keys = ", ".join(field.name for field in fields(stage.config_class))
+def stage_parser(name: str, text: str, keys: Sequence[str]) -> argparse.ArgumentParser:
+    """Return the parser of a stage's flags, which also prints its help.
+
+    Args:
+        name: of the stage.
+        text: what it does.
+        keys: of the configuration that it reads.
+    """
     parser = argparse.ArgumentParser(
-        prog=f"simgap {stage.name}",
-        description=stage.__doc__,
-        epilog=f"Keys that this stage reads: {keys}. Their values and what they mean: conf/, or --cfg.",
+        prog=f"simgap {name}",
+        description=text,
+        epilog=f"Keys that it reads: {', '.join(keys)}. What they mean: conf/. Their values: --cfg.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )

@@ -62,9 +62,11 @@ def typed(config_class: type[Config], values: dict[str, Any]) -> Config:
     """
     from omegaconf import OmegaConf
 
-    picked = {field.name: values[field.name] for field in fields(config_class) if field.name in values}
+    merged = OmegaConf.structured(config_class)
+    for key in (field.name for field in fields(config_class) if field.name in values):
+        with configuration_mistakes(key):
+            merged = OmegaConf.merge(merged, {key: values[key]})
     with configuration_mistakes():
-        merged = OmegaConf.merge(OmegaConf.structured(config_class), OmegaConf.create(picked))
         config = OmegaConf.to_object(merged)
     assert isinstance(config, config_class)
     return config

@@ -10,8 +10,12 @@ from pipeline.stage.project import nearest
 
 
 @contextmanager
-def configuration_mistakes() -> Iterator[None]:
-    """Turn every complaint about a configuration into an `InputError`."""
+def configuration_mistakes(where: str = "configuration") -> Iterator[None]:
+    """Turn every complaint about a configuration into an `InputError`.
+
+    Args:
+        where: what to name as the place where the complaint does not name one.
+    """
     import yaml
     from hydra.errors import HydraException, MissingConfigException
     from omegaconf.errors import OmegaConfBaseException
@@ -21,7 +25,7 @@ def configuration_mistakes() -> Iterator[None]:
     except MissingConfigException as error:
         raise _missing_option(error) from error
     except (HydraException, OmegaConfBaseException) as error:
-        raise _mistake(error) from error
+        raise _mistake(error, where) from error
     except yaml.YAMLError as error:
         raise InputError(f"not valid YAML: {error}", "configuration", "correct the file") from error
 
@@ -34,18 +38,18 @@ def _missing_option(error: Any) -> InputError:
     return InputError(f"there is no {option!r}", group, nearest(option, error.options))
 
 
-def _mistake(error: BaseException) -> InputError:
+def _mistake(error: BaseException, where: str) -> InputError:
     """Say what is wrong under which key; Hydra wraps what OmegaConf found."""
     from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
     cause = error if isinstance(error, OmegaConfBaseException) else error.__cause__
     if not isinstance(cause, OmegaConfBaseException):
-        where = (getattr(error, "override", None) or "configuration").lstrip("+")
+        where = (getattr(error, "override", None) or where).lstrip("+")
         return InputError(_first_line(error), where, "see --help; quote a value with special characters")
-    where = str(cause.full_key or "configuration")
+    where = str(cause.full_key or where)
     if isinstance(cause, ConfigKeyError | ConfigAttributeError):
         parent, _, key = where.rpartition(".")
-        return InputError(f"unknown key {key!r}", parent or "configuration", nearest(key, _siblings(cause)))
+        return InputError(f"unknown key {key!r}", parent or where, nearest(key, _siblings(cause)))
     return InputError(_first_line(cause), where, "correct the value")
 
 

@@ -2,9 +2,12 @@
 
 import ast
 import difflib
+import re
 from collections.abc import Iterable
+from dataclasses import fields
 
 from pipeline.artifacts.project import PROJECT_ROOT
+from pipeline.stage.config import StageConfig
 
 CONFIGURATION = PROJECT_ROOT / "conf"
 STAGES = PROJECT_ROOT / "stages"
@@ -12,17 +15,24 @@ STAGES = PROJECT_ROOT / "stages"
 
 def commands() -> dict[str, str]:
     """Return the first line of documentation of every command, by name: one per file of `stages/`."""
-    return {
-        path.stem: _summary(path.stem, ast.parse(path.read_text(encoding="utf-8")))
-        for path in sorted(STAGES.glob("*.py"))
-        if not path.stem.startswith("_")
-    }
+    names = sorted(path.stem for path in STAGES.glob("*.py") if not path.stem.startswith("_"))
+    return {name: _documentation(_parse(name), name).partition("\n")[0] for name in names}
 
 
-def _summary(name: str, module: ast.Module) -> str:
-    functions = [node for node in module.body if isinstance(node, ast.FunctionDef) and node.name == name]
-    text = ast.get_docstring(functions[0] if functions else module) or ""
-    return text.partition("\n")[0]
+def described(name: str) -> tuple[str, list[str]] | None:
+    """Return what a stage says of itself and the keys that it reads; None for a command that is no stage."""
+    module = _parse(name)
+    function = _function(module, name)
+    decorators = [ast.unparse(entry) for entry in function.decorator_list] if function else []
+    if not decorators or not (named := re.fullmatch(r"stage\((\w+)\)", decorators[0])):
+        return None
+    classes = {node.name: node for node in module.body if isinstance(node, ast.ClassDef)}
+    own = [
+        entry.target.id
+        for entry in classes[named[1]].body
+        if isinstance(entry, ast.AnnAssign) and isinstance(entry.target, ast.Name)
+    ]
+    return _documentation(module, name), [field.name for field in fields(StageConfig)] + own
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
@@ -32,3 +42,17 @@ def nearest(name: str, known: Iterable[str]) -> str:
     if near:
         return f"did you mean {near[0]!r}?"
     return f"use one of {', '.join(options)}" if options else "nothing can be given here"
+
+
+def _parse(name: str) -> ast.Module:
+    return ast.parse((STAGES / f"{name}.py").read_text(encoding="utf-8"))
+
+
+def _function(module: ast.Module, name: str) -> ast.FunctionDef | None:
+    return next(
+        (node for node in module.body if isinstance(node, ast.FunctionDef) and node.name == name), None
+    )
+
+
+def _documentation(module: ast.Module, name: str) -> str:
+    return ast.get_docstring(_function(module, name) or module) or ""

@@ -1,0 +1,128 @@
+"""What is logged, and that logging never stands in the way."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from pipeline.tracking import Tracker, Tracking
+from pipeline.tracking.store import open_store, store_uri
+from pipeline.tracking.tracker import PARENT_TAG, STAGE_TAG
+
+
+def tracker(uri: str, stage: str = "clean", key: str = "key", **keywords: object) -> Tracker:
+    return Tracker(Tracking(uri=uri), stage, "branch", key, **keywords)  # type: ignore[arg-type]
+
+
+def runs(uri: str) -> tuple[list, list]:
+    client, experiment = open_store(uri)
+    found = client.search_runs([experiment])
+    parents = [run for run in found if PARENT_TAG in run.data.tags]
+    return parents, [run for run in found if STAGE_TAG in run.data.tags]
+
+
+def test_a_stage_is_a_child_of_its_reproduction(store: str) -> None:
+    for stage in ("clean", "diagnose"):
+        one = tracker(store, stage, parameters={"seed": 1, "gap": {"margin": 0.5, "effects": None}})
+        one.log_input("artifacts/branch/flight (1).csv", "0123")
+        one.log_metrics({"samples": 7.0})
+        one.log_metrics({"loss": 2.0}, step=0)
+        one.log_metrics({"loss": 1.0}, step=1)
+        one.log_results({"gap_closed": 0.9})
+        one.finish(True)
+    (parent,), children = runs(store)
+    assert parent.info.run_name == "branch"
+    assert parent.data.metrics == {"gap_closed": 0.9}
+    assert {child.data.tags[STAGE_TAG] for child in children} == {"clean", "diagnose"}
+    for child in children:
+        assert child.data.tags["mlflow.parentRunId"] == parent.info.run_id
+        assert child.data.tags["input.artifacts/branch/flight _1_.csv"] == "0123"
+        assert child.data.params == {"seed": "1", "gap.margin": "0.5", "gap.effects": "None"}
+        assert child.data.metrics == {"samples": 7.0, "loss": 1.0}
+        assert child.info.status == "FINISHED"
+
+
+def test_a_repeated_run_takes_the_place_of_the_earlier_one(store: str) -> None:
+    for value in (1.0, 2.0):
+        one = tracker(store)
+        one.log_metrics({"samples": value})
+        one.finish(True)
+    parents, (child,) = runs(store)
+    assert len(parents) == 1
+    assert child.data.metrics == {"samples": 2.0}
+
+
+def test_another_configuration_is_another_reproduction(store: str) -> None:
+    for key in ("one", "other"):
+        tracker(store, key=key).finish(True)
+    parents, children = runs(store)
+    assert (len(parents), len(children)) == (2, 2)
+
+
+def test_a_failure_before_anything_was_logged_leaves_no_trace(tmp_path: Path) -> None:
+    one = tracker(f"sqlite:///{tmp_path}/runs.db")
+    one.log_input("flight.csv", "0123")
+    one.finish(False)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_failure_later_is_recorded(store: str) -> None:
+    one = tracker(store)
+    one.log_metrics({"samples": 1.0})
+    one.finish(False)
+    _, (child,) = runs(store)
+    assert child.info.status == "FAILED"
+
+
+def test_figures_are_logged(store: str) -> None:
+    from plotly.graph_objects import Figure
+
+    one = tracker(store)
+    one.log_figure(Figure(), "coverage")
+    one.finish(True)
+    client, _ = open_store(store)
+    assert [file.path for file in client.list_artifacts(one.run_id() or "")] == ["coverage.html"]
+
+
+@pytest.mark.parametrize(
+    "where", ["sqlite:////proc/absent/runs.db", "sqlite:////dev/null/runs.db", "nonsense://x"]
+)
+def test_tracking_that_cannot_work_warns_once_and_goes_on(
+    where: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one = tracker(where)
+    one.log_metrics({"samples": 1.0})
+    one.log_metrics({"samples": 2.0})
+    one.finish(True)
+    assert one.run_id() is None
+    err = capsys.readouterr().err
+    assert err.startswith(f"warning: this run is not tracked in {where}: ")
+    assert err.count("\n") == 1
+
+
+def test_tracking_that_is_off_does_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mlflow", None)  # importing it would raise
+    one = Tracker.none()
+    one.log_metrics({"samples": 1.0})
+    one.finish(True)
+    assert one.run_id() is None
+
+
+def test_a_half_made_database_does_not_stay(tmp_path: Path) -> None:
+    """A process killed while it creates the store leaves a file of another name, which the next one replaces."""
+    (tmp_path / "runs.db.partial").write_bytes(b"SQLite format 3\0 and then nothing")
+    store = f"sqlite:///{tmp_path}/runs.db"
+    tracker(store).finish(True)
+    assert len(runs(store)[1]) == 1
+    assert not (tmp_path / "runs.db.partial").exists()
+
+
+def test_the_store_lies_in_the_project_wherever_one_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    root = Path(__file__).parents[3]
+    assert store_uri(None) == f"sqlite:///{root}/mlflow.db"
+    assert store_uri("sqlite:///other.db") == f"sqlite:///{root}/other.db"
+    assert store_uri("sqlite:////tmp/other.db") == "sqlite:////tmp/other.db"
+    assert store_uri("http://localhost:5000") == "http://localhost:5000"

@@ -1,0 +1,78 @@
+"""`simgap` as a person types it."""
+
+import importlib
+import os
+import subprocess
+import sys
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from pipeline.stage.project import STAGES, commands, described
+from stages.__main__ import ORDER, main
+
+
+def simgap(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    program = str(Path(sys.executable).parent / "simgap")
+    return subprocess.run(
+        [program, *arguments], cwd=folder, capture_output=True, text=True, check=False, env=os.environ
+    )
+
+
+def test_help_lists_every_stage_with_what_it_does(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["--help"])
+    assert caught.value.code == 0
+    text = capsys.readouterr().out
+    for name, summary in commands().items():
+        assert f"  {name} " in text
+        assert summary in text
+        assert summary.endswith(".")
+
+
+def test_help_names_the_stages_in_their_order() -> None:
+    assert set(commands()) <= set(ORDER)
+    assert {path.stem for path in STAGES.glob("[a-z]*.py")} == set(commands())
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["diagnose", "--help"], ["train", "-m", "-h"]])
+def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
+    code = (
+        f"import sys\nfrom stages.__main__ import main\ntry:\n    main({arguments})\n"
+        "except SystemExit as end:\n    assert not end.code\n"
+        "heavy = {'numpy', 'pandas', 'torch', 'mlflow', 'hydra', 'omegaconf'} & set(sys.modules)\n"
+        "sys.exit(bool(heavy))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
+
+
+@pytest.mark.parametrize("name", sorted(set(commands()) - {"reproduce"}))
+def test_help_of_a_stage_is_read_from_its_file(name: str) -> None:
+    stage = getattr(importlib.import_module(f"stages.{name}"), name)
+    assert described(name) == (stage.__doc__, [field.name for field in fields(stage.config_class)])
+
+
+def test_what_is_no_stage_explains_itself() -> None:
+    assert described("reproduce") is None
+
+
+def test_an_unknown_command_is_answered_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["configur"])
+    assert caught.value.code == 2
+    assert capsys.readouterr().err == "simgap: unknown command 'configur'; did you mean 'configure'?\n"
+
+
+def test_it_works_from_any_folder(tmp_path: Path) -> None:
+    done = simgap("configure", "branch=flywheel", "tracking.enabled=false", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "configure: wrote artifacts/flywheel/configure\n"
+    assert (tmp_path / "artifacts/flywheel/configure/config.yaml").is_file()
+
+
+def test_a_mistake_ends_with_exit_code_2_and_one_line(tmp_path: Path) -> None:
+    done = simgap("configure", "branch=flywheels", folder=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "simgap configure: branch: there is no 'flywheels'; did you mean 'flywheel'?\n"
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,72 @@
+"""dvc.yaml says of every stage what its code says."""
+
+import importlib
+from dataclasses import fields
+from functools import cache
+from typing import Any
+
+import pytest
+import yaml
+
+from pipeline.artifacts import PROJECT_ROOT
+from pipeline.stage.project import CONFIGURATION, commands
+
+# Keys that say where a stage works and what it is called, not what it does.
+PLACES = {"name", "artifacts", "output", "tracking"}
+# Parts of the project that cannot change what a stage writes.
+SILENT = {"pipeline.tracking", "pipeline.errors"}
+
+PIPELINE = yaml.safe_load((PROJECT_ROOT / "dvc.yaml").read_text())
+STAGES: dict[str, Any] = {name: entry["do"] for name, entry in PIPELINE["stages"].items()}
+BRANCHES = next(entry["branches"] for entry in PIPELINE["vars"] if "branches" in entry)
+
+
+@cache
+def graph() -> Any:
+    import grimp
+
+    return grimp.build_graph("pipeline", "stages", cache_dir=None)
+
+
+def test_every_stage_is_in_it_for_every_branch() -> None:
+    assert set(STAGES) == set(commands()) - {"reproduce"}
+    assert {entry["foreach"] for entry in PIPELINE["stages"].values()} == {"${branches}"}
+    assert sorted(BRANCHES) == sorted(path.stem for path in (CONFIGURATION / "branch").glob("*.yaml"))
+
+
+def test_the_results_of_every_branch_are_compared() -> None:
+    assert PIPELINE["metrics"] == [f"artifacts/{branch}/report/metrics.json" for branch in BRANCHES]
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_a_stage_runs_its_command_and_owns_its_folder(name: str) -> None:
+    assert STAGES[name]["cmd"] == f"simgap {name} branch=${{item}}"
+    (out,) = STAGES[name]["outs"]
+    folder = f"artifacts/${{item}}/{name}"
+    # The configuration has to be there, not only in the cache, for DVC to read values from it.
+    assert out == ({folder: {"cache": False}} if name == "configure" else folder)
+
+
+@pytest.mark.parametrize("name", [name for name in STAGES if name != "configure"])
+def test_a_stage_depends_on_the_values_that_it_reads(name: str) -> None:
+    stage = getattr(importlib.import_module(f"stages.{name}"), name)
+    ((file, keys),) = STAGES[name]["params"][0].items()
+    assert file == "artifacts/${item}/configure/config.yaml"
+    assert set(keys) == {field.name for field in fields(stage.config_class)} - PLACES
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_a_stage_depends_on_the_code_that_it_imports(name: str) -> None:
+    modules = graph().find_upstream_modules(f"stages.{name}")
+    packages = {".".join(module.split(".")[:2]) for module in modules if module.startswith("pipeline.")}
+    code = {entry for entry in STAGES[name]["deps"] if not entry.startswith(("artifacts/", "conf"))}
+    expected = {package.replace(".", "/") for package in packages - SILENT} | {f"stages/{name}.py"}
+    assert code == expected
+
+
+def test_no_path_leads_from_the_concealed_plants_to_a_diagnosis() -> None:
+    """Beside the recording, record writes an answer key: no stage but clean reads its folder."""
+    readers = {name for name, stage in STAGES.items() if "artifacts/${item}/record" in str(stage["deps"])}
+    assert readers == {"clean"}
+    uses = {name for name, stage in STAGES.items() if "pipeline/reality" in stage["deps"]}
+    assert uses == {"record"}

@@ -1,0 +1,65 @@
+"""Which recordings are used, and that it is said."""
+
+from collections.abc import Callable
+
+import pytest
+
+from pipeline.errors import InputError
+from pipeline.recordings import registry
+from stages.reproduce import choose
+
+
+@pytest.fixture
+def place(monkeypatch: pytest.MonkeyPatch) -> Callable[[str | None], list[str]]:
+    """Let published recordings come from a place; return what is fetched."""
+
+    def put(origin: str | None) -> list[str]:
+        fetched: list[str] = []
+        monkeypatch.setattr(registry, "locate", lambda name, files: origin)
+        monkeypatch.setattr(registry, "fetch", lambda name, files: fetched.append(name))
+        return fetched
+
+    return put
+
+
+def test_real_recordings_are_preferred(place: Callable) -> None:
+    assert place("SIMGAP_DATA") == []
+    assert choose(None) == ("nanodrone", "real recordings from the folder that SIMGAP_DATA names")
+
+
+def test_what_has_to_be_downloaded_is_downloaded_first(place: Callable) -> None:
+    fetched = place("download")
+    assert choose("swerve_drive") == ("swerve_drive", "real recordings, downloaded now")
+    assert fetched == ["swerve_drive"]
+
+
+def test_without_them_the_embedded_plant_is_flown(place: Callable) -> None:
+    place(None)
+    branch, reason = choose(None)
+    assert branch == "embedded"
+    assert "concealed plant" in reason
+    assert "nanodrone: the recordings cannot be reached" in reason
+
+
+def test_a_download_that_breaks_off_is_no_obstacle(place: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+    place("download")
+
+    def fail(name: str, files: list[str]) -> None:
+        raise InputError("cannot be downloaded", name)
+
+    monkeypatch.setattr(registry, "fetch", fail)
+    assert choose(None)[0] == "embedded"
+
+
+def test_recordings_that_were_asked_for_are_not_replaced(place: Callable) -> None:
+    place(None)
+    with pytest.raises(
+        InputError, match="nanodrone: the recordings cannot be reached; connect to the network"
+    ):
+        choose("nanodrone")
+    assert choose("embedded_null")[0] == "embedded_null"
+
+
+def test_an_unknown_branch_is_one_line() -> None:
+    with pytest.raises(InputError, match="did you mean 'nanodrone'"):
+        choose("nanodron")
