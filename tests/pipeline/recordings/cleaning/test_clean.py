@@ -51,7 +51,7 @@ def spoiled(kind: str, seed: int) -> Recording:
 
 @pytest.mark.parametrize("kind", FRAMES)
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=5, deadline=None)
 def test_the_account_balances_and_the_promises_hold(kind, seed):
     recording = spoiled(kind, seed)
     cleaned = clean_with_coverage(recording)
@@ -76,7 +76,7 @@ def test_the_account_balances_and_the_promises_hold(kind, seed):
 
 @pytest.mark.parametrize("kind", FRAMES)
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=5, deadline=None)
 def test_values_that_are_kept_were_recorded(kind, seed):
     """Every value of a run that was on time is as recorded, or its channel's change says how many are not."""
     recording = spoiled(kind, seed)

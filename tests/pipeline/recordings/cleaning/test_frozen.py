@@ -9,8 +9,8 @@ MAX_GAP = 0.1
 
 
 def hold(frame, rows, columns):
-    for row in rows:  # in order, so that a hold of several samples repeats the first
-        frame.loc[row, columns] = frame.loc[row - 1, columns].to_numpy()
+    frame.loc[rows, columns] = np.nan
+    frame[columns] = frame[columns].ffill()
 
 
 def erased(run, column):
