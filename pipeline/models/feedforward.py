@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.models.motor_samples import MotorSamples
+from pipeline.models.motor_samples import MotorSamples, with_acting_voltage
 from pipeline.models.parameters import WITHHELD, Parameter
 from pipeline.models.regression import Table, fit_table, is_determined, jackknife_error, join
 from pipeline.models.settings import SystemIdentification
@@ -47,6 +47,7 @@ def identify_feedforward(
         nominal: kS, kV, kA as the platform has them, where it does.
         seed: of the draw of the blocks that score the regression.
     """
+    motor = with_acting_voltage(motor)
     threshold = settings.motion_threshold * max(np.percentile(np.abs(v), 99) for v in motor.velocity)
     numbers = motor.blocks(settings.block_duration)
     balance = _voltage_balance(motor, numbers, threshold, settings.window)
@@ -95,10 +96,10 @@ def _voltage_balance(
     pieces = []
     for voltage, velocity, number in zip(motor.voltage, motor.velocity, numbers, strict=True):
         moving = form.mean((np.abs(velocity) > threshold).astype(np.float64)) > 1.0 - 1e-9
+        # Held from its sample to the next: around a sample acts the mean of this voltage and the one before.
+        held = 0.5 * (voltage + np.concatenate([voltage[:1], voltage[:-1]]))
         means = [form.mean(np.sign(velocity)), form.mean(velocity), form.mean_rate(velocity)]
-        pieces.append(
-            (np.column_stack(means)[moving], form.mean(voltage)[moving], form.centres(number)[moving])
-        )
+        pieces.append((np.column_stack(means)[moving], form.mean(held)[moving], form.centres(number)[moving]))
     return join(pieces)
 
 

@@ -1,7 +1,7 @@
 """One motor's voltage and speed out of a recording, whatever its kind."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -38,6 +38,25 @@ class MotorSamples:
             numbers.append(first + np.arange(len(samples)) // length)
             first = int(numbers[-1][-1]) + 1
         return numbers
+
+
+def with_acting_voltage(motor: MotorSamples) -> MotorSamples:
+    """Return the samples with each voltage at the sample from which it is held, whichever way it was logged.
+
+    Some loggers note the voltage that is about to act, others the one that has acted since the sample before. The
+    one that better predicts the next speed is taken; where voltages change slowly both are much the same.
+    """
+    moved = [np.append(voltage[1:], voltage[-1]) for voltage in motor.voltage]
+    return min(motor, replace(motor, voltage=moved), key=_one_step_error)
+
+
+def _one_step_error(motor: MotorSamples) -> float:
+    now = np.concatenate([velocity[:-1] for velocity in motor.velocity])
+    following = np.concatenate([velocity[1:] for velocity in motor.velocity])
+    acting = np.concatenate([voltage[:-1] for voltage in motor.voltage])
+    regressors = np.column_stack([np.sign(now), acting, now])
+    fitted = regressors @ np.linalg.lstsq(regressors, following, rcond=None)[0]
+    return float(np.sum((following - fitted) ** 2))
 
 
 def motors_of(

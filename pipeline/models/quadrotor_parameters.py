@@ -20,6 +20,8 @@ from pipeline.models.settings import SystemIdentification
 from pipeline.platforms import Quadrotor
 from pipeline.recordings.recording import Recording
 
+_MIXED_IN = "feedback or physics outside the equation is mixed in"
+
 
 @dataclass(frozen=True)
 class QuadrotorParameters:
@@ -115,10 +117,12 @@ def _fill(
         return replace(declared, note=f"{WITHHELD}the recorded motion does not excite it")
     value, other = near.value[name], far.value[name]
     error = float(jackknife_error(near.left_out[name]))
+    if value <= 0.0:
+        return replace(declared, note=f"{WITHHELD}{value:.3g}, which cannot be; {_MIXED_IN}")
     if abs(other - value) > settings.consistency * abs(value):
         note = (
             f"{WITHHELD}{value:.3g} from windows of {settings.window:g} s, {other:.3g} from twice as "
-            "long; feedback or physics outside the equation is mixed in"
+            f"long; {_MIXED_IN}"
         )
         return replace(declared, note=note)
     return replace(declared, value=value, standard_error=error)

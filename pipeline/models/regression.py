@@ -81,7 +81,7 @@ def jackknife_error(left_out: np.ndarray) -> np.ndarray:
     count = len(left_out)
     if count < 2:
         return np.full(left_out.shape[1:], np.nan)
-    return np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean(0)) ** 2, axis=0))
+    return np.asarray(np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean(0)) ** 2, axis=0)))
 
 
 def is_determined(regressors: np.ndarray, limit: float = 1e-8) -> bool:
@@ -91,8 +91,10 @@ def is_determined(regressors: np.ndarray, limit: float = 1e-8) -> bool:
         regressors: (samples, regressors).
         limit: smallest over largest eigenvalue of their normalised Gram matrix.
     """
+    if len(regressors) < regressors.shape[1]:
+        return False
     scale = np.sqrt(np.mean(regressors**2, axis=0))
-    if len(regressors) < regressors.shape[1] or np.any(scale == 0.0):
+    if np.any(scale == 0.0):
         return False
     eigenvalues = np.linalg.eigvalsh((regressors / scale).T @ (regressors / scale))
     return bool(eigenvalues[0] > limit * eigenvalues[-1])

@@ -1,0 +1,89 @@
+import numpy as np
+import pandas as pd
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipeline.models.examples import Examples
+from pipeline.models.layout import layout_of
+from pipeline.models.segments import segments
+from pipeline.models.windows import gather, series_of
+from tests.pipeline.models.synthetic import recording
+
+LENGTHS = st.lists(st.tuples(st.integers(0, 2), st.integers(2, 12)), min_size=1, max_size=6)
+
+
+def frame_of(pieces):
+    """Return runs made of segments; `position` holds 100 times the segment's number plus the sample."""
+    rows, clock = [], {}
+    for number, (run, samples) in enumerate(sorted(pieces)):
+        start = clock.get(run, 0.0)
+        time = start + 0.01 * np.arange(samples)
+        clock[run] = time[-1] + 1.0
+        place = 100.0 * number + np.arange(samples)
+        rows.append(
+            pd.DataFrame(
+                {
+                    "run": f"r{run}",
+                    "t": time,
+                    "segment": number,
+                    "position": place,
+                    "velocity": 0.0,
+                    "voltage": place,
+                }
+            )
+        )
+    return pd.concat(rows, ignore_index=True)
+
+
+@given(LENGTHS, st.integers(1, 8))
+@settings(max_examples=40, deadline=None)
+def test_windows_cross_neither_runs_nor_segments(pieces, length):
+    recorded = recording(frame_of(pieces), "joint", sliding=True)
+    series = series_of(recorded, layout_of(recorded), recorded.runs)
+    starts = series.starts(length)
+    assert len(starts) == sum(max(samples - length + 1, 0) for _, samples in pieces)
+    places = gather(series.states, starts, length)[..., 0]
+    assert torch.equal(places - places[:, :1], torch.arange(length, dtype=torch.float64).expand_as(places))
+
+
+@given(LENGTHS, st.integers(1, 5))
+@settings(max_examples=40, deadline=None)
+def test_targets_are_increments_within_a_segment(pieces, length):
+    frame = frame_of(pieces)
+    frame["velocity"] = frame["position"]
+    recorded = recording(frame, "joint", sliding=True)
+    layout = layout_of(recorded)
+    series = series_of(recorded, layout, recorded.runs)
+    if not len(series.starts(length + 1)):
+        return
+    examples = Examples.of_series(series, layout, length, "training")
+    _, targets = examples.take(torch.arange(len(examples)))
+    assert torch.all(targets == 1.0)
+
+
+def test_only_the_named_runs_are_taken():
+    recorded = recording(frame_of([(0, 5), (1, 6), (2, 7)]), "joint", sliding=True)
+    assert len(series_of(recorded, layout_of(recorded), ["r1"])) == 6
+    assert len(series_of(recorded, layout_of(recorded), [])) == 0
+
+
+def test_a_split_tail_shares_no_sample_with_the_rest():
+    recorded = recording(frame_of([(0, 10), (1, 20)]), "joint", sliding=True)
+    series = series_of(recorded, layout_of(recorded), recorded.runs)
+    before, after = series.split_tail(0.2)
+    assert before.bounds.tolist() == [[0, 8], [10, 26]]
+    assert after.bounds.tolist() == [[8, 10], [26, 30]]
+
+
+def test_motors_are_moved_onto_the_clock_of_the_state():
+    time = np.arange(0.0, 2.0, 0.01)
+    names = [f"{s}_{a}" for s in ("position", "velocity", "body_rate") for a in "xyz"]
+    names += [f"attitude_{a}" for a in "wxyz"]
+    motors = {f"motor_speed_{number}": 100.0 + 10.0 * time for number in range(1, 5)}
+    frame = pd.DataFrame({"run": "a", "t": time, "segment": 0} | dict.fromkeys(names, 0.0) | motors)
+    recorded = recording(frame, "quadrotor")
+    recorded.clock_offset["a"] = 0.025
+    (segment,) = segments(recorded)
+    np.testing.assert_allclose(segment.frame["motor_speed_1"], 100.0 + 10.0 * (segment.frame["t"] - 0.025))
+    assert len(segment.frame) == len(time) - 3
