@@ -3,7 +3,7 @@
 from pipeline.platforms.joint import Joint, JointMotor
 from pipeline.platforms.load import platform_from_config, platform_to_config
 from pipeline.platforms.quadrotor import Quadrotor
-from pipeline.platforms.swerve import DirectCurrentMotor, Swerve, SwerveAxis
+from pipeline.platforms.swerve import DirectCurrentMotor, SteerAxis, Swerve, SwerveAxis
 
 Platform = Quadrotor | Swerve | Joint
 
@@ -13,6 +13,7 @@ __all__ = [
     "JointMotor",
     "Platform",
     "Quadrotor",
+    "SteerAxis",
     "Swerve",
     "SwerveAxis",
     "platform_from_config",

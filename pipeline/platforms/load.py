@@ -4,7 +4,7 @@ import dataclasses
 import difflib
 import math
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from pipeline.errors import InputError
@@ -12,37 +12,41 @@ from pipeline.platforms.joint import Joint
 from pipeline.platforms.quadrotor import Quadrotor
 from pipeline.platforms.swerve import Swerve
 
-_TELLTALE = {"rotor_positions": Quadrotor, "thrust_coefficient": Quadrotor, "module_positions": Swerve}
-_BY_KIND = {cls.kind: cls for cls in (Quadrotor, Swerve, Joint)}
+_BY_KIND: dict[str, type] = {cls.kind: cls for cls in (Joint, Quadrotor, Swerve)}
 _MAY_BE_ZERO = {"gravity_torque", "stiffness", "gravity"}
 _MAY_BE_NEGATIVE = {"rotor_positions", "rotor_directions", "module_positions", "gravity_torque"}
 
 
-def platform_from_config(config: Mapping[str, Any], where: str = "platform") -> Quadrotor | Swerve | Joint:
+def platform_from_config(config: Any, where: str = "platform") -> Quadrotor | Swerve | Joint:
     """Build the platform that a configuration describes.
 
-    The kind is the key `kind` where there is one, else what the keys betray.
+    The kind is the key `kind` where there is one, else that with which the keys have most in common.
 
     Args:
-        config: the keys of CONTRACT for one kind of platform.
+        config: a mapping of the keys of CONTRACT for one kind of platform.
         where: the configuration key to name in an error.
 
     Raises:
-        InputError: on an unknown, missing, negative or non-numeric key.
+        InputError: on an unknown, missing, negative or non-numeric key, or on no mapping at all.
     """
+    if not isinstance(config, Mapping):
+        raise InputError("a mapping of keys is needed here", where, "see the platforms in conf/platform")
     values = dict(config)
     kind = values.pop("kind", None) or values.pop("platform_kind", None)
-    if kind is not None and kind not in _BY_KIND:
+    if kind is not None and str(kind) not in _BY_KIND:
         raise InputError(f"unknown kind {kind!r}", f"{where}.kind", f"use one of {', '.join(_BY_KIND)}")
     if not values:
         raise InputError("no platform is given", where, "choose one with platform=NAME")
-    cls = _BY_KIND[kind] if kind else next((c for key, c in _TELLTALE.items() if key in values), Joint)
-    return _build(cls, values, where)
+    return _build(_BY_KIND[kind] if kind else max(_BY_KIND.values(), key=_in_common(values)), values, where)
 
 
 def platform_to_config(platform: Quadrotor | Swerve | Joint) -> dict[str, Any]:
     """Return the plain mapping from which `platform_from_config` builds the same platform."""
     return {"kind": platform.kind} | _plain(dataclasses.asdict(platform))
+
+
+def _in_common(values: Mapping[str, Any]) -> Callable[[type], int]:
+    return lambda cls: len(values.keys() & {field.name for field in dataclasses.fields(cls)})
 
 
 def _plain(value: Any) -> Any:
@@ -51,7 +55,7 @@ def _plain(value: Any) -> Any:
     return [_plain(entry) for entry in value] if isinstance(value, tuple) else value
 
 
-def _build(cls: type, values: Mapping[str, Any], where: str) -> Any:
+def _build(cls: type, values: Any, where: str) -> Any:
     if not isinstance(values, Mapping):
         raise InputError("a mapping of keys is needed here", where, "see the platforms in conf/platform")
     fields = {field.name: field for field in dataclasses.fields(cls)}

@@ -43,12 +43,21 @@ class SwerveAxis:
     Attributes:
         gear_ratio: motor turns per wheel turn (drive) or per module turn (steer).
         motor: the motor's data sheet.
-        inertia: kg·m² at the module, for the steering axis.
     """
 
     gear_ratio: float
     motor: DirectCurrentMotor
-    inertia: float = 0.0
+
+
+@dataclass(frozen=True)
+class SteerAxis(SwerveAxis):
+    """A motor behind a gear that turns a module.
+
+    Attributes:
+        inertia: of everything that turns with the module, kg·m² at the module.
+    """
+
+    inertia: float
 
 
 @dataclass(frozen=True)
@@ -72,5 +81,5 @@ class Swerve:
     module_positions: tuple[tuple[float, float], ...]
     wheel_radius: float
     drive: SwerveAxis
-    steer: SwerveAxis
+    steer: SteerAxis
     gravity: float = 9.81
