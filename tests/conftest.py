@@ -4,9 +4,12 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 from jaxtyping import install_import_hook
 
 install_import_hook("pipeline", "beartype.beartype")
+settings.register_profile("untimed", deadline=None)  # the first example pays for imports
+settings.load_profile("untimed")
 
 
 @pytest.fixture(scope="session")
