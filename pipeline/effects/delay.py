@@ -34,7 +34,9 @@ class CommandDelay(CommandEffect):
     ) -> tuple[dict[str, Tensor], Any]:
         """Return the commands of `delay` ago; the memory holds what was commanded since."""
         present = [name for name in self.delayed if name in signals]
-        delay = torch.as_tensor(values["delay"]) / time_step
+        if not present:
+            return {}, None
+        delay = torch.as_tensor(values["delay"], dtype=signals[present[0]].dtype) / time_step
         whole = math.floor(delay)
         history = memory or {name: [signals[name]] * (whole + 2) for name in present}
         history = {name: [signals[name], *history[name][: whole + 1]] for name in present}

@@ -129,5 +129,5 @@ def chassis_velocity_from_wheels(drive_velocity: Tensor, steer_angle: Tensor, pl
     rows = []
     for x, y in platform.module_positions:
         rows += [[1.0, 0.0, -y], [0.0, 1.0, x]]
-    inverse = torch.linalg.pinv(torch.tensor(rows, dtype=modules.dtype))  # (3, 8)
+    inverse = torch.linalg.pinv(torch.tensor(rows, dtype=modules.dtype, device=modules.device))  # (3, 8)
     return modules.flatten(-2) @ inverse.T

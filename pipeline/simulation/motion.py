@@ -102,7 +102,11 @@ class JointMotion(Motion):
 class SwerveMotion(Motion):
     """Chassis velocity (robot frame, with yaw rate), steering angles and steering rates."""
 
-    parts: ClassVar = {"chassis_velocity": slice(0, 3), "steer_angle": slice(3, 7), "steer_velocity": slice(7, 11)}
+    parts: ClassVar = {
+        "chassis_velocity": slice(0, 3),
+        "steer_angle": slice(3, 7),
+        "steer_velocity": slice(7, 11),
+    }
 
     def __init__(self, platform: Swerve) -> None:
         self.platform = platform
@@ -118,7 +122,7 @@ class SwerveMotion(Motion):
 
     def _motor_speed(self, parts: Mapping[str, Tensor]) -> Tensor:
         x, y, yaw = parts["chassis_velocity"].unbind(-1)
-        positions = torch.tensor(self.platform.module_positions, dtype=x.dtype)
+        positions = torch.tensor(self.platform.module_positions, dtype=x.dtype, device=x.device)
         along_x = x[..., None] - yaw[..., None] * positions[:, 1]
         along_y = y[..., None] + yaw[..., None] * positions[:, 0]
         angle = parts["steer_angle"]

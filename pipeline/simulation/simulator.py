@@ -27,13 +27,13 @@ class FittedEffect:
 
     Attributes:
         effect: the entry of the catalogue.
-        values: parameter values in the effect's units.
+        values: parameter values in the effect's units; tensors where a gradient is wanted.
         std: standard errors, empty where the values were set by hand.
         known: whether the effect was believed before any diagnosis, which then holds its values.
     """
 
     effect: Effect
-    values: Mapping[str, float]
+    values: Mapping[str, Any]
     std: Mapping[str, float] = field(default_factory=dict)
     known: bool = False
 

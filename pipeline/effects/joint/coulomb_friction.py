@@ -2,8 +2,9 @@
 
 from torch import Tensor
 
+from pipeline.effects.dry_friction import dry_friction
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.joint.common import dry_friction, on_axis
+from pipeline.effects.joint.common import applied, on_axis
 
 
 class CoulombFriction(WrenchEffect):
@@ -22,4 +23,6 @@ class CoulombFriction(WrenchEffect):
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on the axis, N·m or N."""
-        return on_axis(constants, dry_friction(values["level"], signals, constants))
+        load = applied(signals, constants)
+        friction = dry_friction(values["level"], signals["velocity"], load, constants["sliding_velocity"])
+        return on_axis(constants, friction)

@@ -1,6 +1,5 @@
 """Quantities that several effects of the quadrotor share."""
 
-import torch
 from torch import Tensor
 
 from pipeline.effects.effect import Signals, Values
@@ -9,7 +8,7 @@ from pipeline.effects.effect import Signals, Values
 def rotor_speed_ratio(signals: Signals, constants: Values) -> Tensor:
     """Mean rotor speed over the rotor speed that carries the weight (...,)."""
     weight = constants["mass"] * constants["gravity"]
-    hover = torch.as_tensor(weight / (4.0 * constants["thrust_coefficient"])).sqrt()
+    hover = (weight / (4.0 * constants["thrust_coefficient"])) ** 0.5
     return signals["rotor_speed"].mean(-1) / hover
 
 

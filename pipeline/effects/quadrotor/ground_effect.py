@@ -16,7 +16,9 @@ class GroundEffect(WrenchEffect):
     parameters = (Parameter("coefficient", "m²", 1e-3, 0.0, 1.0),)
     needs = ("position", "rotor_speed")
     formula = "a_z = +coefficient / height² · T / m"
-    source = "Cheeseman & Bennett 1955, The effect of the ground on a helicopter rotor: R²/(16 h²) to first order"
+    source = (
+        "Cheeseman & Bennett 1955, The effect of the ground on a helicopter rotor: R²/(16 h²) to first order"
+    )
     sentence = (
         "Near the floor the rotors push harder: at height h the thrust grows by {coefficient} m² / h²; add ground "
         "effect to the simulator."

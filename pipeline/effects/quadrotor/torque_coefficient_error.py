@@ -11,7 +11,9 @@ class TorqueCoefficientError(ParameterError):
     acts_on = "torque"
     formula = "torque_coefficient = ratio · nominal torque_coefficient"
     source = "the platform's nominal equations"
-    sentence = "The rotors' reaction torque is {ratio} times what the platform file says; correct its coefficient."
+    sentence = (
+        "The rotors' reaction torque is {ratio} times what the platform file says; correct its coefficient."
+    )
     excitation = "yaw quickly to and fro"
 
     def adjust(self, constants: Values, values: Values) -> dict:

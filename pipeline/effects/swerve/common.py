@@ -1,6 +1,5 @@
 """Friction of the wheels and modules of a swerve drive, shared by its effects."""
 
-import torch
 from torch import Tensor
 
 from pipeline.effects.effect import Signals, Values
@@ -10,11 +9,6 @@ from pipeline.platforms.swerve_mechanism import per_module, sum_on_chassis
 def wheel_speed(signals: Signals, constants: Values) -> Tensor:
     """Speed of each wheel about its axle, (..., 4) rad/s."""
     return signals["drive_velocity"] / constants["drive_gear_ratio"]
-
-
-def direction(speed: Tensor, constants: Values) -> Tensor:
-    """Sign of a speed, smooth below the speed that the recording can tell from zero."""
-    return torch.tanh(speed / constants["sliding_velocity"])
 
 
 def on_wheels(torque: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:

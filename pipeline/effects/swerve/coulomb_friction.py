@@ -2,18 +2,20 @@
 
 from torch import Tensor
 
+from pipeline.effects.dry_friction import dry_friction
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.swerve.common import direction, on_modules, on_wheels, wheel_speed
+from pipeline.effects.swerve.common import on_modules, on_wheels, wheel_speed
 
 
 class DriveCoulombFriction(WrenchEffect):
     """Constant friction against each wheel's rotation."""
 
+    linear = False
     name = "coulomb_friction"
     kind = "swerve"
     acts_on = "drive"
     parameters = (Parameter("level", "N·m", 0.5, 0.0, 1e3),)
-    formula = "wheel torque = −level · sign(wheel speed)"
+    formula = "wheel torque = −level · sign(wheel speed); at standstill it holds the motor's torque, up to its level"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
     sentence = (
         "Dry friction holds each driven wheel back with {level} N·m; add Coulomb friction to the drive."
@@ -22,18 +24,21 @@ class DriveCoulombFriction(WrenchEffect):
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction summed on the chassis."""
-        speed = wheel_speed(signals, constants)
-        return on_wheels(-values["level"] * direction(speed, constants), signals, constants)
+        speed, sliding = wheel_speed(signals, constants), constants["sliding_velocity"]
+        return on_wheels(
+            dry_friction(values["level"], speed, signals["drive_torque"], sliding), signals, constants
+        )
 
 
 class SteerCoulombFriction(WrenchEffect):
     """Constant friction against each module's turning."""
 
+    linear = False
     name = "coulomb_friction"
     kind = "swerve"
     acts_on = "steer"
     parameters = (Parameter("level", "N·m", 0.5, 0.0, 1e3),)
-    formula = "module torque = −level · sign(module speed)"
+    formula = "module torque = −level · sign(module speed); at standstill it holds the motor's torque, up to its level"
     source = DriveCoulombFriction.source
     sentence = (
         "Dry friction holds each steering module back with {level} N·m; add Coulomb friction to the steering."
@@ -42,4 +47,5 @@ class SteerCoulombFriction(WrenchEffect):
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on each module, N·m."""
-        return on_modules(-values["level"] * direction(signals["steer_velocity"], constants))
+        speed, sliding = signals["steer_velocity"], constants["sliding_velocity"]
+        return on_modules(dry_friction(values["level"], speed, signals["steer_torque"], sliding))
