@@ -141,8 +141,10 @@ def _said(place: Path, staging: Path | None = None) -> Iterator[None]:
     """Say in one line why `place` cannot be written; with `staging`, leave errors of other files alone."""
     try:
         yield
-    except InputError:
-        raise
+    except InputError as error:
+        if staging is None or str(staging) not in str(error):
+            raise
+        raise InputError(str(error).replace(str(staging), str(place))) from error
     except Exception as error:
         number = error.errno if isinstance(error, OSError) else None
         # Some libraries (safetensors) keep only the text of the system's error.

@@ -72,6 +72,9 @@ def _create(path: Path) -> None:
 
     partial = path.with_name(f"{path.name}.partial")
     partial.unlink(missing_ok=True)
-    store = SqlAlchemyStore(f"{_SQLITE}{partial}", (path.parent / "mlartifacts").as_uri())
-    store.engine.dispose()
-    partial.rename(path)
+    try:
+        store = SqlAlchemyStore(f"{_SQLITE}{partial}", (path.parent / "mlartifacts").as_uri())
+        store.engine.dispose()
+        partial.rename(path)
+    finally:
+        partial.unlink(missing_ok=True)

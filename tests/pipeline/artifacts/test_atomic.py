@@ -203,6 +203,12 @@ with staged_directory(sys.argv[1]) as staging:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_mistake_is_said_of_the_place_that_a_person_knows(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught, staged_directory(tmp_path / "stage") as staging:
+        raise InputError("cannot be written", str(staging / "recording.parquet"))
+    assert str(caught.value) == f"{tmp_path}/stage/recording.parquet: cannot be written"
+
+
 def test_the_errors_of_other_files_are_not_taken_for_its_own(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError), staged_directory(tmp_path / "stage"):
         (tmp_path / "absent").read_text()
