@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
+from scipy import stats
 from torch import Tensor
 
 from pipeline.gap.fit import Problem
@@ -13,6 +14,8 @@ from pipeline.gap.weak_form import mean_of
 from pipeline.platforms.mechanism import Channel
 
 _MOST_TERMS = 4
+_HARMONICS = 12  # of a turn: what repeats once to twelve times per turn of a joint
+_CHANCE = 1e-3  # of a formula where there is nothing, over the whole library
 _LEAST_STEP = 0.02  # of the remaining energy, cross-validated, for one more term to be worth reading
 
 
@@ -65,13 +68,13 @@ def find_unnamed(
     """
     terms = _library(regimes, problem)
     rows = residual.shape[1]
-    row_fold = fold.repeat_interleave(rows)
+    row_fold, row_cluster = (label.repeat_interleave(rows) for label in (fold, problem.cluster))
     found = []
     for i, channel in enumerate(channels):
         noise = float(problem.noise[i]) ** 2
         excess = max(float(nominal_residual[..., i].square().mean()) - noise, 0.01 * noise)
         left = residual[..., i].flatten()
-        chosen, explained = _pursue(left, terms, row_fold)
+        chosen, explained = _pursue(left, terms, row_fold, row_cluster)
         if chosen and explained > max(least_share * excess, 0.05 * noise):
             formula = _formula(chosen, left)
             signals = tuple(dict.fromkeys(signal for term in chosen for signal in term.signals))
@@ -80,7 +83,7 @@ def find_unnamed(
 
 
 def _library(regimes: Sequence[Regime], problem: Problem) -> list[_Term]:
-    """Return constants, signals, their squares with sign, and products of two, averaged over the windows."""
+    """Return constants, signals, their squares with sign, products of two and waves of an angle, over the windows."""
     signals = {regime.name: regime.series for regime in regimes}
     shape = next(iter(signals.values()))
     series: list[tuple[str, tuple[str, ...], Tensor]] = [("1", (), torch.ones_like(shape))]
@@ -88,11 +91,17 @@ def _library(regimes: Sequence[Regime], problem: Problem) -> list[_Term]:
     series += [(f"{name}·|{name}|", (name,), value * value.abs()) for name, value in signals.items()]
     pairs = itertools.combinations(signals.items(), 2)
     series += [(f"{a}·{b}", (a, b), x * y) for (a, x), (b, y) in pairs]
+    turning = [regime for regime in regimes if regime.name == "position" and regime.unit == "rad"]
+    for k, wave in itertools.product(range(1, _HARMONICS + 1), (torch.sin, torch.cos)):
+        series += [(f"{wave.__name__}({k}·position)", (r.name,), wave(k * r.series)) for r in turning]
     return [_Term(text, names, mean_of(problem.functions, value).flatten()) for text, names, value in series]
 
 
-def _pursue(left: Tensor, terms: list[_Term], fold: Tensor) -> tuple[list[_Term], float]:
-    """Return the chosen terms and the energy that they explain on folds left out."""
+def _pursue(left: Tensor, terms: list[_Term], fold: Tensor, cluster: Tensor) -> tuple[list[_Term], float]:
+    """Return the chosen terms and the energy that they explain on folds left out.
+
+    A term was chosen as the best of many on all the data, so that its own test has to allow for the choice.
+    """
     matrix = torch.stack([term.series for term in terms], dim=1)
     size = matrix.square().mean(0).sqrt().clamp_min(1e-12)
     matrix = matrix / size
@@ -104,12 +113,25 @@ def _pursue(left: Tensor, terms: list[_Term], fold: Tensor) -> tuple[list[_Term]
         correlation[chosen] = 0.0
         tried = [*chosen, int(correlation.argmax())]
         after = _cross_validated_energy(matrix[:, tried], left, fold)
-        if energy - after < _LEAST_STEP * energy:
+        chance = _chance_of_last(matrix[:, tried], left, cluster) * len(terms)
+        if energy - after < _LEAST_STEP * energy or chance > _CHANCE:
             break
         chosen, energy = tried, after
         weights = torch.linalg.lstsq(matrix[:, chosen], left[:, None]).solution
         remaining = left - (matrix[:, chosen] @ weights)[:, 0]
     return [terms[i] for i in chosen], start - energy
+
+
+def _chance_of_last(matrix: Tensor, left: Tensor, cluster: Tensor) -> float:
+    """Return the chance of a weight as great as the last column's if there were nothing (t test, clustered errors)."""
+    bread = torch.linalg.pinv(matrix.T @ matrix, hermitian=True)
+    weights = bread @ (matrix.T @ left)
+    score = matrix * (left - matrix @ weights)[:, None]
+    groups = int(cluster.max()) + 1
+    summed = score.new_zeros((groups, matrix.shape[1])).index_add(0, cluster, score)
+    variance = (bread @ (summed.T @ summed) @ bread)[-1, -1] * (groups / max(groups - 1, 1))
+    statistic = float(weights[-1].abs() / variance.clamp_min(1e-300).sqrt())
+    return float(2.0 * stats.t.sf(statistic, max(groups - matrix.shape[1], 1)))
 
 
 def _cross_validated_energy(matrix: Tensor, left: Tensor, fold: Tensor) -> float:
