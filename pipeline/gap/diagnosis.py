@@ -96,7 +96,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     counted = _counted(naming, mismatches, channels)
     proof = prove(nominal, simulator, proving, functions, counted, held_out, settings.resamples)
     return Diagnosis(
-        verdict=_verdict(naming, unnamed),
+        verdict=_verdict(naming, bool(unnamed or mismatches)),
         warnings=(*recording.warnings, *remarks, *_doubts(naming, drifts, held_out)),
         mismatches=mismatches,
         naming=naming,
@@ -178,12 +178,13 @@ def _counted(naming: Naming, mismatches: Sequence[Mismatch], channels: Sequence[
     return [channel for channel in counted if channel.name in failing] or counted
 
 
-def _verdict(naming: Naming, unnamed: Sequence[Unnamed]) -> str:
+def _verdict(naming: Naming, gap: bool) -> str:
+    """Say it in a word; a gap without any name for it, whether a formula was found or not, is unexplained."""
     if any(not isinstance(candidate.effect, ParameterError) for candidate in naming.named):
         return "missing_physics"
     if naming.named:
         return "parameter_mismatch"
-    return "unexplained" if unnamed else "none"
+    return "unexplained" if gap else "none"
 
 
 def _probabilities(naming: Naming, drifts: dict[str, list[Drift]], clusters: int) -> dict[str, float]:
