@@ -1,6 +1,6 @@
 """Which physics is missing: effects compete to explain the residual on runs they were not fitted on."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from torch import Tensor
@@ -9,6 +9,7 @@ from pipeline.effects import Effect, MeasurementEffect, ParameterError, effect_b
 from pipeline.gap.ambiguity import Rivalry, rivalry_of, rivals_of
 from pipeline.gap.fit import Fit, Problem, columns_of, fit
 from pipeline.gap.model import drifts_of
+from pipeline.gap.parsimony import single_cause
 from pipeline.gap.probability import presence_of
 from pipeline.gap.refit import extend, shrink
 from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
@@ -96,6 +97,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     ]
     competition.run(settled)
     competition.run(competition.catalogue)
+    competition.condense()
     competition.disown()
     return competition.result()
 
@@ -178,25 +180,32 @@ class _Competition:
 
     def prune(self) -> None:
         """Drop every effect that the others have made needless, the least needed first; it does not come back."""
-        while True:
-            judged = [self.alone(fitted.effect) for fitted in self.current.simulator.free]
-            needless = [candidate for candidate in judged if candidate.refusal]
-            if not needless:
-                return
-            worst = min(needless, key=lambda candidate: candidate.gain)
-            self.dropped.add(worst.effect.key)
-            self.current = fit(self.without(worst.effect).simulator, self.problem)
+        self.drop(lambda candidate: bool(candidate.refusal), lambda candidate: candidate.gain)
 
     def disown(self) -> None:
         """Drop what is less likely there than not: too little evidence, or parameters that follow the manoeuvre."""
-        while True:
-            judged = [self.alone(fitted.effect) for fitted in self.current.simulator.free]
-            unlikely = [candidate for candidate in judged if self.presence(candidate) < _BELIEVED]
-            if not unlikely:
+        self.drop(lambda candidate: self.presence(candidate) < _BELIEVED, self.presence)
+
+    def drop(self, unwanted: Callable[[Candidate], bool], worth: Callable[[Candidate], float]) -> None:
+        """Drop unwanted effects one by one, the one of least worth first, and fit the others again."""
+        while judged := [self.alone(fitted.effect) for fitted in self.current.simulator.free]:
+            worst = min(filter(unwanted, judged), key=worth, default=None)
+            if worst is None:
                 return
-            worst = min(unlikely, key=self.presence)
             self.dropped.add(worst.effect.key)
             self.current = fit(self.without(worst.effect).simulator, self.problem)
+
+    def condense(self) -> None:
+        """Put one effect in the place of two parameter errors where it explains as much."""
+        simpler = single_cause(self.current, self.catalogue, self.problem, self.known)
+        if simpler is None:
+            return
+        effect, found = simpler
+        self.current = fit(found.simulator, self.problem)
+        candidate = self.alone(effect)
+        self.rounds.append(Round((candidate,), candidate))
+        self.prune()
+        self.run(self.catalogue)
 
     def presence(self, candidate: Candidate) -> float:
         """Return the probability that an effect of this kind is there, whichever of its rivals it is."""

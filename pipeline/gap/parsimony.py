@@ -1,0 +1,45 @@
+"""One cause in the place of two wrong numbers, where it explains as much."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+
+from torch import Tensor
+
+from pipeline.effects import Effect, ParameterError
+from pipeline.gap.fit import Fit, Problem
+from pipeline.gap.refit import extend, shrink
+from pipeline.simulation import FittedEffect
+
+_NEARLY_ALL = 0.98  # of what the two explain; what is left may still be a small error of one of them
+
+
+def single_cause(
+    current: Fit, catalogue: Sequence[Effect], problem: Problem, known: Mapping[str, FittedEffect]
+) -> tuple[Effect, Fit] | None:
+    """Look for an effect with one parameter that stands in for two parameter errors.
+
+    Two wrong numbers of the platform span a family that may hold quite another law: a motor constant and an inertia
+    that are wrong by one and the same ratio damp a joint exactly as viscous friction does. One cause is likelier than
+    two that conspire.
+
+    Returns:
+        The effect and the fit with it in place of the two, or None.
+    """
+    present = {fitted.effect.key for fitted in current.simulator.free}
+    errors = [f.effect for f in current.simulator.free if isinstance(f.effect, ParameterError)]
+    contenders = [e for e in catalogue if e.key not in present and len(e.parameters) == 1]
+    for pair in itertools.combinations(errors, 2):
+        without = current
+        for error in pair:
+            without = shrink(without, error, problem, known.get(error.key))
+        tried = [(effect, extend(without, effect, problem)) for effect in contenders]
+        if not tried:
+            return None
+        best = max(tried, key=lambda entry: _explained(without, entry[1].residual))
+        if _explained(without, best[1].residual) >= _NEARLY_ALL * _explained(without, current.residual):
+            return best
+    return None
+
+
+def _explained(without: Fit, residual: Tensor) -> float:
+    return float(((without.residual / without.scale).square() - (residual / without.scale).square()).sum())
