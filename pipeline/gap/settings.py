@@ -25,7 +25,7 @@ class Gap:
     """Most effects that are named in one diagnosis."""
     horizon: float = 0.5
     """Length of the open-loop predictions that prove the fit, s."""
-    most_blocks: int = 1500
+    most_blocks: int = 600
     """Most blocks that are used of the fitting runs, drawn evenly; bounds the time of a diagnosis."""
     resamples: int = 400
     """Bootstrap resamples of the intervals."""
