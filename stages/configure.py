@@ -25,13 +25,31 @@ class ConfigureStage(StageConfig):
 
 @stage(ConfigureStage)
 def configure(config: ConfigureStage, run: StageRun) -> None:
-    """Write down the resolved configuration, by which `dvc repro` knows which stages a change concerns."""
+    """Check and write down the resolved configuration, by which DVC knows which stages a change concerns."""
     from dataclasses import asdict
 
     import yaml
 
-    text = yaml.safe_dump(asdict(config), sort_keys=True, allow_unicode=True)
+    values = asdict(config)
+    check(values)
+    text = yaml.safe_dump(values, sort_keys=True, allow_unicode=True)
     (run.output / "config.yaml").write_text(text, encoding="utf-8")
+
+
+def check(values: dict[str, Any]) -> None:
+    """Let every stage check what it will read: a mistake should come to light now, not after minutes of work.
+
+    Raises:
+        InputError: on a key that a stage does not know and on a value of the wrong type.
+    """
+    from importlib import import_module
+
+    from pipeline.stage.compose import typed
+    from pipeline.stage.project import commands, described
+
+    for name in commands():
+        if described(name):
+            typed(getattr(import_module(f"stages.{name}"), name).config_class, values)
 
 
 if __name__ == "__main__":

@@ -53,3 +53,12 @@ def test_twins_differ_in_nothing_but_what_is_concealed() -> None:
 def test_the_configuration_is_the_same_wherever_it_is_composed() -> None:
     assert str(Path.cwd()) not in yaml.safe_dump(compose(["branch=nanodrone"]))
     assert typed(ConfigureStage, compose([])).output is None
+
+
+def test_mistakes_of_every_stage_come_to_light_at_once(capfd: pytest.CaptureFixture[str]) -> None:
+    for override, line in [
+        ("gap.marginn=1", "gap: unknown key 'marginn'; did you mean 'margin'?"),
+        ("clean.crash=perhaps", "clean.crash: Value 'perhaps' is not a valid bool"),
+    ]:
+        assert run_command(configure, ["branch=embedded", "tracking.enabled=false", override]) == 2
+        assert capfd.readouterr().err.startswith(f"simgap configure: {line}")
