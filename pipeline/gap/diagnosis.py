@@ -26,6 +26,7 @@ from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks, cut_blocks
 
+_BEYOND_NOISE = 4.0  # times the noise's energy: coloured noise may pass for more than the white noise it is measured by
 _CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
 
 
@@ -96,7 +97,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     counted = _counted(naming, mismatches, channels)
     proof = prove(nominal, simulator, proving, functions, counted, held_out, settings.resamples)
     return Diagnosis(
-        verdict=_verdict(naming, bool(unnamed or mismatches)),
+        verdict=_verdict(naming, bool(unnamed) or any(m.excess > _BEYOND_NOISE for m in mismatches)),
         warnings=(*recording.warnings, *remarks, *_doubts(naming, drifts, held_out)),
         mismatches=mismatches,
         naming=naming,

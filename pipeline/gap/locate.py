@@ -37,6 +37,7 @@ class Mismatch:
     Attributes:
         channel: which equation of motion.
         share: of what the simulator leaves unexplained in all channels, 0..1.
+        excess: energy of the residual over the noise's.
         regime: variable, low and high between which it fails most.
         p_value: chance of such an energy if only sensor noise were there.
         where: one plain sentence.
@@ -44,6 +45,7 @@ class Mismatch:
 
     channel: Channel
     share: float
+    excess: float
     regime: tuple[str, float, float]
     p_value: float
     where: str
@@ -77,7 +79,8 @@ def locate(
         rms, noise = float(energy[i].sqrt()), float(problem.noise[i])
         sentence = _sentence(channels[i], rms, noise, regime)
         low_high = (regime[0].name, regime[1], regime[2])
-        found.append(Mismatch(channels[i], float(misfit[i]) / total, low_high, p_values[i], sentence))
+        share = float(misfit[i]) / total
+        found.append(Mismatch(channels[i], share, float(ratio[i]), low_high, p_values[i], sentence))
     return sorted(found, key=lambda mismatch: -mismatch.share)
 
 
