@@ -120,7 +120,10 @@ def train_network(
     """
     _quiet()
     best = KeepBest(VALIDATION_LOSS)
-    stopping = lightning.callbacks.EarlyStopping(VALIDATION_LOSS, patience=training.patience, mode="min")
+    # Decided right after validation, so that at the end of the epoch it is known whether to write a resume point.
+    stopping = lightning.callbacks.EarlyStopping(
+        VALIDATION_LOSS, patience=training.patience, mode="min", check_on_train_epoch_end=False
+    )
     callbacks: list[lightning.Callback] = [stopping, best, Tell(context.log)]
     resume = None
     if context.checkpoint is not None:

@@ -1,0 +1,88 @@
+"""Small recordings from which models learn within a second, and small settings for every model."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from pipeline.models.layout import layout_of
+from pipeline.models.registry import MODELS, model_settings
+from pipeline.models.settings import Training
+from pipeline.models.windows import Series, series_of
+from pipeline.recordings.recording import Recording
+from tests.pipeline.models.synthetic import flight, recording
+
+SMALL = {
+    "linear": {"sequence_length": 2},
+    "fnn": {"sequence_length": 2, "hidden": [16], "learning_rate": 0.01, "dropout": [0.1]},
+    "lstm": {"sequence_length": 4, "hidden": [8], "learning_rate": 0.01},
+}
+QUICK = Training(max_epochs=4, batch_size=128)
+PARTS = {"a": "train", "b": "train", "c": "validation", "d": "holdout"}
+
+
+def linear_joint(samples: int = 300) -> Recording:
+    """Return four runs of a sliding mass on a spring with a damper, linear in every sample."""
+    frames = []
+    for seed, run in enumerate(PARTS):
+        rng = np.random.default_rng(seed)
+        effort = np.repeat(rng.normal(size=samples // 10), 10)
+        position, velocity = np.zeros(samples), np.zeros(samples)
+        for k in range(samples - 1):
+            velocity[k + 1] = velocity[k] + 0.02 * (effort[k] - 0.8 * velocity[k] - 3.0 * position[k])
+            position[k + 1] = position[k] + 0.01 * (velocity[k] + velocity[k + 1])
+        time = 0.02 * np.arange(samples)
+        frames.append(
+            pd.DataFrame(
+                {
+                    "run": run,
+                    "t": time,
+                    "segment": 0,
+                    "position": position,
+                    "velocity": velocity,
+                    "effort": effort,
+                }
+            )
+        )
+    return recording(pd.concat(frames, ignore_index=True), "joint", PARTS, sliding=True)
+
+
+def swerve(samples: int = 200) -> Recording:
+    """Return four runs of four modules that follow their voltages with a lag."""
+    frames = []
+    for seed, run in enumerate(PARTS):
+        rng = np.random.default_rng(seed)
+        data: dict[str, np.ndarray] = {}
+        for number in range(1, 5):
+            for group in ("drive", "steer"):
+                voltage = np.repeat(rng.normal(size=samples // 10), 10)
+                speed = np.zeros(samples)
+                for k in range(samples - 1):
+                    speed[k + 1] = 0.9 * speed[k] + 0.3 * voltage[k]
+                data |= {f"{group}_voltage_{number}": voltage, f"{group}_velocity_{number}": speed}
+            data[f"steer_angle_{number}"] = np.cumsum(data[f"steer_velocity_{number}"]) * 0.02
+        time = 0.02 * np.arange(samples)
+        frames.append(pd.DataFrame({"run": run, "t": time, "segment": 0} | data))
+    return recording(pd.concat(frames, ignore_index=True), "swerve", PARTS)
+
+
+def quadrotor() -> Recording:
+    """Return four short flights."""
+    frames = [flight(run, seed, duration=2.0) for seed, run in enumerate(PARTS)]
+    return recording(pd.concat(frames, ignore_index=True), "quadrotor", PARTS)
+
+
+def parts_of(recorded: Recording) -> tuple[Series, Series, Series]:
+    """Return training, validation and held-out series."""
+    layout = layout_of(recorded)
+    train, validation, held = (
+        series_of(recorded, layout, [run for run in recorded.runs if PARTS[run] == part])
+        for part in ("train", "validation", "holdout")
+    )
+    return train, validation, held
+
+
+def new_model(name: str, recorded: Recording, **options):
+    """Return an untrained small model."""
+    settings = model_settings({"name": name} | SMALL[name] | options)
+    return MODELS[name](layout_of(recorded), replace(settings), recorded.time_step)

@@ -1,0 +1,71 @@
+import pytest
+import torch
+
+from pipeline.errors import InputError
+from pipeline.models.layout import layout_from_mapping, layout_of
+from tests.pipeline.models import learnable
+
+RECORDINGS = {"joint": learnable.linear_joint, "swerve": learnable.swerve, "quadrotor": learnable.quadrotor}
+
+
+@pytest.fixture(params=RECORDINGS)
+def steps(request):
+    """Layout, states, the states after them, inputs and time step of a run."""
+    recorded = RECORDINGS[request.param]()
+    layout = layout_of(recorded)
+    train, _, _ = learnable.parts_of(recorded)
+    last = int(train.bounds[0, 1])
+    return layout, train.states[: last - 1], train.states[1:last], train.actions[: last - 1], train.time_step
+
+
+def test_advancing_by_the_true_increment_gives_the_next_state(steps):
+    layout, states, following, _, time_step = steps
+    reached = layout.advance(states, layout.increment(states, following), time_step)
+    tolerances = {"position": 2e-3, "attitude": 2e-4, "steer_angle": 0.05}
+    for name, error in layout.errors(reached, following).items():
+        assert error.max() < tolerances.get(name, 1e-9), name
+
+
+def test_what_is_named_is_what_there_is(steps):
+    layout, states, following, actions, _ = steps
+    assert layout.encode(states, actions).shape[1] == len(layout.features)
+    assert layout.increment(states, following).shape[1] == len(layout.targets)
+
+
+def test_no_difference_is_no_error(steps):
+    layout, states, following, _, _ = steps
+    assert all(error.abs().max() < 1e-6 for error in layout.errors(states, states).values())
+    assert any(error.max() > 1e-3 for error in layout.errors(states, following).values())
+
+
+def test_a_layout_survives_its_description(steps):
+    layout = steps[0]
+    assert layout_from_mapping(layout.as_mapping()) == layout
+
+
+def test_heading_and_place_do_not_matter_to_a_quadrotor():
+    recorded = learnable.quadrotor()
+    layout = layout_of(recorded)
+    train, _, _ = learnable.parts_of(recorded)
+    from pipeline.physics import rotations
+
+    states, half = train.states[:50], torch.tensor(0.4, dtype=torch.float64)
+    turn = torch.stack([torch.cos(half), 0 * half, 0 * half, torch.sin(half)]).expand(50, 4)
+    moved = states.clone()
+    moved[:, :3] += 7.0
+    moved[:, 3:7] = rotations.multiply(turn, states[:, 3:7])
+    moved[:, 7:10] = rotations.rotate(turn, states[:, 7:10])
+    actions = train.actions[:50]
+    assert torch.allclose(layout.encode(moved, actions), layout.encode(states, actions), atol=1e-9)
+
+
+def test_full_turns_do_not_matter_to_a_turning_joint():
+    layout = layout_from_mapping({"kind": "joint", "inputs": ["voltage"], "sliding": False})
+    state, action = torch.tensor([[0.3, 1.0]]), torch.tensor([[2.0]])
+    wound = state + torch.tensor([[6 * torch.pi, 0.0]])
+    assert torch.allclose(layout.encode(state, action), layout.encode(wound, action), atol=1e-5)
+
+
+def test_nonsense_is_no_layout():
+    with pytest.raises(InputError, match="describes no known platform"):
+        layout_from_mapping({"kind": "joint", "wheels": 3})

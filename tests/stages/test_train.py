@@ -1,0 +1,121 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import yaml
+
+from pipeline.errors import InputError
+from pipeline.models.settings import Training
+from pipeline.models.storage import load_model
+from pipeline.recordings import write_recording
+from pipeline.stage import StageRun
+from stages.train import TrainStage, train
+from tests.pipeline.models import learnable
+
+QUICK = Training(max_epochs=2, batch_size=128, horizons=[1, 10], evaluation_windows=100)
+ROOT = Path(__file__).parents[2]
+
+
+def run_stage(tmp_path, recorded, name="linear", settings=QUICK):
+    path = tmp_path / "recording.parquet"
+    write_recording(recorded, path)
+    output = tmp_path / "train"
+    output.mkdir()
+    run = StageRun(output)
+    model = {"name": name} | learnable.SMALL[name]
+    config = TrainStage(
+        recording=str(path), model=model, train=settings, artifacts=str(tmp_path / "artifacts")
+    )
+    train(config, run)
+    return run
+
+
+@pytest.mark.parametrize("name", ["linear", "fnn"])
+def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path):
+    run = run_stage(tmp_path, learnable.linear_joint(), name)
+    metrics = json.loads((run.output / "metrics.json").read_text())
+    assert set(metrics) == {"position", "velocity"}
+    assert set(metrics["velocity"]) == {"h1", "h10"}
+    assert metrics["velocity"]["h1"]["model"] < metrics["velocity"]["h1"]["naive"]
+    model = load_model(run.output / "model")
+    assert model.provenance.data == next(iter(run.inputs.values()))
+    assert model.provenance.value == run.metrics["best_validation_loss"]
+    assert model.provenance.training["max_epochs"] == 2
+    assert not any((tmp_path / "artifacts").rglob("*.ckpt"))
+
+
+def test_without_a_validation_run_the_end_of_the_training_runs_validates(tmp_path):
+    recorded = learnable.linear_joint()
+    split = {run: "holdout" if run == "d" else "train" for run in recorded.runs}
+    run = run_stage(tmp_path, replace(recorded, split=split))
+    assert run.warnings == ["no validation run: the last 20% of each training segment validates"]
+
+
+def test_one_run_alone_cannot_be_trained_on(tmp_path):
+    recorded = learnable.linear_joint()
+    alone = replace(recorded, frame=recorded.frame[recorded.frame["run"] == "a"], split={"a": "train"})
+    with pytest.raises(InputError, match="no run can be held out; record a second run"):
+        run_stage(tmp_path, alone)
+
+
+def test_a_recording_that_is_not_cleaned_is_refused(tmp_path):
+    with pytest.raises(InputError, match="clean it first"):
+        run_stage(tmp_path, replace(learnable.linear_joint(), cleaned=False))
+
+
+@pytest.mark.parametrize("horizons", [[0], [100_000]])
+def test_impossible_horizons_are_refused(horizons, tmp_path):
+    with pytest.raises(InputError, match=r"train\.horizons"):
+        run_stage(tmp_path, learnable.linear_joint(), settings=replace(QUICK, horizons=horizons))
+
+
+@pytest.mark.slow
+def test_a_sweep_keeps_the_outputs_of_its_jobs_apart(tmp_path):
+    command(tmp_path, "-m", "model=linear", "model.sequence_length=1,3").check_returncode()
+    written = sorted((tmp_path / "artifacts").rglob("model.yaml"))
+    assert [yaml.safe_load(path.read_text())["model"]["sequence_length"] for path in written] == [1, 3]
+
+
+@pytest.mark.slow
+def test_a_killed_training_ends_like_an_undisturbed_one(tmp_path):
+    settings = (
+        "model=fnn",
+        "model.hidden=[8]",
+        "train.max_epochs=60",
+        "train.patience=60",
+        "train.batch_size=64",
+    )
+    process = subprocess.Popen(arguments(tmp_path, *settings, "output=" + str(tmp_path / "killed")), cwd=ROOT)
+    while process.poll() is None and not any((tmp_path / "artifacts").rglob("last.ckpt")):
+        time.sleep(0.01)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    assert not (tmp_path / "killed").exists()
+    assert any((tmp_path / "artifacts").rglob("last.ckpt"))
+    command(tmp_path, *settings, "output=" + str(tmp_path / "killed")).check_returncode()
+    command(tmp_path, *settings, "output=" + str(tmp_path / "whole")).check_returncode()
+    files = ("metrics.json", "model/model.yaml", "model/model.safetensors")
+    for file in files:
+        assert (tmp_path / "killed" / file).read_bytes() == (tmp_path / "whole" / file).read_bytes()
+
+
+def arguments(tmp_path, *overrides):
+    path = tmp_path / "recording.parquet"
+    if not path.exists():
+        write_recording(learnable.linear_joint(), path)
+    own = [f"recording={path}", f"artifacts={tmp_path / 'artifacts'}", "tracking.enabled=false"]
+    flags = [text for text in overrides if text.startswith("-")]
+    rest = [text for text in overrides if not text.startswith("-")]
+    return [sys.executable, "-m", "stages.train", *flags, "branch=flywheel", *own, *rest]
+
+
+def command(tmp_path, *overrides):
+    return subprocess.run(
+        arguments(tmp_path, *overrides), cwd=ROOT, capture_output=True, text=True, check=False
+    )
