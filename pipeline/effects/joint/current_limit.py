@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import torch
 from torch import Tensor
 
 from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
@@ -29,5 +28,5 @@ class CurrentLimit(ActuatorEffect):
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:
         """Return the effort that no more than the limiting current can give."""
-        most = torch.as_tensor(values["limit"]) * constants["torque_constant"] * constants["gear_ratio"]
+        most = values["limit"] * constants["torque_constant"] * constants["gear_ratio"]
         return {"effort": signals["effort"].clamp(-most, most)}, None

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import torch
 from torch import Tensor
 
 from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
@@ -27,11 +26,7 @@ class _SwerveCurrentLimit(ActuatorEffect):
     ) -> tuple[dict[str, Tensor], Any]:
         """Return the torques that no more than the limiting current can give."""
         group = self.acts_on
-        most = (
-            torch.as_tensor(values["limit"])
-            * constants[f"{group}_gear_ratio"]
-            * constants[f"{group}_torque_constant"]
-        )
+        most = values["limit"] * constants[f"{group}_gear_ratio"] * constants[f"{group}_torque_constant"]
         return {f"{group}_torque": signals[f"{group}_torque"].clamp(-most, most)}, None
 
 
