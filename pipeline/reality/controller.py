@@ -4,6 +4,7 @@ After Lee, Leok & McClamroch 2010, "Geometric tracking control of a quadrotor UA
 platform file, never what is concealed: like a real one's, its feedback hides the effects in the commands.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,7 +48,7 @@ class Controller:
 
     def command(
         self,
-        reference: tuple[Array, Array, Array],
+        reference: Sequence[Array],
         position: Array,
         velocity: Array,
         rotation: Array,

@@ -26,9 +26,14 @@ class Dither:
     frequency: Array
     phase: Array
 
-    def at(self, time: float) -> Array:
-        """Return what is added to mass-normalised thrust, m/s², and to the body rates, rad/s: (runs, 4)."""
-        return (self.amplitude * np.sin(self.frequency * time + self.phase)).sum(axis=-1)
+    def at(self, time: float | Array) -> Array:
+        """Return what is added to mass-normalised thrust, m/s², and body rates, rad/s, at times (...), s.
+
+        Returns:
+            (..., runs, 4).
+        """
+        argument = self.frequency * np.asarray(time, dtype=float)[..., None, None, None] + self.phase
+        return (self.amplitude * np.sin(argument)).sum(axis=-1)
 
 
 def shake(case: PlantCase, random: np.random.Generator) -> Dither:

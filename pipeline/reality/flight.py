@@ -66,17 +66,18 @@ def fly_paths(
         random: for the gyro noise in the loop and the spread of the rotors.
         step: s.
     """
-    times = np.arange(round((SETTLING + case.duration) / step) + 1) * step - SETTLING
+    count = round((SETTLING + case.duration) / step) + 1
+    times = np.arange(count, dtype=np.float64) * step - SETTLING
     decay, estimate = _lag_decay(case, random, step), _Gyro(case, random, step)
     controller = Controller(platform)
     state, before = _start(paths, times[0]), None
     speed = np.full((len(paths.names), 4), platform.hover_rotor_speed)
     inflow = airframe.rotor.still_inflow(speed)
     kept: list[tuple[Array, Array, Array, Array]] = []
-    for time in times:
+    for *reference, shaking in zip(*paths.at(times), dither.at(times), strict=True):
         rotation, body_rate = matrix(state[:, 6:10]), state[:, 10:]
         pose = state[:, :3], state[:, 3:6], rotation, estimate(body_rate)
-        command = controller.command(paths.at(time), *pose, dither.at(time))
+        command = controller.command(reference, *pose, shaking)
         speed = command + (speed - command) * decay
         velocity = (state[:, None, 3:6] @ rotation)[:, 0]
         force, torque, inflow = airframe.wrench(velocity, body_rate, speed, inflow)

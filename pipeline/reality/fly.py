@@ -53,7 +53,7 @@ def fly(case: PlantCase, platform: Quadrotor, seed: int) -> tuple[Recording, dic
 
 def key_text(key: dict[str, Any]) -> str:
     """Return a key as it is written to its file."""
-    return json.dumps(key, indent=2, sort_keys=True) + "\n"
+    return json.dumps(key, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
 
 
 def key_hash(key: dict[str, Any]) -> str:

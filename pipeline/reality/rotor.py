@@ -7,6 +7,7 @@ is exactly quadratic in speed.
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -41,22 +42,22 @@ class Rotor:
     axial_share: float = 0.0
     in_plane_share: float = 0.0
 
-    @property
+    @cached_property
     def area(self) -> float:
         """Disc area, m²."""
         return math.pi * self.radius**2
 
-    @property
+    @cached_property
     def still_inflow_ratio(self) -> float:
         """Induced velocity over tip speed in still air."""
         return math.sqrt(self.thrust_coefficient / (2 * AIR_DENSITY * self.area)) / self.radius
 
-    @property
+    @cached_property
     def lift_factor(self) -> float:
         """½·density·solidity·area·lift slope, N/(m/s)²."""
         return 0.5 * AIR_DENSITY * self.solidity * self.area * self.lift_slope
 
-    @property
+    @cached_property
     def pitch(self) -> float:
         """Blade pitch that gives the thrust coefficient in still air, rad."""
         loading = self.thrust_coefficient / (self.radius**2 * self.lift_factor)
