@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytorch_lightning as lightning
-from torch import Tensor
+from torch import Tensor, nn
 
 _LAST = "last.ckpt"
 _LINE_SECONDS = 5.0
@@ -26,7 +26,8 @@ class KeepBest(lightning.Callback):
         weights: the network's, on the CPU; None before the first finite loss.
     """
 
-    def __init__(self, metric: str) -> None:
+    def __init__(self, network: nn.Module, metric: str) -> None:
+        self.network = network
         self.metric = metric
         self.loss = math.inf
         self.weights: dict[str, Tensor] | None = None
@@ -36,7 +37,7 @@ class KeepBest(lightning.Callback):
         loss = float(trainer.callback_metrics[self.metric])
         if loss < self.loss:
             self.loss = loss
-            weights = pl_module.network.state_dict()
+            weights = self.network.state_dict()
             self.weights = {name: tensor.detach().cpu().clone() for name, tensor in weights.items()}
 
     def state_dict(self) -> dict[str, Any]:

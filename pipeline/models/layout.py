@@ -94,7 +94,7 @@ def layout_from_mapping(values: Mapping[str, Any]) -> Layout:
     """
     arguments = {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
     try:
-        return _layouts()[arguments.pop("kind")](**arguments)
+        return _layouts()[str(arguments.pop("kind"))](**arguments)
     except (KeyError, TypeError) as error:
         raise InputError("describes no known platform", "layout", "train the model again") from error
 

@@ -68,8 +68,9 @@ class NetworkModel(DynamicsModel):
         self.outputs = Scaler.fit(examples.targets[examples.seen()], "standard")
         torch.manual_seed(context.seed)
         self.network = self.build_network(examples.features.shape[1], examples.targets.shape[1])
-        scaled = [self._scaled(one) for one in (examples, held)]
-        loss = train_network(self.network, *scaled, self.settings, training, context)
+        loss = train_network(
+            self.network, self._scaled(examples), self._scaled(held), self.settings, training, context
+        )
         self.network.eval()
         return loss
 

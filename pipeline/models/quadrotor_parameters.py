@@ -20,6 +20,12 @@ from pipeline.models.settings import SystemIdentification
 from pipeline.platforms import Quadrotor
 from pipeline.recordings.recording import Recording
 
+_EQUATIONS = {
+    "thrust_coefficient": ("thrust",),
+    "inertia_xx": ("thrust", "roll"),
+    "inertia_yy": ("thrust", "pitch"),
+    "torque_coefficient_over_inertia_zz": ("yaw",),
+}
 _MIXED_IN = "feedback or physics outside the equation is mixed in"
 
 
@@ -111,11 +117,15 @@ def _fill(
     name: str, declared: Parameter, near: _Estimates, far: _Estimates, settings: SystemIdentification
 ) -> Parameter:
     """Give a parameter its value, or say why it has none."""
-    if name in ("torque_coefficient", "inertia_zz"):
+    if name not in _EQUATIONS:
         return declared
     if name not in near.value or name not in far.value:
         return replace(declared, note=f"{WITHHELD}the recorded motion does not excite it")
     value, other = near.value[name], far.value[name]
+    explained = min(near.explained[equation] for equation in _EQUATIONS[name])
+    if explained < settings.least_explained:
+        note = f"{WITHHELD}its equations explain only {max(explained, 0.0):.0%} of the recorded acceleration"
+        return replace(declared, note=note)
     error = float(jackknife_error(near.left_out[name]))
     if value <= 0.0:
         return replace(declared, note=f"{WITHHELD}{value:.3g}, which cannot be; {_MIXED_IN}")

@@ -9,6 +9,7 @@ class SystemIdentification:
 
     window: float = 0.2  # s, of the functions with which the equations of motion are averaged
     consistency: float = 0.1  # share by which a quadrotor's parameter may change when the window is doubled
+    least_explained: float = 0.5  # share of the acceleration that a quadrotor's equation has to explain
     block_duration: float = 2.0  # s, longer than errors last: standard errors leave out one block at a time
     ridge: float = 1e-9  # penalty per sample on the motors' scaled coefficients
     motion_threshold: float = 0.02  # of the highest speed; a motor below it counts as standing

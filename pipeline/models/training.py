@@ -119,7 +119,7 @@ def train_network(
         InputError: when the loss is not finite from the beginning.
     """
     _quiet()
-    best = KeepBest(VALIDATION_LOSS)
+    best = KeepBest(network, VALIDATION_LOSS)
     # Decided right after validation, so that at the end of the epoch it is known whether to write a resume point.
     stopping = lightning.callbacks.EarlyStopping(
         VALIDATION_LOSS, patience=training.patience, mode="min", check_on_train_epoch_end=False

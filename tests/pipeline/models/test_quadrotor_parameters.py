@@ -42,14 +42,14 @@ def test_what_motion_cannot_tell_has_no_value():
 
 
 def test_standard_errors_cover_the_truth_under_noise():
-    # 25 recordings, four parameters: nominally 95 % of 100 within two standard errors. The four share noise through
-    # one flight, so a correct method falls below 85 % in about one of 500 draws of the seeds.
+    # 12 recordings, four parameters: nominally 95 % of 48 within two standard errors. A correct method falls to 80 %
+    # or below in about one of 10⁴ draws of the seeds (binomial, if the four were independent).
     inside = []
-    for seed in range(25):
+    for seed in range(12):
         noisy = [with_noise(frame, 10 * seed + number) for number, frame in enumerate(flights())]
         found = identified(noisy, window=0.15, block_duration=1.0)
         inside += [abs(found[n].value - v) < 2 * found[n].standard_error for n, v in TRUTH.items()]
-    assert np.mean(inside) > 0.85
+    assert np.mean(inside) > 0.8
 
 
 def test_commands_stand_for_speeds_and_give_the_product():
@@ -81,13 +81,28 @@ def test_hovering_shows_thrust_but_no_inertia():
 
 def test_an_estimate_that_depends_on_the_window_is_withheld():
     # A torque that the rotors answer late: over long windows their answer looks like its cause.
-    found = identified([answering_late(frame, 30.0) for frame in flights()])["inertia_xx"]
+    found = identified([answering_late(frame, 30.0) for frame in flights()], least_explained=0.0)[
+        "inertia_xx"
+    ]
     assert found.value is None
     assert "from twice as long" in found.note
 
 
+def test_an_equation_that_does_not_hold_gives_nothing():
+    frames = []
+    for number, frame in enumerate(flights()):
+        rng = np.random.default_rng(number)
+        unrelated = {f"motor_speed_{k}": 1000.0 + 300.0 * rng.random(len(frame)) for k in range(1, 5)}
+        frames.append(frame.assign(**unrelated))
+    found = identified(frames)
+    assert all(found[name].value is None for name in TRUTH)
+    assert "explain only" in found["thrust_coefficient"].note
+
+
 def test_an_inertia_that_cannot_be_is_withheld():
-    found = identified([answering_late(frame, 100.0) for frame in flights()])["inertia_xx"]
+    found = identified([answering_late(frame, 100.0) for frame in flights()], least_explained=0.0)[
+        "inertia_xx"
+    ]
     assert found.value is None
     assert "which cannot be" in found.note
 
