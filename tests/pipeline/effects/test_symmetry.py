@@ -1,0 +1,62 @@
+"""A quadrotor that is its own mirror image has to obey the mirrored law."""
+
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipeline.effects import effects_of
+from tests.pipeline.effects.responses import assert_same, response
+from tests.pipeline.platforms.machines import QUADROTOR, identity, some_signals
+
+# A mirror turns round one component of what is a vector, and the two others of what turns.
+POLAR = {"x": [-1.0, 1.0, 1.0], "y": [1.0, -1.0, 1.0]}
+AXIAL = {axis: [-entry for entry in signs] for axis, signs in POLAR.items()}
+EFFECT = pytest.mark.parametrize("effect", effects_of("quadrotor"), ids=identity)
+AXIS = pytest.mark.parametrize("axis", ["x", "y"])
+
+
+def opposite_rotors(axis: str) -> list[int]:
+    """Return, for each rotor, the one in its place behind the mirror, which turns the other way round."""
+    order = []
+    for position, direction in zip(QUADROTOR.rotor_positions, QUADROTOR.rotor_directions, strict=True):
+        mirrored = tuple(p * sign for p, sign in zip(position, POLAR[axis], strict=True))
+        partner = QUADROTOR.rotor_positions.index(mirrored)
+        assert QUADROTOR.rotor_directions[partner] == -direction
+        order.append(partner)
+    return order
+
+
+def mirrored_signals(signals: dict[str, torch.Tensor], axis: str) -> dict[str, torch.Tensor]:
+    polar, axial = (torch.tensor(signs[axis], dtype=torch.float64) for signs in (POLAR, AXIAL))
+    whole = {
+        "position": polar,
+        "velocity": polar,
+        "body_rate": axial,
+        "attitude": torch.cat([torch.ones(1), axial]),
+    }
+    rotors = opposite_rotors(axis)
+    return {
+        name: series * whole[name]
+        if name in whole
+        else series[..., rotors]
+        if name in ("rotor_speed", "motor_command")
+        else series
+        for name, series in signals.items()
+    }
+
+
+@EFFECT
+@AXIS
+@given(seed=st.integers(0, 10**6))
+@settings(max_examples=5)
+def test_the_mirrored_state_feels_the_mirrored_wrench(effect, axis, seed):
+    signals = some_signals("quadrotor", (2, 40), seed)
+    values = effect.defaults()
+    mirrored_values = {name: -v if name.endswith(f"_{axis}") else v for name, v in values.items()}
+    expected = {}
+    for name, value in response(effect, values, signals).items():
+        component = "xyz".index(name[-1])
+        expected[name] = value * (AXIAL if "torque" in name else POLAR)[axis][component]
+    found = response(effect, mirrored_values, mirrored_signals(signals, axis))
+    assert_same(found, expected, rtol=1e-9)
