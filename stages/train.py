@@ -24,6 +24,7 @@ class TrainStage(StageConfig):
 @stage(TrainStage)
 def train(config: TrainStage, run: StageRun) -> None:
     """Train a learned dynamics model and score it on held-out runs against persistence."""
+    import contextlib
     import json
     import shutil
 
@@ -64,6 +65,8 @@ def train(config: TrainStage, run: StageRun) -> None:
     (run.output / "metrics.json").write_text(json.dumps(_finite(errors), indent=2) + "\n")
     run.log_metrics({"best_validation_loss": loss} | _flat(errors))
     shutil.rmtree(checkpoint, ignore_errors=True)
+    with contextlib.suppress(OSError):  # another training may have its checkpoint beside
+        checkpoint.parent.rmdir()
 
 
 def _checkpoint_folder(config: TrainStage, settings: Any, data: str) -> Path:

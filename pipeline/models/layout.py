@@ -1,12 +1,20 @@
 """What a learned model sees and predicts of each kind of platform, and what needs no learning.
 
-| kind | state | input | features | predicted increment over a step | |---|---|---|---|---| | quadrotor |
-position, attitude, velocity, body rate | motor speeds (commands where none) | body velocity, gravity's
-direction in the body frame, body rate, input squared | velocity in the body frame of the step's beginning;
-body rate | | swerve | drive velocities, steer velocities, steer angles | drive and steer voltages |
-velocities, cosine and sine of the angles, voltages | drive and steer velocities | | joint | position,
-velocity | voltage (effort where none) | sine and cosine of the position (position itself of a sliding joint),
-velocity, input | velocity |
+quadrotor
+    state      position, attitude, velocity, body rate
+    input      motor speeds, or commands where no speeds were recorded
+    features   body velocity, direction of gravity in the body frame, body rate, squared input
+    predicted  increments of velocity (in the body frame of the step's beginning) and of body rate
+swerve
+    state      drive velocities, steer velocities, steer angles
+    input      drive and steer voltages
+    features   velocities, cosine and sine of the steer angles, voltages
+    predicted  increments of drive and steer velocities
+joint
+    state      position, velocity
+    input      voltage, or effort where no voltage was recorded
+    features   sine and cosine of the position (of a sliding joint the position), velocity, input
+    predicted  increment of velocity
 
 Positions, attitudes and angles follow from the velocities by kinematics, so they are never learned.
 """
