@@ -3,10 +3,16 @@
 import math
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pipeline.models.settings import Training
 from pipeline.stage import StageConfig, StageRun, stage
+
+if TYPE_CHECKING:
+    from pipeline.models.contract import DynamicsModel
+    from pipeline.models.layout import Layout
+    from pipeline.models.windows import Series
+    from pipeline.recordings.recording import Recording
 
 VALIDATION_SHARE = 0.2
 CHECKPOINTS = "checkpoints"
@@ -24,36 +30,23 @@ class TrainStage(StageConfig):
 @stage(TrainStage)
 def train(config: TrainStage, run: StageRun) -> None:
     """Train a learned dynamics model and score it on held-out runs against persistence."""
-    import contextlib
-    import json
-    import shutil
-
     from pipeline.models.contract import FitContext, Provenance
-    from pipeline.models.evaluation import rollout_errors
     from pipeline.models.layout import layout_of
     from pipeline.models.registry import model_class, model_settings
-    from pipeline.models.windows import series_of
     from pipeline.recordings.recording import read_recording
-    from pipeline.recordings.split import require_holdout, runs_of
+    from pipeline.recordings.split import require_holdout
 
     path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
+    data = run.inputs[str(path)]
     settings = model_settings(config.model)
     recording = read_recording(path)
-    time_step = recording.time_step
+    model = model_class(config.model)(layout_of(recording), settings, recording.time_step)
     require_holdout(recording.split, str(path))
-    layout = layout_of(recording)
-    fitted, chosen, held = (
-        series_of(recording, layout, runs_of(recording.split, part))
-        for part in ("train", "validation", "holdout")
-    )
-    if not len(chosen):
-        run.warn(f"no validation run: the last {VALIDATION_SHARE:.0%} of each training segment validates")
-        fitted, chosen = fitted.split_tail(VALIDATION_SHARE)
-    model = model_class(config.model)(layout, settings, time_step)
-    checkpoint = _checkpoint_folder(config, settings, run.inputs[str(path)])
+    fitted, chosen, held = _series(recording, model.layout, run)
+    checkpoint = _checkpoint_folder(config, settings, data)
     loss = model.fit(fitted, chosen, config.train, FitContext(config.seed, checkpoint, run.log_metrics))
     model.provenance = Provenance(
-        data=run.inputs[str(path)],
+        data=data,
         data_source=recording.source,
         chosen_by="validation loss: one-step mean squared error, scaled",
         value=loss,
@@ -61,9 +54,42 @@ def train(config: TrainStage, run: StageRun) -> None:
         training=asdict(config.train),
     )
     model.save(run.output / "model")
-    errors = rollout_errors(model, held, config.train.horizons, config.train.evaluation_windows)
+    run.log_metrics({"best_validation_loss": loss})
+    _score(model, held, config.train, run)
+    _discard(checkpoint)
+
+
+def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[Series, Series, Series]":
+    """Return the series to fit, to choose by and to score on."""
+    from pipeline.models.windows import series_of
+    from pipeline.recordings.split import runs_of
+
+    fitted, chosen, held = (
+        series_of(recording, layout, runs_of(recording.split, part))
+        for part in ("train", "validation", "holdout")
+    )
+    if not len(chosen):
+        run.warn(f"no validation run: the last {VALIDATION_SHARE:.0%} of each training segment validates")
+        fitted, chosen = fitted.split_tail(VALIDATION_SHARE)
+    return fitted, chosen, held
+
+
+def _score(model: "DynamicsModel", held: "Series", settings: Training, run: StageRun) -> None:
+    """Write the errors on held-out runs."""
+    import json
+
+    from pipeline.models.evaluation import rollout_errors
+
+    errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows)
     (run.output / "metrics.json").write_text(json.dumps(_finite(errors), indent=2) + "\n")
-    run.log_metrics({"best_validation_loss": loss} | _flat(errors))
+    run.log_metrics(_flat(errors))
+
+
+def _discard(checkpoint: Path) -> None:
+    """Remove the checkpoint of a training that is done."""
+    import contextlib
+    import shutil
+
     shutil.rmtree(checkpoint, ignore_errors=True)
     with contextlib.suppress(OSError):  # another training may have its checkpoint beside
         checkpoint.parent.rmdir()

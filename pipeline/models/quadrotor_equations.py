@@ -1,10 +1,12 @@
 """A quadrotor's equations of motion in weak form, as linear regressions on squared rotor speeds or commands.
 
-Newton along body z: d(v_z)/dt + (ω × v)_z − (Rᵀg)_z = (k_F/m)·Σ n² + … Euler about each axis: d(ω_i)/dt = Σ
-(torque of n² per coefficient)/J_i + … What is commonly left out of these equations is fitted alongside, so
-that it does not distort the rotors' coefficients: inflow and translational lift; a centre of mass off its
-place, damping, blade flapping, gyroscopic terms, rotor inertia. Source: Mahony, Kumar & Corke 2012,
-"Multirotor aerial vehicles", IEEE Robotics & Automation Magazine 19(3), eqs. 1–4.
+Newton along body z:   d(v_z)/dt + (ω × v)_z − (Rᵀg)_z = (k_F/m)·Σ n² + …
+Euler about each axis: d(ω_i)/dt = Σ (torque of n² per coefficient)/J_i + …
+
+What is commonly left out of these equations is fitted alongside, so that it does not distort the rotors'
+coefficients: inflow and translational lift; a centre of mass off its place, damping, blade flapping,
+gyroscopic terms, rotor inertia.
+Source: Mahony, Kumar & Corke 2012, "Multirotor aerial vehicles", IEEE Robotics & Automation Magazine 19(3).
 """
 
 from collections.abc import Sequence
