@@ -1,5 +1,6 @@
 """A simulator as a folder: `simulator.yaml`, which a person can read and which loads without running anything."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -55,13 +56,29 @@ def read_simulator(folder: Path) -> Simulator:
         ) from error
     if not isinstance(content, dict) or content.get("schema") != _SCHEMA:
         raise InputError(f"is not a {_SCHEMA} file", str(path), "give the folder that build_sim wrote")
-    platform = platform_from_config(content["platform"], f"{path}: platform")
-    effects = tuple(_fitted(platform.kind, entry) for entry in content["effects"])
-    return Simulator(platform, effects, content["position_unit"], content["settings"])
+    platform = platform_from_config(content.get("platform"), f"{path}: platform")
+    try:
+        effects = tuple(_fitted(platform.kind, entry) for entry in content["effects"])
+        settings = {str(name): _number(value) for name, value in content["settings"].items()}
+        if content["position_unit"] not in ("rad", "m"):
+            raise ValueError(f"position_unit is {content['position_unit']!r}, neither rad nor m")
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"is damaged ({type(error).__name__}: {error})", str(path), "run build_sim again"
+        ) from error
+    return Simulator(platform, effects, content["position_unit"], settings)
 
 
 def _fitted(kind: str, entry: dict[str, Any]) -> FittedEffect:
-    parameters = entry["parameters"]
-    values = {name: float(parameter["value"]) for name, parameter in parameters.items()}
+    effect, parameters = effect_by_key(kind, str(entry["effect"])), entry["parameters"]
+    values = {name: _number(parameter["value"]) for name, parameter in parameters.items()}
+    if values.keys() != {parameter.name for parameter in effect.parameters}:
+        raise ValueError(f"{effect.key} has the parameters {', '.join(p.name for p in effect.parameters)}")
     std = {name: float(parameter["std"]) for name, parameter in parameters.items() if "std" in parameter}
-    return FittedEffect(effect_by_key(kind, entry["effect"]), values, std, bool(entry.get("known")))
+    return FittedEffect(effect, values, std, bool(entry.get("known")))
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not math.isfinite(float(value)):
+        raise ValueError(f"{value!r} is not a finite number")
+    return float(value)
