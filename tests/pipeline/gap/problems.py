@@ -1,0 +1,58 @@
+"""The parts of a diagnosis that tests of one part need from the others."""
+
+import torch
+
+from pipeline.effects import Effect, effect_by_key
+from pipeline.gap.diagnosis import Diagnosis, diagnose
+from pipeline.gap.fit import Problem
+from pipeline.gap.residuals import noise_of_rows
+from pipeline.gap.scoring import clusters_of
+from pipeline.gap.settings import Gap
+from pipeline.gap.weak_form import window_functions
+from pipeline.recordings.recording import Recording
+from pipeline.simulation import FittedEffect, Simulator
+from pipeline.simulation.blocks import Blocks, cut_blocks
+
+
+def blocks_of(recording: Recording, simulator: Simulator, settings: Gap | None = None) -> Blocks:
+    settings = settings or Gap()
+    return cut_blocks(recording, simulator.platform, settings.block_duration, settings.margin)
+
+
+def problem_of(recording: Recording, simulator: Simulator) -> Problem:
+    """Return what a fit works on, with every run in it."""
+    blocks = blocks_of(recording, simulator)
+    functions = window_functions(blocks.samples, Gap().test_width, blocks.time_step)
+    return Problem(blocks, functions, noise_of_rows(simulator, blocks, functions), clusters_of(blocks, 3.0))
+
+
+def at_start(effect: Effect) -> FittedEffect:
+    """Return an effect that does nothing yet."""
+    return FittedEffect(effect, effect.neutral())
+
+
+def of_joint(*names: str) -> tuple[Effect, ...]:
+    return tuple(effect_by_key("joint", name) for name in names)
+
+
+def quick(recording: Recording, simulator: Simulator, effects: list[str] | None = None) -> Diagnosis:
+    """Diagnose with few resamples: nothing but the width of intervals depends on them."""
+    return diagnose(recording, simulator, Gap(resamples=50, effects=effects))
+
+
+def named(diagnosis: Diagnosis) -> list[str]:
+    """Return the named effects, most probable first."""
+    order = sorted(diagnosis.probabilities, key=lambda key: -diagnosis.probabilities[key])
+    assert set(order) == {candidate.effect.key for candidate in diagnosis.naming.named}
+    return order
+
+
+def value_of(diagnosis: Diagnosis, key: str) -> float:
+    """Return the only parameter of a named effect."""
+    (fitted,) = (f for f in diagnosis.simulator.effects if f.effect.key == key)
+    (value,) = fitted.values.values()
+    return value
+
+
+def random_like(shape: tuple[int, ...], seed: int) -> torch.Tensor:
+    return torch.randn(shape, generator=torch.Generator().manual_seed(seed), dtype=torch.float64)

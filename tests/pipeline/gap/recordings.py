@@ -1,0 +1,190 @@
+"""Recordings with a known answer: a joint simulated here, apart from the catalogue, and flights of the concealed plant."""
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from pipeline.platforms import Joint, Quadrotor, platform_from_config
+from pipeline.platforms.joint import JointMotor
+from pipeline.reality.case import PlantCase
+from pipeline.reality.fly import fly
+from pipeline.recordings.recording import Recording
+from pipeline.simulation import FittedEffect, Simulator
+
+ROOT = Path(__file__).parents[3]
+JOINT = Joint(inertia=0.05, motor=JointMotor(resistance=1.0, torque_constant=0.05, gear_ratio=10.0))
+GAIN = 0.5  # N·m/A and V/(rad/s) at the joint
+TIME_STEP = 5e-3  # s
+SUBSTEPS = 5
+
+
+@dataclass(frozen=True)
+class Plant:
+    """What is truly there.
+
+    Attributes:
+        friction: Coulomb, N·m; one number, or one per run.
+        viscous: N·m·s/rad; one number, or one per run.
+        current_limit: A.
+        delay: of the voltage, s; a whole number of substeps.
+        inertia: true over nominal.
+        motor_constant: true over nominal.
+        other: torque from position and velocity that no effect of the catalogue describes.
+    """
+
+    friction: float | tuple[float, ...] = 0.0
+    viscous: float | tuple[float, ...] = 0.0
+    current_limit: float = np.inf
+    delay: float = 0.0
+    inertia: float = 1.0
+    motor_constant: float = 1.0
+    other: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = field(default=None)
+
+
+def voltages(runs: int, samples: int, random: np.random.Generator) -> np.ndarray:
+    """Ramps, steps and multisines in turn, V: (runs, samples)."""
+    time = np.arange(samples) * TIME_STEP
+    signals = []
+    for run in range(runs):
+        phase, peak = random.uniform(0.0, 2.0 * np.pi, 6), random.uniform(5.0, 10.0)
+        if run % 3 == 0:
+            signals.append(peak * 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * time / 4.0 + phase[0])))
+        elif run % 3 == 1:
+            levels = np.repeat(random.uniform(-peak, peak, samples // 80 + 1), 80)
+            signals.append(levels[:samples])
+        else:
+            frequencies = np.array([0.3, 0.7, 1.1, 1.9, 3.1, 4.7])
+            waves = np.sin(2.0 * np.pi * frequencies[:, None] * time + phase[:, None])
+            signals.append(peak / 3.0 * waves.sum(0))
+    return np.stack(signals)
+
+
+def motion(plant: Plant, voltage: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Position and velocity at the samples under held voltages: (runs, samples) each.
+
+    Heun's rule; friction is an impulse that stops the axis or slows it by its level, never turns it round: exact stick and slip.
+    """
+    runs, samples = voltage.shape
+    step, late = TIME_STEP / SUBSTEPS, round(plant.delay / TIME_STEP * SUBSTEPS)
+    fine = np.repeat(voltage, SUBSTEPS, axis=1)
+    fine = np.concatenate([np.repeat(voltage[:, :1], late, axis=1), fine], axis=1)
+    inertia, gain = JOINT.inertia * plant.inertia, GAIN * plant.motor_constant
+    dry = np.broadcast_to(plant.friction, runs) * step / inertia
+    viscous, most = np.broadcast_to(plant.viscous, runs), plant.current_limit
+    position, velocity = np.zeros(runs), np.zeros(runs)
+    kept = np.empty((2, runs, samples))
+
+    def acceleration(position: np.ndarray, velocity: np.ndarray, applied: np.ndarray) -> np.ndarray:
+        current = np.clip(applied - gain * velocity, -most, most)  # resistance is 1 Ω
+        torque = gain * current - viscous * velocity
+        return (torque if plant.other is None else torque + plant.other(position, velocity)) / inertia
+
+    for index in range(samples * SUBSTEPS):
+        if index % SUBSTEPS == 0:
+            kept[:, :, index // SUBSTEPS] = position, velocity
+        first = acceleration(position, velocity, fine[:, index])
+        second = acceleration(position + step * velocity, velocity + step * first, fine[:, index])
+        moved = velocity + 0.5 * step * (first + second)
+        after = np.sign(moved) * np.maximum(np.abs(moved) - dry, 0.0)
+        position = position + 0.5 * step * (velocity + after)
+        velocity = after
+    return kept[0], kept[1]
+
+
+def joint_recordings(
+    plant: Plant, seeds: list[int], runs: int = 6, duration: float = 8.0, noise: float = 1.0
+) -> list[Recording]:
+    """One recording per seed, simulated all at once; the last two runs of each are held out."""
+    samples = round(duration / TIME_STEP)
+    randoms = [np.random.default_rng(seed) for seed in seeds]
+    voltage = np.concatenate([voltages(runs, samples, random) for random in randoms])
+    repeated = {
+        name: tuple(np.tile(value, len(seeds)))
+        for name in ("friction", "viscous")
+        if isinstance(value := getattr(plant, name), tuple)
+    }
+    position, velocity = motion(replace(plant, **repeated), voltage)
+    recordings = []
+    for index, random in enumerate(randoms):
+        mine = slice(index * runs, (index + 1) * runs)
+        shape = (runs, samples)
+        read_position = position[mine] + noise * 2e-4 * random.standard_normal(shape)
+        read_velocity = velocity[mine] + noise * 0.02 * random.standard_normal(shape)
+        recordings.append(_joint_recording(voltage[mine], read_position, read_velocity))
+    return recordings
+
+
+def _joint_recording(voltage: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> Recording:
+    runs, samples = voltage.shape
+    names = [f"run_{run}" for run in range(runs)]
+    frame = pd.DataFrame(
+        {
+            "run": np.repeat(names, samples),
+            "t": np.tile(np.arange(samples) * TIME_STEP, runs),
+            "position": position.ravel(),
+            "velocity": velocity.ravel(),
+            "voltage": voltage.ravel(),
+        }
+    )
+    units = {"position": "rad", "velocity": "rad/s", "voltage": "V"}
+    split = {name: "holdout" if run >= runs - 2 and runs > 2 else "train" for run, name in enumerate(names)}
+    return Recording(frame, "joint", units, source="the test's own joint", split=split, cleaned=True)
+
+
+@functools.cache
+def joint_recording(plant: Plant, seed: int = 0, runs: int = 6, noise: float = 1.0) -> Recording:
+    """Return one recording of a plant, kept for the session."""
+    return joint_recordings(plant, [seed], runs=runs, noise=noise)[0]
+
+
+def joint_simulator(*effects: FittedEffect) -> Simulator:
+    """Return what is believed of the joint."""
+    return Simulator(JOINT, effects)
+
+
+@functools.cache
+def racer() -> Quadrotor:
+    """Return the platform of the concealed quadrotor."""
+    return platform_from_config(yaml.safe_load((ROOT / "conf/platform/racer.yaml").read_text()))
+
+
+@functools.cache
+def flown(effects: tuple[tuple[str, float], ...], seed: int, runs: int) -> Recording:
+    """Return short flights of the concealed plant, kept for the session."""
+    case = PlantCase(effects=dict(effects), runs=runs, duration=4.0)
+    return replace(fly(case, racer(), seed)[0], cleaned=True)
+
+
+def flight(*effects: tuple[str, float]) -> Recording:
+    """Return eight short flights of a plant with these effects; the last two are held out."""
+    return _with_holdout(flown(effects, seed=0, runs=8))
+
+
+def uneventful_flights() -> list[Recording]:
+    """Return four recordings of a plant without any concealed effect, eight flights each."""
+    every = flown((), seed=1, runs=32)
+    return [_with_holdout(_of_runs(every, every.runs[part::4])) for part in range(4)]
+
+
+def late(recording: Recording, samples: int) -> Recording:
+    """Return the recording with its state a whole number of samples behind its motors."""
+    frame = recording.frame.copy()
+    motors = [column for column in frame if str(column).startswith("motor_")]
+    frame[motors] = frame.groupby("run", sort=False)[motors].shift(-samples)
+    return replace(recording, frame=frame.dropna(subset=motors).reset_index(drop=True))
+
+
+def _of_runs(recording: Recording, runs: list[str]) -> Recording:
+    frame = recording.frame[recording.frame["run"].isin(runs)].reset_index(drop=True)
+    return replace(recording, frame=frame)
+
+
+def _with_holdout(recording: Recording) -> Recording:
+    runs = recording.runs
+    split = {run: "holdout" if index >= len(runs) - 2 else "train" for index, run in enumerate(runs)}
+    return replace(recording, split=split)

@@ -1,0 +1,132 @@
+"""Each effect of a joint, planted in a simulation apart from the catalogue, and what must not be named."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.effects import effect_by_key
+from pipeline.platforms import Joint
+from pipeline.simulation import FittedEffect, Simulator
+from tests.pipeline.gap.problems import named, quick, value_of
+from tests.pipeline.gap.recordings import (
+    JOINT,
+    Plant,
+    joint_recording,
+    joint_recordings,
+    joint_simulator,
+)
+
+PLANTED = {
+    "coulomb_friction": (Plant(friction=0.3), 0.3),
+    "viscous_friction": (Plant(viscous=0.05), 0.05),
+    "current_limit": (Plant(current_limit=5.0), 5.0),
+    "command_delay": (Plant(delay=0.025), 0.025),
+    "inertia_error": (Plant(inertia=1.3), 1.3),
+    "motor_constant_error": (Plant(motor_constant=1.15), 1.15),
+}
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("name", PLANTED)
+def test_the_planted_effect_is_named_and_no_other(name, seed):
+    plant, truth = PLANTED[name]
+    found = quick(joint_recording(plant, seed), joint_simulator())
+    assert named(found) == [name]
+    assert found.probabilities[name] > 0.9
+    assert value_of(found, name) == pytest.approx(truth, rel=0.1)
+    wrong_number = name.endswith("_error")
+    assert found.verdict == ("parameter_mismatch" if wrong_number else "missing_physics")
+    assert [mismatch.channel.name for mismatch in found.mismatches] == ["torque"]
+    assert found.proof.gap_closed is not None
+    assert found.proof.gap_closed > 0.9
+
+
+def test_a_faint_effect_is_named_too():
+    """Friction of a twentieth of the motor's least peak torque, the noise of the velocity fifty times the usual."""
+    found = quick(joint_recording(Plant(friction=0.1), noise=20.0), joint_simulator())
+    assert named(found) == ["coulomb_friction"]
+    assert value_of(found, "coulomb_friction") == pytest.approx(0.1, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("plant", "truth"),
+    [
+        (Plant(friction=0.3, current_limit=5.0), {"coulomb_friction": 0.3, "current_limit": 5.0}),
+        (Plant(viscous=0.04, delay=0.02), {"viscous_friction": 0.04, "command_delay": 0.02}),
+        (Plant(friction=0.2, inertia=1.2), {"coulomb_friction": 0.2, "inertia_error": 1.2}),
+    ],
+)
+def test_both_of_a_pair_are_named(plant, truth):
+    found = quick(joint_recording(plant), joint_simulator())
+    assert set(named(found)) == set(truth)
+    for name, value in truth.items():
+        assert value_of(found, name) == pytest.approx(value, rel=0.1)
+
+
+def test_nothing_is_named_where_nothing_is():
+    """Ten recordings: with at most one false verdict in a hundred, none of ten is wrong with 90 %, and none is here."""
+    for recording in joint_recordings(Plant(), list(range(10))):
+        found = quick(recording, joint_simulator())
+        assert (found.verdict, named(found), found.unnamed) == ("none", [], [])
+        assert found.proof.gap_closed == 0.0
+
+
+def test_two_wrong_numbers_do_not_conspire_to_be_friction_nor_the_reverse():
+    """Motor constant and inertia wrong by one ratio damp a joint as viscous friction does: one cause is likelier."""
+    alone = quick(joint_recording(Plant(viscous=0.05)), joint_simulator())
+    assert named(alone) == ["viscous_friction"]
+    both = quick(joint_recording(Plant(inertia=1.4, motor_constant=0.9)), joint_simulator())
+    assert set(named(both)) == {"inertia_error", "motor_constant_error"}
+    assert both.verdict == "parameter_mismatch"
+
+
+@pytest.mark.parametrize(
+    ("other", "wave"),
+    [
+        (lambda q, v: -2e-4 * q**3, "position"),
+        (lambda q, v: 0.3 * np.sin(6.0 * q), "sin(6·position)"),
+        (lambda q, v: -0.05 * q, "position"),
+    ],
+    ids=["cubic_spring", "cogging", "spring"],
+)
+def test_what_the_catalogue_lacks_gets_a_formula_and_no_wrong_name(other, wave):
+    known = {"coulomb_friction", "viscous_friction", "current_limit", "command_delay", "inertia_error"}
+    found = quick(
+        joint_recording(Plant(other=other)), joint_simulator(), sorted(known | {"motor_constant_error"})
+    )
+    assert found.verdict == "unexplained"
+    assert all(probability <= 0.5 for probability in found.probabilities.values())
+    (unnamed,) = found.unnamed
+    assert "position" in unnamed.depends_on
+    assert wave in unnamed.formula
+    assert unnamed.share > 0.5
+
+
+def test_a_known_effect_with_the_right_value_is_not_named_and_with_a_wrong_one_is():
+    plant, effect = Plant(friction=0.3), effect_by_key("joint", "coulomb_friction")
+    for level, expected in ((0.3, []), (0.2, ["coulomb_friction"])):
+        believed = FittedEffect(effect, {"level": level}, known=True)
+        found = quick(joint_recording(plant), joint_simulator(believed))
+        assert named(found) == expected
+        assert len(found.simulator.effects) == 1
+        (final,) = found.simulator.effects
+        assert final.values["level"] == pytest.approx(0.3, rel=0.02)
+
+
+def test_a_sliding_axis_speaks_of_forces():
+    recording = joint_recording(Plant(friction=0.3))
+    sliding = replace(recording, units={"position": "m", "velocity": "m/s", "voltage": "V"})
+    found = quick(sliding, Simulator(JOINT, position_unit="m"))
+    assert found.mismatches[0].channel.name == "force"
+    assert named(found) == ["coulomb_friction"]
+
+
+def test_an_effort_in_place_of_a_voltage_serves_as_well():
+    recording = joint_recording(Plant(friction=0.3))
+    frame = recording.frame.copy()
+    effort = 0.5 * (frame["voltage"] - 0.5 * frame["velocity"])
+    frame = frame.drop(columns="voltage").assign(effort=effort)
+    units = {"position": "rad", "velocity": "rad/s", "effort": "N·m"}
+    found = quick(replace(recording, frame=frame, units=units), Simulator(Joint(inertia=JOINT.inertia)))
+    assert "coulomb_friction" in named(found)[:1]

@@ -1,0 +1,65 @@
+"""Flights of the concealed plant, which is richer than the catalogue and flown in closed loop with noisy sensors."""
+
+from dataclasses import replace
+
+import pytest
+
+from pipeline.simulation import Simulator
+from tests.pipeline.gap.problems import named, quick, value_of
+from tests.pipeline.gap.recordings import flight, late, racer, uneventful_flights
+
+PLANTED = {"rotor_drag": 0.35, "body_drag": 0.03, "axial_inflow": 0.3, "translational_lift": 0.02}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n == "rotor_drag" else pytest.mark.slow) for n in PLANTED]
+)
+def test_the_concealed_effect_is_named_and_no_other(name):
+    found = quick(flight((name, PLANTED[name])), Simulator(racer()))
+    assert found.verdict == "missing_physics"
+    assert named(found) == [name]
+    assert found.probabilities[name] > 0.9
+    assert value_of(found, name) == pytest.approx(PLANTED[name], rel=0.1)
+    assert found.proof.gap_closed is not None
+    assert found.proof.gap_closed > 0.9
+
+
+@pytest.mark.slow
+def test_both_of_a_pair_are_named():
+    found = quick(flight(("rotor_drag", 0.35), ("axial_inflow", 0.3)), Simulator(racer()))
+    assert set(named(found)) == {"rotor_drag", "axial_inflow"}
+    assert value_of(found, "rotor_drag") == pytest.approx(0.35, rel=0.1)
+    assert value_of(found, "axial_inflow") == pytest.approx(0.3, rel=0.1)
+
+
+def test_nothing_is_named_where_nothing_is_concealed():
+    """Four recordings of eight flights each: none is wrong here."""
+    for recording in uneventful_flights():
+        found = quick(recording, Simulator(racer()))
+        assert (found.verdict, named(found), found.unnamed) == ("none", [], [])
+
+
+@pytest.mark.parametrize("samples", [2, -2])
+def test_a_late_or_early_state_is_named(samples):
+    found = quick(late(uneventful_flights()[0], samples), Simulator(racer()))
+    assert named(found) == ["sensor_time_offset"]
+    assert value_of(found, "sensor_time_offset") == pytest.approx(0.01 * samples, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("key", "ratio", "name"),
+    [
+        ("mass", 1.15, "mass_error"),
+        ("thrust_coefficient", 0.9, "thrust_coefficient_error"),
+        ("inertia", 0.85, "inertia_error"),
+        ("torque_coefficient", 1.3, "torque_coefficient_error"),
+    ],
+)
+def test_a_wrong_number_of_the_platform_is_named(key, ratio, name):
+    """The plant is right and the platform file is wrong: the ratio is true over nominal."""
+    true = getattr(racer(), key)
+    wrong = tuple(value / ratio for value in true) if isinstance(true, tuple) else true / ratio
+    found = quick(uneventful_flights()[0], Simulator(replace(racer(), **{key: wrong})))
+    assert found.verdict == "parameter_mismatch"
+    assert named(found) == [name]
+    assert value_of(found, name) == pytest.approx(ratio, rel=0.1)

@@ -1,0 +1,134 @@
+import math
+from dataclasses import replace
+
+import pytest
+import torch
+
+from pipeline.effects import effect_by_key
+from pipeline.gap.residuals import noise_of_rows, residual_rows, sample_noise
+from pipeline.gap.weak_form import window_functions
+from pipeline.simulation import FittedEffect, Simulator, rollout
+from pipeline.simulation.blocks import Blocks
+from pipeline.simulation.motion import motion_of
+from tests.pipeline.gap.problems import blocks_of, problem_of, random_like
+from tests.pipeline.gap.recordings import JOINT, Plant, joint_recording, joint_recordings, joint_simulator, racer
+
+
+def _as_blocks(simulator: Simulator, states: torch.Tensor, commands: dict, step: float) -> Blocks:
+    """Return a rollout as if it had been recorded, commands at the samples, without margins."""
+    signals = motion_of(simulator.platform).signals(states) | commands
+    count = len(states)
+    return Blocks(signals, torch.zeros(count, dtype=torch.long), ("run",), torch.zeros(count).double(), step, 0,
+                  states.shape[1])
+
+
+def _simulated(simulator: Simulator, step: float) -> Blocks:
+    """Roll out 0.3 s under smooth commands."""
+    steps = round(0.3 / step)
+    time = torch.arange(steps + 1, dtype=torch.float64) * step
+    phases = torch.arange(3, dtype=torch.float64)[:, None]
+    if simulator.platform.kind == "joint":
+        command = {"voltage": 4.0 * torch.sin(9.0 * time + phases)}
+        initial = torch.zeros(3, 2, dtype=torch.float64)
+    else:
+        wobble = torch.sin(7.0 * time[:, None] + torch.arange(4) + phases[..., None])
+        command = {"rotor_speed": simulator.platform.hover_rotor_speed * (1.0 + 0.01 * wobble)}
+        initial = torch.zeros(3, 13, dtype=torch.float64)
+        initial[:, 3] = 1.0
+        initial[:, 7:9] = 3.0
+    held = {name: 0.5 * (series[:, :-1] + series[:, 1:]) for name, series in command.items()}
+    return _as_blocks(simulator, rollout(simulator, initial, held, step), command, step)
+
+
+def _joint(name: str, **values: float) -> Simulator:
+    return Simulator(JOINT, (FittedEffect(effect_by_key("joint", name), values),))
+
+
+def _racer(name: str, **values: float) -> Simulator:
+    return Simulator(racer(), (FittedEffect(effect_by_key("quadrotor", name), values),))
+
+
+@pytest.mark.parametrize(
+    "simulator",
+    [
+        Simulator(JOINT),
+        _joint("viscous_friction", coefficient=0.1),
+        _joint("inertia_error", ratio=1.3),
+        _joint("current_limit", limit=2.0),
+        Simulator(racer()),
+        _racer("rotor_drag", coefficient=0.4),
+        _racer("mass_error", ratio=1.1),
+        _racer("angular_drag", coefficient=0.01),
+    ],
+    ids=lambda s: "+".join([s.platform.kind, *(f.effect.name for f in s.effects)]),
+)
+def test_a_simulator_leaves_nothing_of_its_own_recording(simulator):
+    """What is left falls with the square of the time step: it is the quadrature's, not the simulator's."""
+    left = []
+    for step in (0.01, 0.005):
+        blocks = _simulated(simulator, step)
+        functions = window_functions(blocks.samples, 0.2, step)
+        bare = replace(simulator, effects=())
+        size = residual_rows(bare, blocks, functions).abs().amax((0, 1)).clamp_min(1e-9)
+        left.append(residual_rows(simulator, blocks, functions).abs().amax((0, 1)))
+    assert (left[1] < 0.4 * left[0] + 1e-9).all()
+    if simulator.effects:
+        assert (left[1] / size).min() < 0.02
+
+
+def test_the_noise_of_rows_is_their_spread_over_seeds():
+    """24 recordings of one motion: 24 × 512 correlated rows know the spread to about 3 %; 10 % is allowed."""
+    simulator = joint_simulator()
+    quiet = joint_recordings(Plant(), [0], noise=0.0)[0]
+    rows, stated = [], []
+    for seed in range(24):
+        frame = quiet.frame.copy()
+        frame["velocity"] += 0.02 * random_like((len(frame),), seed).numpy()
+        problem = problem_of(replace(quiet, frame=frame), simulator)
+        rows.append(residual_rows(simulator, problem.blocks, problem.functions))
+        stated.append(float(problem.noise[0]))
+    spread = float(torch.stack(rows).std(0).square().mean().sqrt())
+    assert sum(stated) / len(stated) == pytest.approx(spread, rel=0.1)
+
+
+def test_sample_noise_is_the_variance_and_ignores_smooth_motion_and_steps():
+    noise = 0.3 * random_like((200, 100), seed=2)
+    time = torch.arange(100, dtype=torch.float64) * 0.01
+    smooth = 5.0 * torch.sin(10.0 * time) + 3.0 * (time > 0.5)
+    # 20,000 squares of sixth-order differences, their median: 3 % standard error
+    assert float(sample_noise(noise + smooth)) == pytest.approx(0.09, rel=0.1)
+    assert float(sample_noise(smooth[None] - 3.0 * (time > 0.5))) < 1e-8
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1.5, 3.0])
+def test_a_parameter_error_cannot_shrink_the_residual_by_shrinking_the_momentum(ratio):
+    """Under every inertia that is believed, a friction of the same torque leaves the same share of the motion.
+
+    Once the residual was in terms of the believed inertia, and a wrong inertia 'explained' any effect.
+    """
+    quiet = joint_recording(Plant(viscous=0.05), noise=0.0)
+    blocks = blocks_of(quiet, joint_simulator())
+    functions = window_functions(blocks.samples, 0.2, blocks.time_step)
+    nominal = residual_rows(joint_simulator(), blocks, functions)
+    inertia = effect_by_key("joint", "inertia_error")
+    scaled = residual_rows(joint_simulator(FittedEffect(inertia, {"ratio": ratio})), blocks, functions)
+    signals = joint_simulator().along_time(blocks.signals, blocks.time_step)
+    effort = blocks.inner(signals["effort"]) @ functions.weights.T
+    torch.testing.assert_close(scaled[..., 0], nominal[..., 0] + (1.0 - 1.0 / ratio) * effort)
+
+
+def test_both_sides_noise_enters_where_the_accelerometer_does_not():
+    """Noise on the position changes nothing; on the velocity it does, by the gain of the slopes and no less."""
+    quiet = joint_recording(Plant(), noise=0.0)
+    simulator = joint_simulator()
+    blocks = blocks_of(quiet, simulator)
+    functions = window_functions(blocks.samples, 0.2, blocks.time_step)
+    noise = 0.05 * random_like(tuple(blocks.signals["velocity"].shape), seed=3)
+    shaken = replace(blocks, signals={**blocks.signals, "velocity": blocks.signals["velocity"] + noise})
+    moved = replace(blocks, signals={**blocks.signals, "position": blocks.signals["position"] + noise})
+    rate_gain = math.sqrt(float(functions.slopes.square().sum(1).mean()))
+    least = JOINT.inertia * 0.05 * rate_gain
+    assert float(noise_of_rows(simulator, moved, functions)) == pytest.approx(
+        float(noise_of_rows(simulator, blocks, functions))
+    )
+    assert least < 1.05 * float(noise_of_rows(simulator, shaken, functions)) < 2.0 * least

@@ -1,0 +1,91 @@
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.gap.fit import Fit
+from pipeline.gap.scoring import clusters_of, cross_validated, folds_of, log_score, significance_of
+from pipeline.simulation.blocks import Blocks
+from tests.pipeline.gap.problems import random_like
+from tests.pipeline.gap.recordings import joint_simulator
+
+
+def _blocks(run: list[int], start: list[float]) -> Blocks:
+    names = tuple(f"run_{index}" for index in range(max(run) + 1))
+    return Blocks({}, torch.tensor(run), names, torch.tensor(start, dtype=torch.float64), 0.01, 0, 100)
+
+
+runs = st.lists(st.integers(0, 7), min_size=1, max_size=60)
+
+
+@given(runs, st.integers(2, 6))
+def test_a_run_is_never_divided_between_folds(run, count):
+    fold = folds_of(_blocks(run, list(range(len(run)))), count)
+    if len(set(run)) > 1:
+        for name in set(run):
+            assert len(set(fold[torch.tensor(run) == name].tolist())) == 1
+        assert len(fold.unique()) == min(count, len(set(run)))
+
+
+def test_one_run_alone_is_cut_into_stretches_of_time():
+    fold = folds_of(_blocks([0] * 10, list(range(10))), 5)
+    assert fold.tolist() == [0, 0, 1, 1, 2, 2, 3, 3, 4, 4]
+
+
+@given(runs, st.floats(0.5, 20.0))
+def test_a_cluster_never_crosses_runs_nor_outlasts_its_duration(run, duration):
+    start = [float(index) for index in range(len(run))]
+    blocks = _blocks(run, start)
+    cluster = clusters_of(blocks, duration)
+    assert set(cluster.tolist()) == set(range(int(cluster.max()) + 1))
+    for number in cluster.unique():
+        mine = cluster == number
+        assert len(blocks.run[mine].unique()) == 1
+        assert float(blocks.start[mine].max() - blocks.start[mine].min()) < duration
+
+
+def _linear(seed: int) -> tuple[Fit, torch.Tensor]:
+    """Return a least-squares fit of a linear model on 6 runs of 5 blocks, and its targets."""
+    jacobian, noise = random_like((30, 4, 2, 3), seed), random_like((30, 4, 2), seed + 1)
+    truth = torch.tensor([1.0, -2.0, 0.5], dtype=torch.float64)
+    scale = torch.tensor([1.0, 2.0], dtype=torch.float64)
+    target = jacobian @ truth + noise * scale
+    values = _least_squares(jacobian, target, scale)
+    return Fit(joint_simulator(), target - jacobian @ values, jacobian, scale, torch.eye(3).double()), target
+
+
+def _least_squares(jacobian, target, scale):
+    weighted = (jacobian / scale[:, None]).reshape(-1, 3)
+    return torch.linalg.lstsq(weighted, (target / scale).reshape(-1, 1)).solution[:, 0]
+
+
+@pytest.mark.parametrize("seed", [0, 10, 20])
+def test_cross_validation_equals_fitting_again_without_the_fold(seed):
+    found, target = _linear(seed)
+    fold = folds_of(_blocks([b // 5 for b in range(30)], list(range(30))), 3)
+    out = cross_validated(found, fold)
+    for left_out in fold.unique():
+        kept, mine = fold != left_out, fold == left_out
+        values = _least_squares(found.jacobian[kept], target[kept], found.scale)
+        torch.testing.assert_close(out[mine], target[mine] - found.jacobian[mine] @ values)
+
+
+def test_without_parameters_cross_validation_changes_nothing():
+    found, _ = _linear(0)
+    bare = Fit(joint_simulator(), found.residual, found.jacobian[..., :0], found.scale, torch.zeros(0, 0).double())
+    assert torch.equal(cross_validated(bare, torch.zeros(30, dtype=torch.long)), found.residual)
+
+
+def test_the_log_score_is_a_gaussian_likelihood():
+    residual, scale = random_like((5, 4, 2), 3), torch.tensor([0.5, 3.0], dtype=torch.float64)
+    exact = torch.distributions.Normal(0.0, scale).log_prob(residual)
+    constant = 0.5 * torch.log(torch.tensor(2.0 * torch.pi)) * 4 * 2
+    torch.testing.assert_close(log_score(residual, scale) - constant.double(), exact.sum((1, 2)))
+
+
+def test_a_parameter_at_its_neutral_value_is_not_significant(monkeypatch):
+    found, _ = _linear(0)
+    monkeypatch.setattr(Fit, "values", property(lambda self: torch.tensor([0.0, 0.0, 9.0]).double()))
+    assert significance_of(found, [0, 1], [0.0, 0.0], 30).p_value == pytest.approx(1.0)
+    assert significance_of(found, [2], [0.0], 30).p_value < 1e-8
+    assert significance_of(found, [2], [9.0], 30).p_value == pytest.approx(1.0)
