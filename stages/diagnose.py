@@ -26,11 +26,15 @@ class DiagnoseStage(StageConfig):
 @stage(DiagnoseStage)
 def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     """Say where a simulator and a recording differ, which physics was left out, and prove it."""
+    import torch
+
     from pipeline.gap.contract import diagnosis_document, write_json
     from pipeline.gap.diagnosis import diagnose as find_gap
     from pipeline.gap.evidence import write_evidence
     from pipeline.simulation import read_simulator, write_simulator
 
+    # The tensors of a diagnosis are small: a second thread waits more than it works.
+    torch.set_num_threads(1)
     built = config.artifact("build_sim", "simulator.yaml")
     own = config.recording is not None
     nominal = None if own else read_simulator(run.input(built).parent)

@@ -26,7 +26,9 @@ from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks, cut_blocks
 
-_BEYOND_NOISE = 4.0  # times the noise's energy: coloured noise may pass for more than the white noise it is measured by
+_BEYOND_NOISE = (
+    4.0  # times the noise's energy: coloured noise may pass for more than the white noise it is measured by
+)
 _CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
 
 

@@ -81,8 +81,11 @@ def candidates_for(simulator: Simulator, available: set[str], names: Sequence[st
         InputError: when `names` holds an effect that the catalogue does not have.
     """
     kind = simulator.platform.kind
-    wanted = effects_of(kind) if names is None else [effect_by_key(kind, name) for name in names]
-    return [effect for effect in wanted if set(effect.needs) <= available]
+    for wanted in names or ():
+        if wanted not in {effect.name for effect in effects_of(kind)}:
+            effect_by_key(kind, wanted)
+    chosen = [e for e in effects_of(kind) if names is None or {e.name, e.key} & set(names)]
+    return [effect for effect in chosen if set(effect.needs) <= available]
 
 
 def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
@@ -236,9 +239,18 @@ class _Competition:
         """Return the effects that could stand in for a named one."""
         without = self.without(winner.effect)
         present = {fitted.effect.key for fitted in self.current.simulator.free}
-        others = [self.candidate(e, without) for e in self.catalogue if e.key not in present]
+        close = [e for e in self.close_to(winner.effect) if e.key not in present]
+        others = [self.candidate(effect, without) for effect in close]
         rivals = rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
         return rivalry_of(winner, [rival for rival in rivals if self.is_needless(rival)])
+
+    def close_to(self, winner: Effect) -> list[Effect]:
+        """Return the effects that came close to a winner in the round it won: only they can stand in for it."""
+        for turn in self.rounds:
+            if turn.winner is not None and turn.winner.effect.key == winner.key:
+                least = 0.5 * turn.winner.gain
+                return [c.effect for c in turn.candidates if c.gain > least]
+        return self.catalogue
 
     def is_needless(self, rival: Candidate) -> bool:
         """Whether the winner leaves nothing for a rival to explain: then both explain the same residual."""

@@ -7,6 +7,7 @@ from typing import Any
 from pipeline.effects import effect_by_key
 from pipeline.errors import InputError
 from pipeline.platforms import platform_from_config
+from pipeline.simulation.identified import with_identified
 from pipeline.simulation.settings import SimulatorSettings
 from pipeline.simulation.simulator import FittedEffect, Simulator
 
@@ -30,6 +31,9 @@ def build_simulator(
     """
     built = platform_from_config(platform)
     effects = tuple(_known(built.kind, key, values) for key, values in settings.effects.items())
+    if identified is not None:
+        built, found = with_identified(built, identified)
+        effects = (*(f for f in found if f.effect.key not in settings.effects), *effects)
     return Simulator(built, effects, units.get("position", "rad"))
 
 
