@@ -33,13 +33,18 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> dict[str
     Raises:
         InputError: on an unknown key, group or option, and on what cannot be read.
     """
+    from hydra.core.override_parser.overrides_parser import OverridesParser
     from hydra.types import RunMode
 
-    known = prepare_overrides([quote_text(override) for override in overrides], config_dir)
+    prepared = prepare_overrides([quote_text(override) for override in overrides], config_dir)
+    single = [override for override in prepared if _is_single(override)]
+    others = [override for override in prepared if not _is_single(override)]
     with configuration_mistakes():
-        root = open_hydra(config_dir).compose_config(
-            ROOT_CONFIG, known, RunMode.RUN, with_log_configuration=False
-        )
+        hydra = open_hydra(config_dir)
+        root = hydra.compose_config(ROOT_CONFIG, others, RunMode.RUN, with_log_configuration=False)
+        # Hydra would take `output=DIR` for a choice in a group where a person's folder has a subfolder `output`.
+        for entry in OverridesParser.create().parse_overrides(single):
+            root[entry.key_or_group] = entry.value()
         return plain(root)
 
 
@@ -116,6 +121,15 @@ def prepare_overrides(overrides: Sequence[str], config_dir: str | None = None) -
     return [_prepare(override, known, groups) for override in overrides]
 
 
+def _is_single(override: str) -> bool:
+    return override.partition("=")[0] in {f"++{key}" for key in _single_keys()}
+
+
+def _single_keys() -> set[str]:
+    """Return the top-level keys that hold one value each."""
+    return {key for key, value in _root().items() if not isinstance(value, dict | list)}
+
+
 def _prepare(override: str, known: set[str], groups: set[str]) -> str:
     key, equals, value = override.partition("=")
     first, dot, _ = key.lstrip("+~").partition(".")
@@ -124,15 +138,19 @@ def _prepare(override: str, known: set[str], groups: set[str]) -> str:
         raise InputError("is not of the form key=value", override, "see --help")
     if first not in known and first != "hydra":
         raise InputError(f"unknown key {first!r}", override, nearest(first, known))
-    is_selection = (first in groups and not dot) or first == "hydra"
+    is_selection = (first in groups - _single_keys() and not dot) or first == "hydra"
     return override if is_selection or key[0] in "+~" else f"++{key}={value}"
 
 
 def root_keys() -> set[str]:
     """Return the top-level keys of the configuration: those of the root file and its groups."""
-    import yaml
-
-    root = yaml.safe_load((CONFIGURATION / f"{ROOT_CONFIG}.yaml").read_text(encoding="utf-8"))
+    root = _root()
     entries = [key for entry in root.pop("defaults") if isinstance(entry, dict) for key in entry]
     names = {key.removeprefix("optional ") for key in entries if not key.startswith("override ")}
     return (set(root) | names) - {"hydra"}
+
+
+def _root() -> dict[str, Any]:
+    import yaml
+
+    return yaml.safe_load((CONFIGURATION / f"{ROOT_CONFIG}.yaml").read_text(encoding="utf-8"))

@@ -121,6 +121,18 @@ def test_a_folder_of_ones_own_adds_to_the_groups_and_goes_first(command: Command
     assert "not valid YAML" in err
 
 
+def test_a_folder_of_ones_own_may_hold_anything(command: Command) -> None:
+    for name in ("output", "recording", "platform"):
+        Path(name).mkdir()
+    Path("platform/heron.yaml").write_text("mass: 0.1\n")
+    Path("recording/flight.csv").write_text("t\n")
+    arguments = ["--config-dir", ".", "platform=heron", "recording=recording/flight.csv", "output=output"]
+    for _ in range(2):
+        code, _, err = command(*arguments)
+        assert (code, err) == (0, "")
+    assert files("output") == ["output/draws", "output/metrics.json"]
+
+
 def test_cfg_prints_what_the_stage_reads_and_stops(command: Command) -> None:
     code, out, _ = command("drawing.amount=7", "--cfg")
     assert code == 0
