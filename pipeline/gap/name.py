@@ -1,12 +1,13 @@
 """Which physics is missing: effects compete to explain the residual on runs they were not fitted on."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from torch import Tensor
 
-from pipeline.effects import Effect, MeasurementEffect, ParameterError, effect_by_key, effects_of
+from pipeline.effects import Effect, MeasurementEffect, ParameterError
 from pipeline.gap.ambiguity import Rivalry, rivalry_of, rivals_of
+from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Fit, Problem, columns_of, fit
 from pipeline.gap.model import drifts_of
 from pipeline.gap.parsimony import single_cause
@@ -19,6 +20,9 @@ from pipeline.simulation import Simulator
 _Z95 = 1.96
 _REDUNDANT = 0.2
 _BELIEVED = 0.5
+_LEAST_ERROR = (
+    0.002  # of a platform's number: equations of motion sampled a few times per window are no better
+)
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 
 
@@ -74,20 +78,6 @@ class Naming:
     rivalries: tuple[Rivalry, ...]
 
 
-def candidates_for(simulator: Simulator, available: set[str], names: Sequence[str] | None) -> list[Effect]:
-    """Return the effects of the catalogue that this recording allows to test.
-
-    Raises:
-        InputError: when `names` holds an effect that the catalogue does not have.
-    """
-    kind = simulator.platform.kind
-    for wanted in names or ():
-        if wanted not in {effect.name for effect in effects_of(kind)}:
-            effect_by_key(kind, wanted)
-    chosen = [e for e in effects_of(kind) if names is None or {e.name, e.key} & set(names)]
-    return [effect for effect in chosen if set(effect.needs) <= available]
-
-
 def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     """Let the catalogue compete for the residual of a nominal simulator.
 
@@ -108,8 +98,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
 class _Competition:
     def __init__(self, simulator: Simulator, problem: Problem, settings: Gap) -> None:
         self.problem, self.settings = problem, settings
-        available = set(problem.blocks.signals) | _derived(problem.blocks.signals)
-        self.catalogue = candidates_for(simulator, available, settings.effects)
+        self.catalogue = candidates_for(simulator, problem.blocks.signals, settings.effects)
         self.fold = folds_of(problem.blocks, settings.folds)
         self.clusters = int(problem.cluster.max()) + 1
         self.base = self.current = fit(simulator, problem)
@@ -173,6 +162,9 @@ class _Competition:
                 return f"{parameter.name} rests on its lower bound"
             if value >= parameter.high:
                 return f"{parameter.name} rests on its upper bound"
+        distances = [abs(value - rest) for value, rest in zip(values, resting.values(), strict=True)]
+        if isinstance(candidate.effect, ParameterError) and max(distances) < _LEAST_ERROR:
+            return "smaller than the quadrature of the equations can tell"
         if candidate.p_value > self.settings.significance / max(len(self.catalogue), 1):
             return "not significant"
         if candidate.gain <= 0:
@@ -255,9 +247,3 @@ class _Competition:
     def is_needless(self, rival: Candidate) -> bool:
         """Whether the winner leaves nothing for a rival to explain: then both explain the same residual."""
         return self.candidate(rival.effect).gain < _REDUNDANT * rival.gain
-
-
-def _derived(signals: dict[str, Tensor]) -> set[str]:
-    """Return what a nominal actuator makes of the recorded signals."""
-    made = {"motor_command": "rotor_speed", "voltage": "effort"}
-    return {product for source, product in made.items() if source in signals}

@@ -16,6 +16,7 @@ from pipeline.platforms.mechanism import Channel
 _MOST_TERMS = 4
 _HARMONICS = 12  # of a turn: what repeats once to twelve times per turn of a joint
 _CHANCE = 1e-3  # of a formula where there is nothing, over the whole library
+_LEAST_ENERGY = 0.2  # of the noise's: below that the simulator fits to the noise floor for all that a person can see
 _LEAST_STEP = 0.02  # of the remaining energy, cross-validated, for one more term to be worth reading
 
 
@@ -75,7 +76,7 @@ def find_unnamed(
         excess = max(float(nominal_residual[..., i].square().mean()) - noise, 0.01 * noise)
         left = residual[..., i].flatten()
         chosen, explained = _pursue(left, terms, row_fold, row_cluster)
-        if chosen and explained > max(least_share * excess, 0.05 * noise):
+        if chosen and explained > max(least_share * excess, _LEAST_ENERGY * noise):
             formula = _formula(chosen, left)
             signals = tuple(dict.fromkeys(signal for term in chosen for signal in term.signals))
             found.append(Unnamed(channel, signals, formula, min(explained / excess, 1.0)))

@@ -1,0 +1,31 @@
+"""Which effects of the catalogue a recording allows to test."""
+
+from collections.abc import Mapping, Sequence
+
+from torch import Tensor
+
+from pipeline.effects import Effect, effect_by_key, effects_of
+from pipeline.simulation import Simulator
+
+
+def candidates_for(
+    simulator: Simulator, signals: Mapping[str, Tensor], names: Sequence[str] | None
+) -> list[Effect]:
+    """Return the effects of the catalogue that this recording allows to test.
+
+    Raises:
+        InputError: when `names` holds an effect that the catalogue does not have.
+    """
+    available = set(signals) | _derived(signals)
+    kind = simulator.platform.kind
+    for wanted in names or ():
+        if wanted not in {effect.name for effect in effects_of(kind)}:
+            effect_by_key(kind, wanted)
+    chosen = [e for e in effects_of(kind) if names is None or {e.name, e.key} & set(names)]
+    return [effect for effect in chosen if set(effect.needs) <= available]
+
+
+def _derived(signals: Mapping[str, Tensor]) -> set[str]:
+    """Return what a nominal actuator makes of the recorded signals."""
+    made = {"motor_command": "rotor_speed", "voltage": "effort"}
+    return {product for source, product in made.items() if source in signals}
