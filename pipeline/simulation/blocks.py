@@ -11,6 +11,8 @@ from pipeline.platforms import Platform
 from pipeline.recordings.recording import Recording
 from pipeline.simulation.signals import recorded_signals
 
+_FEWEST_SAMPLES = 10  # of a block
+
 
 @dataclass(frozen=True)
 class Blocks:
@@ -71,11 +73,15 @@ def cut_blocks(recording: Recording, platform: Platform, duration: float, margin
         margin_duration: of what is kept on each side of a block, s.
 
     Raises:
-        InputError: when no segment holds even ten samples and their margins.
+        InputError: when no segment holds even ten samples, or when the recording is not cleaned.
     """
-    time_step = recording.time_step
     keys = ["run", "segment"] if "segment" in recording.frame else ["run"]
     segments = [segment for _, segment in recording.frame.groupby(keys, sort=False)]
+    if max(map(len, segments), default=0) < _FEWEST_SAMPLES:
+        raise InputError(
+            "is too short to be replayed", recording.source or "recording", "record at least a few seconds"
+        )
+    time_step = recording.time_step
     samples, margin = _lengths(recording.frame, keys, duration / time_step, margin_duration / time_step)
     runs = tuple(recording.runs)
     index = {name: position for position, name in enumerate(runs)}
@@ -90,10 +96,6 @@ def cut_blocks(recording: Recording, platform: Platform, duration: float, margin
             pieces.append({n: s[first : first + samples + 2 * margin] for n, s in padded.items()})
             run.append(index[str(segment["run"].iloc[0])])
             start.append(float(segment["t"].iloc[first]))
-    if not pieces:
-        raise InputError(
-            "is too short to be replayed", recording.source or "recording", "record at least a few seconds"
-        )
     shared = set.intersection(*(set(piece) for piece in pieces))
     return Blocks(
         signals={name: torch.stack([piece[name] for piece in pieces]) for name in sorted(shared)},
@@ -117,4 +119,4 @@ def _lengths(frame: pd.DataFrame, keys: list[str], samples: float, margin: float
     """Return samples and margin of a block, so that three fit into the longest segment of every run."""
     longest = frame.groupby(keys, sort=False).size().groupby(level=0 if len(keys) > 1 else "run").max()
     shortest = float(longest.min())
-    return max(round(min(samples, shortest / 3)), 10), max(round(min(margin, shortest / 8)), 2)
+    return max(round(min(samples, shortest / 3)), _FEWEST_SAMPLES), max(round(min(margin, shortest / 8)), 2)
