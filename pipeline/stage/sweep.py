@@ -3,6 +3,7 @@
 import logging
 import re
 import sys
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -40,7 +41,9 @@ class Job:
 
         name = job_name([text for text in HydraConfig.get().overrides.task if _key(text) in self.swept])
         try:
-            target = self.stage.run(plain(root), name, self.sweep)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                target = self.stage.run(plain(root), name, self.sweep)
         except InputError as error:
             return f"{name}: {error}"
         logging.getLogger("simgap").info("%s: wrote %s", self.stage.name, target)
