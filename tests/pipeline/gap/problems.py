@@ -8,7 +8,7 @@ from pipeline.gap.fit import Problem
 from pipeline.gap.residuals import noise_of_rows
 from pipeline.gap.scoring import clusters_of
 from pipeline.gap.settings import Gap
-from pipeline.gap.weak_form import window_functions
+from pipeline.physics.weak_form import window_functions
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.blocks import Blocks, cut_blocks

@@ -7,6 +7,7 @@ from pipeline.effects import effect_by_key
 from pipeline.gap.fit import clustered_covariance, fit, jacobian_of, values_of
 from pipeline.gap.refit import extend, shrink
 from pipeline.gap.residuals import residual_rows
+from pipeline.simulation import FittedEffect, Simulator
 from tests.pipeline.gap.problems import at_start, of_joint, problem_of, random_like
 from tests.pipeline.gap.recordings import (
     Plant,
@@ -16,7 +17,6 @@ from tests.pipeline.gap.recordings import (
     joint_simulator,
     racer,
 )
-from pipeline.simulation import FittedEffect, Simulator
 
 # A window of 0.2 s and blocks of one sample's quadrature bias values by less than a hundredth.
 BIAS = 0.01

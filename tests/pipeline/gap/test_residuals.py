@@ -6,12 +6,19 @@ import torch
 
 from pipeline.effects import effect_by_key
 from pipeline.gap.residuals import noise_of_rows, residual_rows, sample_noise
-from pipeline.gap.weak_form import window_functions
+from pipeline.physics.weak_form import window_functions
 from pipeline.simulation import FittedEffect, Simulator, rollout
 from pipeline.simulation.blocks import Blocks
 from pipeline.simulation.motion import motion_of
 from tests.pipeline.gap.problems import blocks_of, problem_of, random_like
-from tests.pipeline.gap.recordings import JOINT, Plant, joint_recording, joint_recordings, joint_simulator, racer
+from tests.pipeline.gap.recordings import (
+    JOINT,
+    Plant,
+    joint_recording,
+    joint_recordings,
+    joint_simulator,
+    racer,
+)
 
 
 def _as_blocks(simulator: Simulator, states: torch.Tensor, commands: dict, step: float) -> Blocks:

@@ -1,0 +1,53 @@
+import pytest
+import torch
+
+from pipeline.effects import effect_by_key
+from pipeline.gap.fit import fit
+from pipeline.gap.model import Drift, drifts_of, steadiness
+from tests.pipeline.gap.problems import at_start, problem_of
+from tests.pipeline.gap.recordings import Plant, joint_recordings, joint_simulator
+
+RUNS = 6
+
+
+def _drifts(plant: Plant, seeds: list[int]) -> list[Drift]:
+    """Return the drift of viscous friction in one recording per seed; runs of 15 s hold five clusters each."""
+    effect = effect_by_key("joint", "viscous_friction")
+    simulator = joint_simulator(at_start(effect))
+    drifts = []
+    for recording in joint_recordings(plant, seeds, runs=RUNS, duration=15.0):
+        problem = problem_of(recording, simulator)
+        (drift,) = drifts_of(fit(simulator, problem), effect, problem.blocks, problem.cluster)
+        drifts.append(drift)
+    return drifts
+
+
+def test_no_drift_is_found_where_there_is_none():
+    """12 recordings: at a chance of 1e-3 and a spread of a quarter of the value none should be notable."""
+    drifts = _drifts(Plant(viscous=0.05), list(range(12)))
+    assert not any(drift.notable for drift in drifts)
+    assert max(drift.spread for drift in drifts) < 0.05
+    assert steadiness(drifts) == 1.0
+
+
+def test_a_parameter_that_differs_between_runs_is_found():
+    drifting = Plant(viscous=(0.02, 0.03, 0.05, 0.06, 0.08, 0.1))
+    for drift in _drifts(drifting, [0, 1, 2]):
+        assert drift.notable
+        assert drift.spread == pytest.approx(0.54, abs=0.25)
+        assert steadiness([drift]) < 0.95
+
+
+def test_runs_too_short_to_know_their_own_error_say_nothing():
+    effect = effect_by_key("joint", "viscous_friction")
+    simulator = joint_simulator(at_start(effect))
+    (recording,) = joint_recordings(Plant(viscous=0.05), [0], runs=4, duration=6.0)
+    problem = problem_of(recording, simulator)
+    assert drifts_of(fit(simulator, problem), effect, problem.blocks, torch.zeros_like(problem.cluster)) == []
+
+
+def test_steadiness_falls_with_the_worst_certain_drift_only():
+    certain, doubtful = Drift("a", 1.0, 1e-9), Drift("a", 3.0, 0.2)
+    assert steadiness([]) == steadiness([doubtful]) == 1.0
+    assert steadiness([certain, doubtful]) == pytest.approx(0.5)
+    assert steadiness([Drift("a", 2.0, 1e-9), certain]) == pytest.approx(0.2)

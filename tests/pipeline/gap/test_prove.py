@@ -1,0 +1,79 @@
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.gap.prove import gap_closed
+from tests.pipeline.gap.problems import quick
+from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
+
+errors = st.floats(1e-6, 1e6)
+
+
+@given(errors, errors, errors)
+def test_the_gap_closed_is_the_contracts_share(before, after, noise):
+    closed = gap_closed(before, after, noise)
+    assert closed <= 1.0
+    if before <= noise:
+        assert closed == 0.0
+    elif after >= noise:
+        assert closed == pytest.approx((before - after) / (before - noise), rel=1e-9, abs=1e-12)
+
+
+@given(errors, st.floats(1.01, 10.0))
+def test_the_ends_of_the_gap(noise, factor):
+    before = factor * noise
+    assert gap_closed(before, before, noise) == 0.0
+    assert gap_closed(before, noise, noise) == pytest.approx(1.0)
+    assert gap_closed(before, 0.5 * noise, noise) == 1.0
+    assert gap_closed(before, 2.0 * before, noise) < 0.0
+
+
+def test_held_out_runs_never_enter_the_fit():
+    """Other data in the held-out runs leave every name and number bit for bit, and change the proof."""
+    recording = joint_recording(Plant(friction=0.3))
+    frame = recording.frame.copy()
+    held = frame["run"].map(recording.split) == "holdout"
+    frame.loc[held, "velocity"] *= 1.5
+    frame.loc[held, "position"] *= 1.5
+    found, other = (quick(r, joint_simulator()) for r in (recording, replace(recording, frame=frame)))
+    assert found.simulator == other.simulator
+    assert found.probabilities == other.probabilities
+    assert [c.gain for c in found.naming.named] == [c.gain for c in other.naming.named]
+    assert found.mismatches == other.mismatches
+    assert found.proof.held_out_runs == other.proof.held_out_runs == ("run_4", "run_5")
+    assert found.proof.after != other.proof.after
+
+
+@pytest.mark.parametrize(
+    "plant", [Plant(friction=0.3), Plant(current_limit=5.0), Plant(friction=0.3, other=lambda q, v: -0.02 * q)]
+)
+def test_the_interval_contains_the_estimate(plant):
+    proof = quick(joint_recording(plant), joint_simulator()).proof
+    assert proof.interval is not None
+    low, high = proof.interval
+    assert low <= proof.gap_closed <= high <= 1.0
+    assert proof.after < proof.before
+
+
+def test_one_run_proves_nothing_and_says_so():
+    found = quick(joint_recording(Plant(friction=0.3), runs=1), joint_simulator())
+    assert (found.proof.gap_closed, found.proof.interval, found.proof.held_out_runs) == (None, None, ())
+    assert any("held out" in warning for warning in found.warnings)
+    assert found.proof.after < found.proof.before
+
+
+def test_the_floor_is_where_a_right_simulator_lands():
+    proof = quick(joint_recording(Plant()), joint_simulator()).proof
+    assert proof.before == proof.after == pytest.approx(proof.noise_floor, rel=0.15)
+
+
+def test_open_loop_predictions_fall_too():
+    (position, velocity) = quick(joint_recording(Plant(friction=0.3)), joint_simulator()).horizons
+    assert (position.unit, velocity.unit) == ("rad", "rad/s")
+    for error in (position, velocity):
+        assert float(error.after[-1, 0]) < 0.2 * float(error.before[-1, 0])
+        assert (error.before[:, 1] <= error.before[:, 0]).all()
+        assert (error.before[:, 0] <= error.before[:, 2]).all()
+        assert float(error.horizon[-1]) == pytest.approx(0.5)
