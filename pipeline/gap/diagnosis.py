@@ -20,7 +20,7 @@ from pipeline.gap.scoring import clusters_of, cross_validated, folds_of
 from pipeline.gap.sensors import settle_accelerometer, settle_velocity
 from pipeline.gap.settings import Gap
 from pipeline.gap.unnamed import Unnamed, find_unnamed
-from pipeline.gap.weak_form import window_functions
+from pipeline.physics.weak_form import window_functions
 from pipeline.platforms.mechanism import Channel
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator

@@ -14,7 +14,7 @@ from pipeline.gap.name import Candidate
 from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
 from pipeline.gap.residuals import channel_series, residual_rows
 from pipeline.gap.scoring import clusters_of
-from pipeline.gap.weak_form import mean_of, mean_rate_of
+from pipeline.physics.weak_form import mean_of, mean_rate_of
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
 

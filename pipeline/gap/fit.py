@@ -7,7 +7,7 @@ from torch import Tensor
 
 from pipeline.effects import Effect, Parameter, WrenchEffect
 from pipeline.gap.residuals import residual_rows
-from pipeline.gap.weak_form import WindowFunctions, mean_of
+from pipeline.physics.weak_form import WindowFunctions, mean_of
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.blocks import Blocks
 

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from pipeline.gap.fit import Problem
 from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
-from pipeline.gap.weak_form import mean_of
+from pipeline.physics.weak_form import mean_of
 from pipeline.platforms.mechanism import Channel
 
 _BINS = 8

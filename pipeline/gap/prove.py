@@ -8,7 +8,7 @@ from torch import Tensor
 
 from pipeline.gap.residuals import noise_of_rows, residual_rows
 from pipeline.gap.scoring import clusters_of
-from pipeline.gap.weak_form import WindowFunctions
+from pipeline.physics.weak_form import WindowFunctions
 from pipeline.platforms.mechanism import Channel
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from pipeline.gap.weak_form import WindowFunctions, mean_of, mean_rate_of
+from pipeline.physics.weak_form import WindowFunctions, mean_of, mean_rate_of
 from pipeline.platforms.mechanism import Channel
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks

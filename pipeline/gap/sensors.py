@@ -6,8 +6,8 @@ import torch
 from torch import Tensor
 
 from pipeline.effects.shift import shift_in_time
-from pipeline.gap.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
 from pipeline.physics import rotations
+from pipeline.physics.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
 from pipeline.simulation.blocks import Blocks
 
 _AGREED = 0.5  # of the disagreement must go for a shift to be believed

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from pipeline.gap.fit import Problem
 from pipeline.gap.regimes import Regime
-from pipeline.gap.weak_form import mean_of
+from pipeline.physics.weak_form import mean_of
 from pipeline.platforms.mechanism import Channel
 
 _MOST_TERMS = 4

@@ -13,12 +13,13 @@ has no constant term. Source: WPILib, "System Identification", whose constants t
 from dataclasses import dataclass
 
 import numpy as np
+import torch
 
 from pipeline.models.motor_samples import MotorSamples, with_acting_voltage
 from pipeline.models.parameters import WITHHELD, Parameter
 from pipeline.models.regression import Table, fit_table, is_determined, jackknife_error, join
 from pipeline.models.settings import SystemIdentification
-from pipeline.models.weak_form import WeakForm
+from pipeline.physics.weak_form import moving_centres, moving_mean_of, moving_mean_rate_of, moving_window
 
 _HELD_OUT_SHARE = 0.2
 
@@ -92,14 +93,19 @@ def _voltage_balance(
     motor: MotorSamples, numbers: list[np.ndarray], threshold: float, window: float
 ) -> Table:
     """Return the law in weak form: means of sign(v), v, dv/dt against those of V, over moving windows."""
-    form = WeakForm.of_width(window, motor.time_step)
+    function = moving_window(window, motor.time_step)
     pieces = []
     for voltage, velocity, number in zip(motor.voltage, motor.velocity, numbers, strict=True):
-        moving = form.mean((np.abs(velocity) > threshold).astype(np.float64)) > 1.0 - 1e-9
         # Held from its sample to the next: around a sample acts the mean of this voltage and the one before.
         held = 0.5 * (voltage + np.concatenate([voltage[:1], voltage[:-1]]))
-        means = [form.mean(np.sign(velocity)), form.mean(velocity), form.mean_rate(velocity)]
-        pieces.append((np.column_stack(means)[moving], form.mean(held)[moving], form.centres(number)[moving]))
+        in_motion = np.abs(velocity) > threshold
+        series = torch.from_numpy(np.stack([np.sign(velocity), velocity, held, in_motion]))
+        sign, speed, target, share = moving_mean_of(function, series).numpy()
+        acceleration = moving_mean_rate_of(function, series[1]).numpy()
+        moving = share > 1.0 - 1e-9
+        centres = moving_centres(function, len(number)).numpy()
+        regressors = np.column_stack([sign, speed, acceleration])
+        pieces.append((regressors[moving], target[moving], number[centres][moving]))
     return join(pieces)
 
 

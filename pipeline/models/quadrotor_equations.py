@@ -13,12 +13,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import torch
 from scipy.spatial.transform import Rotation
 
 from pipeline.errors import InputError
 from pipeline.models.regression import Table, join
 from pipeline.models.segments import Segment, segments
-from pipeline.models.weak_form import WeakForm
+from pipeline.physics.weak_form import (
+    MovingWindow,
+    moving_centres,
+    moving_mean_of,
+    moving_mean_rate_of,
+    moving_window,
+)
 from pipeline.platforms import Quadrotor
 from pipeline.recordings.recording import Recording
 
@@ -57,17 +64,17 @@ def quadrotor_tables(
     Raises:
         InputError: when no segment is as long as a window.
     """
-    form = WeakForm.of_width(window, recording.time_step)
+    function = moving_window(window, recording.time_step)
     pieces: dict[str, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = {name: [] for name in EQUATIONS}
     first = 0
     for segment in segments(recording, runs):
-        if len(segment.frame) < len(form.weights):
+        if len(segment.frame) < len(function.weights):
             continue
         motion = _motion(segment, stem, platform)
-        centres = form.centres(motion.time)
+        centres = motion.time[moving_centres(function, len(motion.time)).numpy()]
         block = first + ((centres - centres[0]) / block_duration).astype(int)
         first = int(block[-1]) + 1
-        for name, (regressors, target) in _equations(motion, form, platform).items():
+        for name, (regressors, target) in _equations(motion, function, platform).items():
             pieces[name].append((regressors, target, block))
     if not first:
         raise InputError("no segment is as long as a window", "sysid.window", "shorten it, or record longer")
@@ -88,7 +95,7 @@ def _motion(segment: Segment, stem: str, platform: Quadrotor) -> Motion:
 
 
 def _equations(
-    motion: Motion, form: WeakForm, platform: Quadrotor
+    motion: Motion, function: MovingWindow, platform: Quadrotor
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Return regressors (windows, terms) and target (windows,) of each equation, the rotors' term first."""
     squared, (p, q, r) = motion.rotor**2, motion.rate.T
@@ -113,11 +120,12 @@ def _equations(
     rates = {"thrust": z, "roll": p, "pitch": q, "yaw": r}
     equations = {}
     for name in EQUATIONS:
-        columns = [form.mean(series) for series in (rotors[name], *nuisances[name])]
-        target = form.mean_rate(rates[name])
+        series = torch.from_numpy(np.stack([rotors[name], *nuisances[name], inertial, rates[name], spin]))
+        *columns, apparent = moving_mean_of(function, series[:-2]).numpy()
+        target, rotor_rate = moving_mean_rate_of(function, series[-2:]).numpy()
         if name == "thrust":
-            target = target - form.mean(inertial)
+            target = target - apparent
         if name == "yaw":
-            columns.append(form.mean_rate(spin))
+            columns.append(rotor_rate)
         equations[name] = (np.column_stack(columns), target)
     return equations
