@@ -1,5 +1,7 @@
 """The stage that trains a learned dynamics model."""
 
+import json
+import logging
 import math
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -30,6 +32,15 @@ class TrainStage(StageConfig):
 @stage(TrainStage)
 def train(config: TrainStage, run: StageRun) -> None:
     """Train a learned dynamics model and score it on held-out runs against persistence."""
+    if config.train.enabled:
+        _train(config, run)
+        return
+    logging.getLogger("simgap").info("train: nothing is trained, since train.enabled is false")
+    _write_metrics({}, run)
+
+
+def _train(config: TrainStage, run: StageRun) -> None:
+    """Fit a model to the recording, write it and score it."""
     from pipeline.models.contract import FitContext, Provenance
     from pipeline.models.layout import layout_of
     from pipeline.models.registry import model_class, model_settings
@@ -76,13 +87,15 @@ def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[S
 
 def _score(model: "DynamicsModel", held: "Series", settings: Training, run: StageRun) -> None:
     """Write the errors on held-out runs."""
-    import json
-
     from pipeline.models.evaluation import rollout_errors
 
     errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows)
-    (run.output / "metrics.json").write_text(json.dumps(_finite(errors), indent=2) + "\n")
+    _write_metrics(_finite(errors), run)
     run.log_metrics(_flat(errors))
+
+
+def _write_metrics(metrics: dict[str, Any], run: StageRun) -> None:
+    (run.output / "metrics.json").write_text(json.dumps(metrics, indent=2) + "\n")
 
 
 def _discard(checkpoint: Path) -> None:

@@ -20,6 +20,7 @@ class SystemIdentification:
 class Training:
     """The configuration group `train`."""
 
+    enabled: bool = True  # false: nothing is trained, as where there is no run to hold out
     max_epochs: int = 30
     patience: int = 6  # epochs without a better validation loss before training stops
     batch_size: int = 512  # windows

@@ -64,6 +64,24 @@ def test_one_run_alone_cannot_be_trained_on(tmp_path):
         run_stage(tmp_path, alone)
 
 
+def test_where_training_is_disabled_nothing_is_read_and_the_metrics_are_empty(tmp_path, caplog):
+    caplog.set_level("INFO", "simgap")
+    run = StageRun(tmp_path)
+    train(TrainStage(recording="absent.parquet", train=Training(enabled=False)), run)
+    assert caplog.messages == ["train: nothing is trained, since train.enabled is false"]
+    assert [path.name for path in run.output.iterdir()] == ["metrics.json"]
+    assert json.loads((run.output / "metrics.json").read_text()) == {}
+    assert run.inputs == run.metrics == {}
+
+
+def test_the_branch_of_one_run_trains_nothing_and_succeeds(tmp_path, capsys):
+    with pytest.raises(SystemExit) as ended:
+        train.main(["branch=flywheel", f"artifacts={tmp_path}", "tracking.enabled=false"])
+    assert ended.value.code == 0
+    assert "nothing is trained" in "".join(capsys.readouterr())
+    assert [path.name for path in (tmp_path / "train").iterdir()] == ["metrics.json"]
+
+
 def test_a_recording_that_is_not_cleaned_is_refused(tmp_path):
     with pytest.raises(InputError, match="clean it first"):
         run_stage(tmp_path, replace(learnable.linear_joint(), cleaned=False))
@@ -112,7 +130,7 @@ def arguments(tmp_path, *overrides):
     own = [f"recording={path}", f"artifacts={tmp_path / 'artifacts'}", "tracking.enabled=false"]
     flags = [text for text in overrides if text.startswith("-")]
     rest = [text for text in overrides if not text.startswith("-")]
-    return [sys.executable, "-m", "stages.train", *flags, "branch=flywheel", *own, *rest]
+    return [sys.executable, "-m", "stages.train", *flags, "branch=swerve_drive", *own, *rest]
 
 
 def command(tmp_path, *overrides):

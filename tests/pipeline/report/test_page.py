@@ -57,6 +57,13 @@ def test_a_section_without_its_artifact_is_left_out(tmp_path, absent, section):
     assert sections(page) == [key for key in ORDER if key != section]
 
 
+def test_where_nothing_was_trained_there_is_no_section_of_a_model(tmp_path):
+    folder = make_branch(tmp_path) / "train"
+    (folder / "metrics.json").write_text("{}\n")
+    page = page_of(ReportInputs.of_branch(tmp_path), tmp_path)
+    assert sections(page) == [key for key in ORDER if key != "model"]
+
+
 def test_without_a_diagnosis_the_other_stages_are_reported(tmp_path):
     shutil.rmtree(make_branch(tmp_path) / "diagnose")
     page = page_of(ReportInputs.of_branch(tmp_path), tmp_path)
