@@ -162,8 +162,7 @@ class _Competition:
                 return f"{parameter.name} rests on its lower bound"
             if value >= parameter.high:
                 return f"{parameter.name} rests on its upper bound"
-        distances = [abs(value - rest) for value, rest in zip(values, resting.values(), strict=True)]
-        if isinstance(candidate.effect, ParameterError) and max(distances) < _LEAST_ERROR:
+        if isinstance(candidate.effect, ParameterError) and abs(values[0] - resting["ratio"]) < _LEAST_ERROR:
             return "smaller than the quadrature of the equations can tell"
         if candidate.p_value > self.settings.significance / max(len(self.catalogue), 1):
             return "not significant"
@@ -195,10 +194,12 @@ class _Competition:
         simpler = single_cause(self.current, self.catalogue, self.problem, self.known)
         if simpler is None:
             return
-        effect, found = simpler
-        self.current = fit(found.simulator, self.problem)
-        candidate = self.alone(effect)
-        self.rounds.append(Round((candidate,), candidate))
+        effect, without = simpler
+        kept = {fitted.effect.key for fitted in without.simulator.free}
+        candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in kept)
+        winner = next(candidate for candidate in candidates if candidate.effect.key == effect.key)
+        self.rounds.append(Round(candidates, winner))
+        self.current = fit(winner.fit.simulator, self.problem)
         self.prune()
         self.run(self.catalogue)
 
@@ -238,7 +239,7 @@ class _Competition:
 
     def close_to(self, winner: Effect) -> list[Effect]:
         """Return the effects that came close to a winner in the round it won: only they can stand in for it."""
-        for turn in self.rounds:
+        for turn in reversed(self.rounds):
             if turn.winner is not None and turn.winner.effect.key == winner.key:
                 least = 0.5 * turn.winner.gain
                 return [c.effect for c in turn.candidates if c.gain > least]

@@ -23,7 +23,7 @@ def single_cause(
     two that conspire.
 
     Returns:
-        The effect and the fit with it in place of the two, or None.
+        The effect and the fit without the two that it replaces, or None.
     """
     present = {fitted.effect.key for fitted in current.simulator.free}
     errors = [f.effect for f in current.simulator.free if isinstance(f.effect, ParameterError)]
@@ -37,7 +37,7 @@ def single_cause(
             return None
         best = max(tried, key=lambda entry: _explained(without, entry[1].residual))
         if _explained(without, best[1].residual) >= _NEARLY_ALL * _explained(without, current.residual):
-            return best
+            return best[0], without
     return None
 
 
