@@ -12,15 +12,72 @@ ACTS_ON = {
     "swerve": {"drive", "steer", "chassis"},
 }
 NAMES = {
-    "quadrotor": set(
-        ["rotor_drag", "body_drag", "translational_lift", "axial_inflow", "ground_effect", "battery_sag", "motor_lag", "command_delay", "rotor_fault", "center_of_mass_offset", "blade_flapping_moment", "rotor_inertia_torque", "gyroscopic_torque", "angular_drag", "steady_wind", "slung_payload", "sensor_time_offset", "mass_error", "inertia_error", "thrust_coefficient_error", "torque_coefficient_error"]
-    ),
-    "joint": set(
-        ["coulomb_friction", "viscous_friction", "stribeck_friction", "quadratic_friction", "asymmetric_friction", "load_dependent_friction", "backlash", "dead_zone", "cogging", "linear_stiffness", "cubic_stiffness", "hysteresis", "gravity_load", "constant_load", "battery_sag", "temperature_derating", "command_delay", "motor_inductance", "inertia_error", "motor_constant_error", "sensor_time_offset"]
-    ),
-    "swerve": set(
-        ["coulomb_friction", "viscous_friction", "stribeck_friction", "backlash", "battery_sag", "current_limit", "wheel_slip", "drive_steer_coupling", "scrub_torque", "command_delay", "motor_inductance", "module_misalignment", "slope", "wheel_radius_error", "mass_error", "inertia_error", "motor_constant_error", "sensor_time_offset"]
-    ),
+    "quadrotor": {
+        "rotor_drag",
+        "body_drag",
+        "translational_lift",
+        "axial_inflow",
+        "ground_effect",
+        "battery_sag",
+        "motor_lag",
+        "command_delay",
+        "rotor_fault",
+        "center_of_mass_offset",
+        "blade_flapping_moment",
+        "rotor_inertia_torque",
+        "gyroscopic_torque",
+        "angular_drag",
+        "steady_wind",
+        "slung_payload",
+        "sensor_time_offset",
+        "mass_error",
+        "inertia_error",
+        "thrust_coefficient_error",
+        "torque_coefficient_error",
+    },
+    "joint": {
+        "coulomb_friction",
+        "viscous_friction",
+        "stribeck_friction",
+        "quadratic_friction",
+        "asymmetric_friction",
+        "load_dependent_friction",
+        "backlash",
+        "dead_zone",
+        "cogging",
+        "linear_stiffness",
+        "cubic_stiffness",
+        "hysteresis",
+        "gravity_load",
+        "constant_load",
+        "battery_sag",
+        "temperature_derating",
+        "command_delay",
+        "motor_inductance",
+        "inertia_error",
+        "motor_constant_error",
+        "sensor_time_offset",
+    },
+    "swerve": {
+        "coulomb_friction",
+        "viscous_friction",
+        "stribeck_friction",
+        "backlash",
+        "battery_sag",
+        "current_limit",
+        "wheel_slip",
+        "drive_steer_coupling",
+        "scrub_torque",
+        "command_delay",
+        "motor_inductance",
+        "module_misalignment",
+        "slope",
+        "wheel_radius_error",
+        "mass_error",
+        "inertia_error",
+        "motor_constant_error",
+        "sensor_time_offset",
+    },
 }
 NAMES["joint"].add("current_limit")  # asked for by the issue beside the contract's list
 
@@ -67,7 +124,12 @@ def _keys(entry: dict[str, Any], names: str) -> None:
 
 
 def _number(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value) and low <= value <= high
+    return (
+        isinstance(value, int | float)
+        and not isinstance(value, bool)
+        and math.isfinite(value)
+        and low <= value <= high
+    )
 
 
 def _sentence(text: Any) -> bool:

@@ -1,4 +1,4 @@
-"""Recordings with a known answer: a joint simulated here, apart from the catalogue, and flights of the concealed plant."""
+"""Recordings with a known answer: a joint simulated apart from the catalogue, and flights of the concealed plant."""
 
 import functools
 from collections.abc import Callable
@@ -67,7 +67,8 @@ def voltages(runs: int, samples: int, random: np.random.Generator) -> np.ndarray
 def motion(plant: Plant, voltage: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Position and velocity at the samples under held voltages: (runs, samples) each.
 
-    Heun's rule; friction is an impulse that stops the axis or slows it by its level, never turns it round: exact stick and slip.
+    Heun's rule; friction is an impulse that stops the axis or slows it by its level and never turns it round, which
+    makes stick and slip exact.
     """
     runs, samples = voltage.shape
     step, late = TIME_STEP / SUBSTEPS, round(plant.delay / TIME_STEP * SUBSTEPS)

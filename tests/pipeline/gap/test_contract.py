@@ -54,7 +54,9 @@ def test_units_follow_the_axis_and_places_are_the_contracts():
     assert entries["coulomb_friction"]["acts_on"] == "torque"
     assert entries["command_delay"]["acts_on"] == "command"
     assert entries["command_delay"]["parameters"]["delay"]["unit"] == "s"
-    sliding = replace(joint_recording(Plant(friction=0.3)), units={"position": "m", "velocity": "m/s", "voltage": "V"})
+    sliding = replace(
+        joint_recording(Plant(friction=0.3)), units={"position": "m", "velocity": "m/s", "voltage": "V"}
+    )
     (effect,) = diagnosis_document(quick(sliding, Simulator(JOINT, position_unit="m")))["effects"]
     assert effect["acts_on"] == "force"
     assert effect["parameters"]["level"]["unit"] == "N"
@@ -94,7 +96,9 @@ def test_the_same_recording_gives_the_same_bytes(tmp_path):
 numbers = st.floats() | st.integers() | st.text() | st.none()
 
 
-@given(st.recursive(numbers, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner), max_leaves=20))
+@given(
+    st.recursive(numbers, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner), max_leaves=20)
+)
 def test_what_is_not_finite_is_written_as_null(tmp_path_factory, content):
     path = tmp_path_factory.mktemp("json") / "file.json"
     write_json(content, path)

@@ -48,7 +48,8 @@ def test_a_planted_parameter_is_recovered_within_three_standard_errors(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "truth"), [("rotor_drag", 0.35), ("body_drag", 0.03), ("axial_inflow", 0.3), ("translational_lift", 0.02)]
+    ("name", "truth"),
+    [("rotor_drag", 0.35), ("body_drag", 0.03), ("axial_inflow", 0.3), ("translational_lift", 0.02)],
 )
 def test_a_force_planted_in_a_flight_is_recovered(name, truth):
     """Planted by this test's own formula on top of what the accelerometer of an uneventful flight read."""
@@ -62,7 +63,8 @@ def test_a_force_planted_in_a_flight_is_recovered(name, truth):
         "rotor_drag": -ratio * velocity * torch.tensor([1.0, 1.0, 0.0]),
         "axial_inflow": -ratio * velocity * torch.tensor([0.0, 0.0, 1.0]),
         "body_drag": -velocity.norm(dim=-1, keepdim=True) * velocity,
-        "translational_lift": velocity[..., :2].square().sum(-1, keepdim=True) * torch.tensor([0.0, 0.0, 1.0]),
+        "translational_lift": velocity[..., :2].square().sum(-1, keepdim=True)
+        * torch.tensor([0.0, 0.0, 1.0]),
     }[name]
     signals["specific_force"] = signals["specific_force"] + truth * law
     found = fit(simulator, problem)
@@ -110,7 +112,9 @@ def test_coloured_residuals_widen_the_clustered_error_and_white_ones_do_not():
     coloured = random_like((800, 1, 1), seed=2).repeat_interleave(4, dim=0)
     naive = 1.0 / 3200
     assert float(clustered_covariance(jacobian, white, scale, cluster)) == pytest.approx(naive, rel=0.15)
-    assert float(clustered_covariance(jacobian, coloured, scale, cluster)) == pytest.approx(4 * naive, rel=0.15)
+    assert float(clustered_covariance(jacobian, coloured, scale, cluster)) == pytest.approx(
+        4 * naive, rel=0.15
+    )
 
 
 def test_an_unmodelled_effect_widens_the_errors_of_the_others():
@@ -152,6 +156,7 @@ def test_the_jacobian_is_the_slope_of_the_prediction(name):
     parameter = effect.parameters[0].name
     simulator = joint_simulator(FittedEffect(effect, {parameter: truth}))
     problem = problem_of(joint_recording(plant), simulator)
+
     def rows(value):
         moved = joint_simulator(FittedEffect(effect, {parameter: value}))
         return residual_rows(moved, problem.blocks, problem.functions)

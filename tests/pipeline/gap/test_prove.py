@@ -47,7 +47,8 @@ def test_held_out_runs_never_enter_the_fit():
 
 
 @pytest.mark.parametrize(
-    "plant", [Plant(friction=0.3), Plant(current_limit=5.0), Plant(friction=0.3, other=lambda q, v: -0.02 * q)]
+    "plant",
+    [Plant(friction=0.3), Plant(current_limit=5.0), Plant(friction=0.3, other=lambda q, v: -0.02 * q)],
 )
 def test_the_interval_contains_the_estimate(plant):
     proof = quick(joint_recording(plant), joint_simulator()).proof

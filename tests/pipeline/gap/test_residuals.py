@@ -25,8 +25,15 @@ def _as_blocks(simulator: Simulator, states: torch.Tensor, commands: dict, step:
     """Return a rollout as if it had been recorded, commands at the samples, without margins."""
     signals = motion_of(simulator.platform).signals(states) | commands
     count = len(states)
-    return Blocks(signals, torch.zeros(count, dtype=torch.long), ("run",), torch.zeros(count).double(), step, 0,
-                  states.shape[1])
+    return Blocks(
+        signals,
+        torch.zeros(count, dtype=torch.long),
+        ("run",),
+        torch.zeros(count).double(),
+        step,
+        0,
+        states.shape[1],
+    )
 
 
 def _simulated(simulator: Simulator, step: float) -> Blocks:

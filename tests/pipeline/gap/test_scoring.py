@@ -72,7 +72,9 @@ def test_cross_validation_equals_fitting_again_without_the_fold(seed):
 
 def test_without_parameters_cross_validation_changes_nothing():
     found, _ = _linear(0)
-    bare = Fit(joint_simulator(), found.residual, found.jacobian[..., :0], found.scale, torch.zeros(0, 0).double())
+    bare = Fit(
+        joint_simulator(), found.residual, found.jacobian[..., :0], found.scale, torch.zeros(0, 0).double()
+    )
     assert torch.equal(cross_validated(bare, torch.zeros(30, dtype=torch.long)), found.residual)
 
 

@@ -1,0 +1,56 @@
+"""What a recording cannot tell apart is said, with the manoeuvre that would."""
+
+from dataclasses import replace
+
+import pytest
+
+from pipeline.effects import effects_of
+from pipeline.effects.joint.viscous_friction import ViscousFriction
+from pipeline.gap import candidates
+from pipeline.gap.contract import diagnosis_document
+from pipeline.simulation import Simulator
+from tests.pipeline.gap.problems import named, quick, value_of
+from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator, racer, uneventful_flights
+
+
+class Twin(ViscousFriction):
+    """The same law under another name."""
+
+    name = "twin_friction"
+
+
+def test_an_effect_under_two_names_is_ambiguous(monkeypatch):
+    monkeypatch.setattr(candidates, "effects_of", lambda kind: (*effects_of(kind), Twin()))
+    found = quick(joint_recording(Plant(viscous=0.05)), joint_simulator())
+    (name,) = named(found)
+    assert name in ("viscous_friction", "twin_friction")
+    assert found.probabilities[name] == pytest.approx(0.5, abs=0.05)
+    assert value_of(found, name) == pytest.approx(0.05, rel=0.02)
+    (ambiguity,) = diagnosis_document(found)["ambiguous"]
+    assert {"viscous_friction", "twin_friction"} <= set(ambiguity["names"])
+    assert "constant speeds" in ambiguity["separate_by"].lower()
+
+
+def test_mass_and_thrust_are_one_where_no_torque_tells():
+    """Four equal rotor speeds turn no machine: only the ratio of thrust to mass is left in the recording."""
+    recording = uneventful_flights()[0]
+    frame = recording.frame.copy()
+    speeds = [f"motor_speed_{rotor}" for rotor in range(1, 5)]
+    mean = (frame[speeds] ** 2).mean(axis=1) ** 0.5
+    for column in speeds:
+        frame[column] = mean
+    wrong = Simulator(replace(racer(), mass=racer().mass / 1.15))
+    errors = ["mass_error", "thrust_coefficient_error"]
+    found = quick(replace(recording, frame=frame), wrong, errors)
+    (name,) = named(found)
+    truth = {"mass_error": 1.15, "thrust_coefficient_error": 1 / 1.15}[name]
+    assert value_of(found, name) == pytest.approx(truth, rel=0.02)
+    assert found.probabilities[name] < 0.6
+    (ambiguity,) = diagnosis_document(found)["ambiguous"]
+    assert set(ambiguity["names"]) == set(errors)
+    assert "torque" in ambiguity["separate_by"] or "roll" in ambiguity["separate_by"]
+
+
+def test_what_the_recording_tells_apart_is_not_ambiguous():
+    found = quick(joint_recording(Plant(friction=0.3)), joint_simulator())
+    assert diagnosis_document(found)["ambiguous"] == []

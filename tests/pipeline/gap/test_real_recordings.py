@@ -1,0 +1,62 @@
+"""Recordings of real machines, whose answers their authors published."""
+
+import math
+from pathlib import Path
+
+import pytest
+import yaml
+
+from pipeline.platforms import platform_from_config
+from pipeline.recordings.cleaning import clean_recording
+from pipeline.recordings.importers import importer
+from pipeline.recordings.recording import Recording
+from pipeline.recordings.split import Split
+from pipeline.simulation import Simulator
+from tests.pipeline.gap.problems import named, quick, value_of
+from tests.pipeline.gap.recordings import ROOT
+
+
+def _platform(name: str):
+    return platform_from_config(yaml.safe_load((ROOT / f"conf/platform/{name}.yaml").read_text()))
+
+
+def _recording(dataset: str, folder: Path, files: list[Path]) -> Recording:
+    options = yaml.safe_load((ROOT / f"conf/dataset/{dataset}.yaml").read_text())
+    raw = importer(options["importer"])(files, options["options"])
+    split = Split(holdout=options["split"]["holdout"])
+    return clean_recording(raw, split=split)[0]
+
+
+@pytest.mark.slow
+def test_rotor_drag_and_inflow_of_a_real_quadrotor(shared_data):
+    """Four of the benchmark's flights to fit, one to prove on; the authors' own drag is about 0.45 1/s."""
+    folder = shared_data / "nanodrone" / "raw_parquet"
+    patterns = ("square_*_run1*", "random*_run1*", "multisine_*_run1*", "melon_*_run1*")
+    files = [path for pattern in patterns for path in sorted(folder.glob(pattern))[:2]]
+    catalogue = ["rotor_drag", "body_drag", "axial_inflow", "translational_lift", "sensor_time_offset"]
+    errors = ["mass_error", "thrust_coefficient_error"]
+    found = quick(
+        _recording("nanodrone", folder, files),
+        Simulator(_platform("crazyflie_brushless")),
+        catalogue + errors,
+    )
+    assert found.verdict == "missing_physics"
+    assert {"rotor_drag", "axial_inflow"} <= set(named(found))
+    assert 0.40 < value_of(found, "rotor_drag") < 0.50
+    before, after, _ = found.proof.channels.T
+    assert float(after[0] / before[0]) < 0.30
+    assert float(after[1] / before[1]) < 0.45
+
+
+def test_the_friction_that_a_simulated_robot_was_given(shared_data):
+    """The file's authors simulate kS = 0.11114 V; what is found is the same in the motor's volts."""
+    folder = shared_data / "swerve_drive_sim"
+    platform = _platform("swerve_drivetrain")
+    found = quick(
+        _recording("swerve_drive_sim", folder, [folder / "data.json"]), Simulator(platform, (), "m")
+    )
+    assert named(found)[0] == "coulomb_friction"
+    motor = platform.motor
+    level = value_of(found, "coulomb_friction")
+    volts = level * motor.resistance / (motor.torque_constant * motor.gear_ratio)
+    assert math.isclose(volts, 0.11114, rel_tol=0.02)

@@ -1,0 +1,69 @@
+import math
+
+import pytest
+import yaml
+
+from pipeline.errors import InputError
+from pipeline.recordings.recording import write_recording
+from pipeline.simulation import read_simulator
+from pipeline.simulation.settings import SimulatorSettings
+from pipeline.stage import StageRun
+from stages.build_sim import BuildSimStage, build_sim
+from tests.pipeline.gap.recordings import JOINT, Plant, joint_recording
+from tests.stages.test_diagnose import PLATFORM
+
+
+@pytest.fixture
+def recorded(tmp_path):
+    path = tmp_path / "recording.parquet"
+    write_recording(joint_recording(Plant(friction=0.3)), path)
+    return path
+
+
+def _built(recorded, tmp_path, name, effects):
+    output = tmp_path / name
+    output.mkdir()
+    run = StageRun(output)
+    settings = SimulatorSettings(effects=effects)
+    build_sim(BuildSimStage(recording=str(recorded), platform=PLATFORM, simulator=settings), run)
+    return output, run.metrics
+
+
+def test_the_simulator_is_written_as_text_and_read_back(recorded, tmp_path):
+    output, metrics = _built(recorded, tmp_path, "nominal", {})
+    simulator = read_simulator(output)
+    assert simulator.platform == JOINT
+    assert simulator.effects == ()
+    assert simulator.position_unit == "rad"
+    content = yaml.safe_load((output / "simulator.yaml").read_text())
+    assert content["platform"]["inertia"] == 0.05
+    assert set(metrics) == {"replay_error_position", "replay_error_velocity"}
+    assert all(math.isfinite(value) for value in metrics.values())
+
+
+def test_a_simulator_with_what_is_known_replays_better(recorded, tmp_path):
+    _, without = _built(recorded, tmp_path, "without", {})
+    output, known = _built(recorded, tmp_path, "with", {"coulomb_friction": {"level": 0.3}})
+    for name, value in known.items():
+        assert value < 0.2 * without[name]
+    (effect,) = read_simulator(output).effects
+    assert effect.known
+    assert dict(effect.values) == {"level": 0.3}
+
+
+def test_the_same_input_gives_the_same_bytes(recorded, tmp_path):
+    outputs = [_built(recorded, tmp_path, name, {})[0] for name in ("first", "second")]
+    first, second = ((output / "simulator.yaml").read_bytes() for output in outputs)
+    assert first == second
+
+
+@pytest.mark.parametrize(
+    ("effects", "told"),
+    [
+        ({"coulomb_fricton": {}}, "did you mean 'coulomb_friction'"),
+        ({"coulomb_friction": {"lewel": 0.3}}, "use level"),
+    ],
+)
+def test_a_wrong_effect_is_named(recorded, tmp_path, effects, told):
+    with pytest.raises(InputError, match=told):
+        _built(recorded, tmp_path, "wrong", effects)
