@@ -19,12 +19,13 @@ from pipeline.gap.residuals import noise_of_rows
 from pipeline.gap.scoring import clusters_of, cross_validated, folds_of
 from pipeline.gap.sensors import settle_accelerometer, settle_velocity
 from pipeline.gap.settings import Gap
+from pipeline.gap.timing import cut_settled_blocks
 from pipeline.gap.unnamed import Unnamed, find_unnamed
 from pipeline.physics.weak_form import window_functions
 from pipeline.platforms.mechanism import Channel
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
-from pipeline.simulation.blocks import Blocks, cut_blocks
+from pipeline.simulation.blocks import Blocks
 
 _BEYOND_NOISE = (
     4.0  # times the noise's energy: coloured noise may pass for more than the white noise it is measured by
@@ -116,7 +117,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
 
 
 def _blocks(recording: Recording, nominal: Simulator, settings: Gap) -> tuple[Blocks, list[str]]:
-    blocks = cut_blocks(recording, nominal.platform, settings.block_duration, settings.margin)
+    blocks = cut_settled_blocks(recording, nominal.platform, settings)
     remarks: list[str] = []
     if recording.kind == "quadrotor":
         blocks, remarks = settle_accelerometer(blocks, nominal.platform.gravity, settings.test_width)

@@ -60,7 +60,9 @@ class Blocks:
         return self.take(torch.linspace(0, len(self) - 1, most, dtype=torch.float64).round().long())
 
 
-def cut_blocks(recording: Recording, platform: Platform, duration: float, margin_duration: float) -> Blocks:
+def cut_blocks(
+    recording: Recording, platform: Platform, duration: float, margin_duration: float, held: bool = True
+) -> Blocks:
     """Cut a cleaned recording into blocks that do not overlap; their margins do, and end with a segment's end held.
 
     Blocks never reach over the end of a run or of a segment. They are shortened, margins too, so far that every run has
@@ -71,6 +73,7 @@ def cut_blocks(recording: Recording, platform: Platform, duration: float, margin
         platform: whose signals are read.
         duration: of a block, s.
         margin_duration: of what is kept on each side of a block, s.
+        held: whether commands are held between samples, see `recorded_signals`.
 
     Raises:
         InputError: when no segment holds even ten samples, or when the recording is not cleaned.
@@ -90,7 +93,7 @@ def cut_blocks(recording: Recording, platform: Platform, duration: float, margin
     start: list[float] = []
     for segment in segments:
         firsts = range(0, len(segment) - samples + 1, samples)
-        signals = recorded_signals(segment, platform) if firsts else {}
+        signals = recorded_signals(segment, platform, held) if firsts else {}
         padded = {name: _padded(series, margin) for name, series in signals.items()}
         for first in firsts:
             pieces.append({n: s[first : first + samples + 2 * margin] for n, s in padded.items()})

@@ -14,18 +14,23 @@ _QUATERNION = ("w", "x", "y", "z")
 _FOUR = ("1", "2", "3", "4")
 
 
-def recorded_signals(frame: pd.DataFrame, platform: Platform) -> dict[str, Tensor]:
+def recorded_signals(frame: pd.DataFrame, platform: Platform, held: bool = True) -> dict[str, Tensor]:
     """Return the signals of one uniformly sampled stretch, each (samples, ...) float64.
 
-    A signal with a missing value is left out. A command is held between samples, so what acts around a sample is the
-    mean of it and the one before.
+    A signal with a missing value is left out.
+
+    Args:
+        frame: columns of the contract.
+        platform: whose signals are read.
+        held: whether a command is held from its sample to the next, as a controller does, so that what acts around a
+            sample is the mean of it and the one before; else a command was measured at its sample.
     """
     if platform.kind == "quadrotor":
-        return _quadrotor(frame)
-    return _swerve(frame, platform) if isinstance(platform, Swerve) else _joint(frame)
+        return _quadrotor(frame, held)
+    return _swerve(frame, platform, held) if isinstance(platform, Swerve) else _joint(frame, held)
 
 
-def _quadrotor(frame: pd.DataFrame) -> dict[str, Tensor]:
+def _quadrotor(frame: pd.DataFrame, held: bool) -> dict[str, Tensor]:
     signals = {
         "position": _columns(frame, "position", _AXES),
         "attitude": _columns(frame, "attitude", _QUATERNION),
@@ -33,7 +38,7 @@ def _quadrotor(frame: pd.DataFrame) -> dict[str, Tensor]:
         "body_rate": _columns(frame, "body_rate", _AXES),
         "specific_force": _columns(frame, "specific_force", _AXES),
         "rotor_speed": _columns(frame, "motor_speed", _FOUR),
-        "motor_command": _held(_columns(frame, "motor_command", _FOUR)),
+        "motor_command": _acting(_columns(frame, "motor_command", _FOUR), held),
         "battery_voltage": _column(frame, "battery_voltage"),
     }
     present = {name: series for name, series in signals.items() if series is not None}
@@ -41,22 +46,22 @@ def _quadrotor(frame: pd.DataFrame) -> dict[str, Tensor]:
     return present
 
 
-def _joint(frame: pd.DataFrame) -> dict[str, Tensor]:
+def _joint(frame: pd.DataFrame, held: bool) -> dict[str, Tensor]:
     signals = {
         "position": _column(frame, "position"),
         "velocity": _column(frame, "velocity"),
-        "effort": _held(_column(frame, "effort")),
-        "voltage": _held(_column(frame, "voltage")),
+        "effort": _acting(_column(frame, "effort"), held),
+        "voltage": _acting(_column(frame, "voltage"), held),
         "battery_voltage": _column(frame, "battery_voltage"),
         "temperature": _column(frame, "temperature"),
     }
     return {name: series for name, series in signals.items() if series is not None}
 
 
-def _swerve(frame: pd.DataFrame, platform: Swerve) -> dict[str, Tensor]:
+def _swerve(frame: pd.DataFrame, platform: Swerve, held: bool) -> dict[str, Tensor]:
     signals = {
-        "drive_voltage": _held(_columns(frame, "drive_voltage", _FOUR)),
-        "steer_voltage": _held(_columns(frame, "steer_voltage", _FOUR)),
+        "drive_voltage": _acting(_columns(frame, "drive_voltage", _FOUR), held),
+        "steer_voltage": _acting(_columns(frame, "steer_voltage", _FOUR), held),
         "drive_velocity": _columns(frame, "drive_velocity", _FOUR),
         "steer_velocity": _columns(frame, "steer_velocity", _FOUR),
         "steer_angle": _columns(frame, "steer_angle", _FOUR),
@@ -84,7 +89,7 @@ def _columns(frame: pd.DataFrame, stem: str, suffixes: tuple[str, ...]) -> Tenso
     return torch.stack(complete, dim=-1) if len(complete) == len(series) else None
 
 
-def _held(series: Tensor | None) -> Tensor | None:
-    if series is None:
-        return None
+def _acting(series: Tensor | None, held: bool) -> Tensor | None:
+    if series is None or not held:
+        return series
     return 0.5 * (series + torch.cat([series[:1], series[:-1]]))
