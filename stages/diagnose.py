@@ -93,7 +93,7 @@ def _say(document: dict[str, Any]) -> None:
             f"  no name for {unnamed['share']:.0%} of the error in {unnamed['channel']}: {unnamed['formula']}"
         )
     closed = document["fit"]["gap_closed"]
-    if closed is not None:
+    if closed is not None and document["effects"]:
         print(f"gap closed on held-out runs: {closed:.0%}")
 
 
