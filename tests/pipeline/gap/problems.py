@@ -1,5 +1,7 @@
 """The parts of a diagnosis that tests of one part need from the others."""
 
+import functools
+
 import torch
 
 from pipeline.effects import Effect, effect_by_key
@@ -12,6 +14,7 @@ from pipeline.physics.weak_form import window_functions
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.blocks import Blocks, cut_blocks
+from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
 
 def blocks_of(recording: Recording, simulator: Simulator, settings: Gap | None = None) -> Blocks:
@@ -36,8 +39,14 @@ def of_joint(*names: str) -> tuple[Effect, ...]:
 
 
 def quick(recording: Recording, simulator: Simulator, effects: list[str] | None = None) -> Diagnosis:
-    """Diagnose with few resamples: nothing but the width of intervals depends on them."""
-    return diagnose(recording, simulator, Gap(resamples=50, effects=effects))
+    """Diagnose with few resamples and a short horizon, on which no name or number depends."""
+    return diagnose(recording, simulator, Gap(resamples=50, horizon=0.05, effects=effects))
+
+
+@functools.cache
+def diagnosed(plant: Plant, seed: int = 0, runs: int = 6) -> Diagnosis:
+    """Diagnose a recording of the test's own joint, once per session."""
+    return quick(joint_recording(plant, seed, runs), joint_simulator())
 
 
 def named(diagnosis: Diagnosis) -> list[str]:

@@ -9,7 +9,7 @@ from pipeline.effects.joint.viscous_friction import ViscousFriction
 from pipeline.gap import candidates
 from pipeline.gap.contract import diagnosis_document
 from pipeline.simulation import Simulator
-from tests.pipeline.gap.problems import named, quick, value_of
+from tests.pipeline.gap.problems import diagnosed, named, quick, value_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator, racer, uneventful_flights
 
 
@@ -52,5 +52,5 @@ def test_mass_and_thrust_are_one_where_no_torque_tells():
 
 
 def test_what_the_recording_tells_apart_is_not_ambiguous():
-    found = quick(joint_recording(Plant(friction=0.3)), joint_simulator())
+    found = diagnosed(Plant(friction=0.3))
     assert diagnosis_document(found)["ambiguous"] == []

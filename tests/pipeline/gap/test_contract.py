@@ -10,7 +10,7 @@ from pipeline.gap.contract import diagnosis_document, write_json
 from pipeline.gap.evidence import write_evidence
 from pipeline.simulation import Simulator, read_simulator, write_simulator
 from tests.contract_checker import check_diagnosis, read_diagnosis
-from tests.pipeline.gap.problems import quick
+from tests.pipeline.gap.problems import diagnosed, quick
 from tests.pipeline.gap.recordings import (
     JOINT,
     Plant,
@@ -22,7 +22,7 @@ from tests.pipeline.gap.recordings import (
 
 
 def _documents(plant, runs=6):
-    return diagnosis_document(quick(joint_recording(plant, runs=runs), joint_simulator()))
+    return diagnosis_document(diagnosed(plant, runs=runs))
 
 
 @pytest.mark.parametrize(

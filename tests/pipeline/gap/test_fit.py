@@ -81,7 +81,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
     plant, truth = Plant(viscous=0.05, motor_constant=1.1), torch.tensor([0.05, 1.1], dtype=torch.float64)
     simulator = joint_simulator(*(at_start(e) for e in of_joint("viscous_friction", "motor_constant_error")))
     inside, seeds = np.zeros(2, dtype=int), list(range(40))
-    pairs = (joint_recordings(plant, seeds, duration=6.0, noise=noise) for noise in (5.0, 0.0))
+    pairs = (joint_recordings(plant, seeds, duration=4.0, noise=noise) for noise in (5.0, 0.0))
     for noisy, quiet in zip(*pairs, strict=True):
         problem = problem_of(noisy, simulator)
         found, centre = fit(simulator, problem), fit(simulator, problem_of(quiet, simulator)).values

@@ -4,8 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.gap.diagnosis import diagnose
 from pipeline.gap.prove import gap_closed
-from tests.pipeline.gap.problems import quick
+from pipeline.gap.settings import Gap
+from tests.pipeline.gap.problems import diagnosed, quick
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
 errors = st.floats(1e-6, 1e6)
@@ -51,7 +53,7 @@ def test_held_out_runs_never_enter_the_fit():
     [Plant(friction=0.3), Plant(current_limit=5.0), Plant(friction=0.3, other=lambda q, v: -0.02 * q)],
 )
 def test_the_interval_contains_the_estimate(plant):
-    proof = quick(joint_recording(plant), joint_simulator()).proof
+    proof = diagnosed(plant).proof
     assert proof.interval is not None
     low, high = proof.interval
     assert low <= proof.gap_closed <= high <= 1.0
@@ -59,19 +61,20 @@ def test_the_interval_contains_the_estimate(plant):
 
 
 def test_one_run_proves_nothing_and_says_so():
-    found = quick(joint_recording(Plant(friction=0.3), runs=1), joint_simulator())
+    found = diagnosed(Plant(friction=0.3), runs=1)
     assert (found.proof.gap_closed, found.proof.interval, found.proof.held_out_runs) == (None, None, ())
     assert any("held out" in warning for warning in found.warnings)
     assert found.proof.after < found.proof.before
 
 
 def test_the_floor_is_where_a_right_simulator_lands():
-    proof = quick(joint_recording(Plant()), joint_simulator()).proof
+    proof = diagnosed(Plant()).proof
     assert proof.before == proof.after == pytest.approx(proof.noise_floor, rel=0.15)
 
 
 def test_open_loop_predictions_fall_too():
-    (position, velocity) = quick(joint_recording(Plant(friction=0.3)), joint_simulator()).horizons
+    recording = joint_recording(Plant(friction=0.3))
+    (position, velocity) = diagnose(recording, joint_simulator(), Gap(resamples=50)).horizons
     assert (position.unit, velocity.unit) == ("rad", "rad/s")
     for error in (position, velocity):
         assert float(error.after[-1, 0]) < 0.2 * float(error.before[-1, 0])
