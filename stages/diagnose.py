@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from pipeline.errors import InputError
 from pipeline.gap.settings import Gap
 from pipeline.recordings.cleaning.settings import Cleaning
 from pipeline.recordings.dataset import Dataset
@@ -37,6 +38,10 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     torch.set_num_threads(1)
     built = config.artifact("build_sim", "simulator.yaml")
     own = config.recording is not None
+    if not own and not built.exists():
+        raise InputError(
+            "no recording is given", "recording", "give recording=PATH, or branch=NAME after simgap build_sim"
+        )
     nominal = None if own else read_simulator(run.input(built).parent)
     recording, nominal = _recording_and_nominal(config, run, nominal)
     diagnosis = find_gap(recording, nominal, config.gap)

@@ -40,7 +40,7 @@ def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> li
     An other is a rival when it gains at least half as much and the difference to the winner, taken over clusters of
     correlated residuals, is within chance (one-sided t test).
     """
-    return [o for o in others if o.gain > _HALF * winner.gain and _within_chance(winner, o, cluster)]
+    return [o for o in others if o.gain > _HALF * winner.gain and not predicts_better(winner, o, cluster)]
 
 
 def rivalry_of(winner: Candidate, rivals: list[Candidate]) -> Rivalry | None:
@@ -52,10 +52,16 @@ def rivalry_of(winner: Candidate, rivals: list[Candidate]) -> Rivalry | None:
     return Rivalry(winner.effect, tuple(rival.effect for rival in rivals), weight)
 
 
-def _within_chance(winner: Candidate, other: Candidate, cluster: Tensor) -> bool:
-    difference = log_score(winner.residual, winner.fit.scale) - log_score(other.residual, other.fit.scale)
+def total_score(candidate: Candidate) -> float:
+    """Return the cross-validated log likelihood of a simulator with a candidate, up to a constant."""
+    return float(log_score(candidate.residual, candidate.fit.scale).sum())
+
+
+def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
+    """Return whether one candidate predicts better than another beyond chance, taken over clusters of residuals."""
+    difference = log_score(first.residual, first.fit.scale) - log_score(second.residual, second.fit.scale)
     groups = int(cluster.max()) + 1
     summed = difference.new_zeros(groups).index_add(0, cluster, difference)
     if float(summed.abs().max()) < 1e-9:
-        return True
-    return float(stats.ttest_1samp(summed.numpy(), 0.0, alternative="greater").pvalue) > _CHANCE
+        return False
+    return float(stats.ttest_1samp(summed.numpy(), 0.0, alternative="greater").pvalue) <= _CHANCE

@@ -104,7 +104,9 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         warnings=(*recording.warnings, *remarks, *_doubts(naming, drifts, held_out)),
         mismatches=mismatches,
         naming=naming,
-        probabilities=_probabilities(naming, drifts, int(cluster.max()) + 1),
+        probabilities=_probabilities(
+            naming, drifts, int(cluster.max()) + 1, unnamed, [channel.name for channel in channels]
+        ),
         drifts=drifts,
         unnamed=unnamed,
         proof=proof,
@@ -191,13 +193,26 @@ def _verdict(naming: Naming, gap: bool) -> str:
     return "unexplained" if gap else "none"
 
 
-def _probabilities(naming: Naming, drifts: dict[str, list[Drift]], clusters: int) -> dict[str, float]:
+def _probabilities(
+    naming: Naming,
+    drifts: dict[str, list[Drift]],
+    clusters: int,
+    unnamed: Sequence[Unnamed],
+    names: list[str],
+) -> dict[str, float]:
+    """Return each effect's probability: its evidence, its weight among rivals, and how little is left beside it.
+
+    What remains without a name in an effect's own channels may be what the effect stands in for.
+    """
     weight = {rivalry.winner.key: rivalry.weight for rivalry in naming.rivalries}
-    return {
-        c.effect.key: weight.get(c.effect.key, 1.0)
-        * presence_of(c.gain, len(c.effect.parameters), clusters, drifts[c.effect.key])
-        for c in naming.named
-    }
+    left = {remainder.channel.name: remainder.share for remainder in unnamed}
+    probabilities = {}
+    for c in naming.named:
+        touched = naming.fit.jacobian[..., columns_of(naming.fit, c.effect)].abs().amax((0, 1, 3)) > 0
+        beside = max(left.get(name, 0.0) for name, hit in zip(names, touched.tolist(), strict=True) if hit)
+        presence = presence_of(c.gain, len(c.effect.parameters), clusters, drifts[c.effect.key])
+        probabilities[c.effect.key] = presence * weight.get(c.effect.key, 1.0) * (1.0 - beside**2)
+    return probabilities
 
 
 def _doubts(naming: Naming, drifts: dict[str, list[Drift]], held_out: bool) -> list[str]:

@@ -104,14 +104,17 @@ def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
 
 def competition(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return every round of the competition with its candidates, the best first."""
+    kept = {candidate.effect.key for candidate in diagnosis.naming.named}
     steps = []
-    for number, turn in enumerate(diagnosis.naming.rounds, start=1):
+    for number, turn in enumerate((turn for turn in diagnosis.naming.rounds if turn.candidates), start=1):
         ranked = sorted(turn.candidates, key=lambda candidate: -candidate.gain)
-        steps.append({"step": number, "candidates": [_entry(c, turn.winner is c) for c in ranked]})
-    return {"metric": _SCORE, "steps": [step for step in steps if step["candidates"]]}
+        entries = [_entry(c, turn.winner is c, c.effect.key in kept) for c in ranked]
+        steps.append({"step": number, "candidates": entries})
+    return {"metric": _SCORE, "steps": steps}
 
 
-def _entry(candidate: Candidate, chosen: bool) -> dict[str, Any]:
+def _entry(candidate: Candidate, chosen: bool, kept: bool) -> dict[str, Any]:
+    dropped = "dropped later, when others made it needless or unlikely" if chosen and not kept else ""
     return {
         "name": candidate.effect.key,
         "gain": candidate.share,
@@ -119,7 +122,7 @@ def _entry(candidate: Candidate, chosen: bool) -> dict[str, Any]:
         "gain_high": candidate.share_interval[1],
         "p_value": candidate.p_value,
         "chosen": chosen,
-        "note": candidate.refusal,
+        "note": candidate.refusal or dropped,
     }
 
 

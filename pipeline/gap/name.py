@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from torch import Tensor
 
 from pipeline.effects import Effect, MeasurementEffect, ParameterError
-from pipeline.gap.ambiguity import Rivalry, rivalry_of, rivals_of
+from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
 from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Fit, Problem, columns_of, fit
 from pipeline.gap.model import drifts_of
@@ -91,6 +91,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     competition.run(settled)
     competition.run(competition.catalogue)
     competition.condense()
+    competition.exchange()
     competition.disown()
     return competition.result()
 
@@ -202,6 +203,35 @@ class _Competition:
         self.current = fit(winner.fit.simulator, self.problem)
         self.prune()
         self.run(self.catalogue)
+
+    def exchange(self) -> None:
+        """Put another effect in the place of a named one wherever it predicts better there.
+
+        The order in which effects entered, and the platform's numbers coming first, must not decide.
+        """
+        for _ in range(self.settings.most_effects):
+            better = [
+                swap for fitted in self.current.simulator.free if (swap := self.better_than(fitted.effect))
+            ]
+            if not better:
+                return
+            _, candidates, winner, replaced = max(better, key=lambda swap: swap[0])
+            self.rounds.append(Round(candidates, winner))
+            self.dropped = (self.dropped | {replaced}) - {winner.effect.key}
+            self.current = fit(winner.fit.simulator, self.problem)
+            self.prune()
+            self.run(self.catalogue)
+
+    def better_than(self, effect: Effect) -> tuple[float, tuple[Candidate, ...], Candidate, str] | None:
+        """Return by how much another effect would predict better in the place of a named one, the round, and both."""
+        without, own = self.without(effect), self.alone(effect)
+        present = {fitted.effect.key for fitted in self.current.simulator.free}
+        candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in present)
+        admitted = [candidate for candidate in candidates if not candidate.refusal]
+        winner = max(admitted, key=lambda candidate: total_score(candidate), default=None)
+        if winner is None or not predicts_better(winner, own, self.problem.cluster):
+            return None
+        return total_score(winner) - total_score(own), candidates, winner, effect.key
 
     def presence(self, candidate: Candidate) -> float:
         """Return the probability that an effect of this kind is there, whichever of its rivals it is."""

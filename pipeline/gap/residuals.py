@@ -1,5 +1,6 @@
 """What a simulator leaves unexplained in a recording, channel by channel, and how much of it the noise explains."""
 
+import math
 from dataclasses import dataclass
 
 import torch
@@ -48,8 +49,20 @@ def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
             series.append(ChannelSeries(channel, sensed, balance.wrench[channel.name], direct=True))
         else:
             measured, predicted = balance.momentum[channel.name], balance.rate[channel.name]
+            measured = measured * _settling(channel.name, simulator, blocks)
             series.append(ChannelSeries(channel, scale * measured, scale * predicted, direct=False))
     return series
+
+
+def _settling(channel: str, simulator: Simulator, blocks: Blocks) -> float:
+    """Return what a held command makes of the momentum of an axis that settles between two samples.
+
+    Between samples the velocity is an exponential, of which the trapezoid rule misses a part; the equation
+    u = v̄ + (dv/dt)/rate is exact for the sampled means when 1/rate is multiplied by x·coth(x), x = rate·dt/2.
+    """
+    rate = simulator.mechanism.damping(simulator.mechanism.constants()).get(channel, 0.0)
+    x = 0.5 * rate * blocks.time_step
+    return x / math.tanh(x) if blocks.held and x > 1e-6 else 1.0
 
 
 def _sensed(channel: Channel, signals: dict[str, Tensor]) -> Tensor | None:

@@ -9,7 +9,7 @@ from pipeline.platforms import Platform
 from pipeline.recordings.recording import Recording
 from pipeline.simulation.blocks import Blocks, cut_blocks
 
-_CLEARLY = 0.9  # of the error of held commands: less must be left for them to have been measured instead
+_CLEARLY = 0.5  # of the error of held commands: no more may be left for them to have been measured instead
 
 _AXES = {"joint": ("velocity", "position"), "swerve": ("steer_velocity", "steer_angle")}
 _COMMANDS = {"joint": ("effort", "voltage"), "swerve": ("steer_voltage",)}

@@ -65,3 +65,11 @@ class JointMechanism(Mechanism):
     def inertia(self, constants: Constants) -> dict[str, float]:
         """The inertia of the axis."""
         return {self.channels[0].name: float(constants["inertia"])}
+
+    def damping(self, constants: Constants) -> dict[str, float]:
+        """The back-EMF brakes the axis where a voltage drives it."""
+        if "torque_constant" not in constants:
+            return {}
+        gain = float(constants["torque_constant"]) * float(constants["gear_ratio"])
+        rate = gain**2 / (float(constants["resistance"]) * float(constants["inertia"]))
+        return {self.channels[0].name: rate}

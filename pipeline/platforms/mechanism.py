@@ -58,6 +58,10 @@ class Mechanism(ABC):
     def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Return the quantity whose rate balances the wrench, per channel."""
 
+    def damping(self, constants: Constants) -> dict[str, float]:
+        """Return the rate at which each channel's velocity settles by itself, 1/s (absent where it does not)."""
+        return {}
+
     @abstractmethod
     def inertia(self, constants: Constants) -> dict[str, float]:
         """Return what the momentum is per unit of velocity, per channel: what a parameter error may rescale."""

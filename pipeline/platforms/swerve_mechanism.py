@@ -92,6 +92,22 @@ class SwerveMechanism(Mechanism):
         chassis = {"drive_x": mass, "drive_y": mass, "drive_yaw": yaw}
         return chassis | {f"steer_{number}": module for number in range(1, 5)}
 
+    def damping(self, constants: Constants) -> dict[str, float]:
+        """The back-EMF of four drive motors brakes the chassis, that of a steering motor its module."""
+        rates = {}
+        for group in ("drive", "steer"):
+            gear, resistance = (
+                float(constants[f"{group}_gear_ratio"]),
+                float(constants[f"{group}_resistance"]),
+            )
+            product = float(constants[f"{group}_torque_constant"]) * float(
+                constants[f"{group}_back_emf_constant"]
+            )
+            rates[group] = gear**2 * product / resistance
+        steer = rates["steer"] / float(constants["steer_inertia"])
+        drive = 4.0 * rates["drive"] / (float(constants["wheel_radius"]) ** 2 * float(constants["mass"]))
+        return {"drive_x": drive, "drive_y": drive} | {f"steer_{module}": steer for module in range(1, 5)}
+
 
 def sum_on_chassis(wheel_torque: Tensor, steer_angle: Tensor, constants: Constants) -> dict[str, Tensor]:
     """Sum what four wheel torques do to the chassis.

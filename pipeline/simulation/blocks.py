@@ -26,6 +26,7 @@ class Blocks:
         time_step: s.
         margin: samples on each side that belong to no block: for delays, clock shifts and effects that remember.
         samples: length of a block without its margins.
+        held: whether commands are held from one sample to the next.
     """
 
     signals: dict[str, Tensor]
@@ -35,6 +36,7 @@ class Blocks:
     time_step: float
     margin: int
     samples: int
+    held: bool = True
 
     def __len__(self) -> int:
         return len(self.run)
@@ -108,6 +110,7 @@ def cut_blocks(
         time_step=time_step,
         margin=margin,
         samples=samples,
+        held=held,
     )
 
 

@@ -5,8 +5,9 @@ import pandas as pd
 import torch
 from torch import Tensor
 
+from pipeline.errors import InputError
 from pipeline.physics import rotations
-from pipeline.platforms import Platform, Swerve
+from pipeline.platforms import Joint, Platform, Swerve
 from pipeline.platforms.swerve_mechanism import chassis_velocity_from_wheels
 
 _AXES = ("x", "y", "z")
@@ -25,9 +26,9 @@ def recorded_signals(frame: pd.DataFrame, platform: Platform, held: bool = True)
         held: whether a command is held from its sample to the next, as a controller does, so that what acts around a
             sample is the mean of it and the one before; else a command was measured at its sample.
     """
-    if platform.kind == "quadrotor":
-        return _quadrotor(frame, held)
-    return _swerve(frame, platform, held) if isinstance(platform, Swerve) else _joint(frame, held)
+    if isinstance(platform, Swerve):
+        return _swerve(frame, platform, held)
+    return _joint(frame, platform, held) if isinstance(platform, Joint) else _quadrotor(frame, held)
 
 
 def _quadrotor(frame: pd.DataFrame, held: bool) -> dict[str, Tensor]:
@@ -46,7 +47,7 @@ def _quadrotor(frame: pd.DataFrame, held: bool) -> dict[str, Tensor]:
     return present
 
 
-def _joint(frame: pd.DataFrame, held: bool) -> dict[str, Tensor]:
+def _joint(frame: pd.DataFrame, platform: Joint, held: bool) -> dict[str, Tensor]:
     signals = {
         "position": _column(frame, "position"),
         "velocity": _column(frame, "velocity"),
@@ -55,7 +56,13 @@ def _joint(frame: pd.DataFrame, held: bool) -> dict[str, Tensor]:
         "battery_voltage": _column(frame, "battery_voltage"),
         "temperature": _column(frame, "temperature"),
     }
-    return {name: series for name, series in signals.items() if series is not None}
+    present = {name: series for name, series in signals.items() if series is not None}
+    if "voltage" in present and platform.motor is None:
+        if "effort" not in present:
+            remedy = "give resistance, torque_constant and gear_ratio, or record the effort"
+            raise InputError("is missing, and the recording has a voltage", "platform.motor", remedy)
+        del present["voltage"]
+    return present
 
 
 def _swerve(frame: pd.DataFrame, platform: Swerve, held: bool) -> dict[str, Tensor]:
