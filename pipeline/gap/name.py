@@ -20,6 +20,7 @@ from pipeline.simulation import Simulator
 _Z95 = 1.96
 _REDUNDANT = 0.2
 _BELIEVED = 0.5
+_EXCHANGES = 3  # each costs a round for every named effect
 _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
@@ -209,21 +210,21 @@ class _Competition:
 
         The order in which effects entered, and the platform's numbers coming first, must not decide.
         """
-        for _ in range(self.settings.most_effects):
+        for _ in range(_EXCHANGES):
             better = [
                 swap for fitted in self.current.simulator.free if (swap := self.better_than(fitted.effect))
             ]
             if not better:
                 return
-            _, candidates, winner, replaced = max(better, key=lambda swap: swap[0])
+            _, candidates, winner = max(better, key=lambda swap: swap[0])
             self.rounds.append(Round(candidates, winner))
-            self.dropped = (self.dropped | {replaced}) - {winner.effect.key}
+            self.dropped.discard(winner.effect.key)
             self.current = fit(winner.fit.simulator, self.problem)
             self.prune()
             self.run(self.catalogue)
 
-    def better_than(self, effect: Effect) -> tuple[float, tuple[Candidate, ...], Candidate, str] | None:
-        """Return by how much another effect would predict better in the place of a named one, the round, and both."""
+    def better_than(self, effect: Effect) -> tuple[float, tuple[Candidate, ...], Candidate] | None:
+        """Return by how much another effect would predict better in the place of a named one, the round, and it."""
         without, own = self.without(effect), self.alone(effect)
         present = {fitted.effect.key for fitted in self.current.simulator.free}
         candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in present)
@@ -231,7 +232,7 @@ class _Competition:
         winner = max(admitted, key=lambda candidate: total_score(candidate), default=None)
         if winner is None or not predicts_better(winner, own, self.problem.cluster):
             return None
-        return total_score(winner) - total_score(own), candidates, winner, effect.key
+        return total_score(winner) - total_score(own), candidates, winner
 
     def presence(self, candidate: Candidate) -> float:
         """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
