@@ -1,4 +1,4 @@
-"""A strict reader of diagnosis.json, written from CONTRACT.md alone."""
+"""A strict reader of diagnosis.json, written from docs/contract.md alone."""
 
 import json
 import math

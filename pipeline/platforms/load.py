@@ -23,7 +23,7 @@ def platform_from_config(config: Any, where: str = "platform") -> Quadrotor | Sw
     The kind is the key `kind` where there is one, else that with which the keys have most in common.
 
     Args:
-        config: a mapping of the keys of CONTRACT for one kind of platform.
+        config: a mapping of the keys of docs/contract.md for one kind of platform.
         where: the configuration key to name in an error.
 
     Raises:
@@ -67,7 +67,7 @@ def _build(cls: type, values: Any, where: str) -> Any:
             raise InputError(f"unknown key {key!r} for a {cls.__name__.lower()}", where, remedy)
     for name, field in fields.items():
         if name not in values and field.default is dataclasses.MISSING:
-            raise InputError(f"key {name!r} is missing", where, f"give it (see {cls.__name__} in CONTRACT)")
+            raise InputError(f"key {name!r} is missing", where, "give it (see docs/contract.md)")
     return cls(**{key: _value(hints[key], value, f"{where}.{key}", key) for key, value in values.items()})
 
 
@@ -87,7 +87,7 @@ def _sequence(hint: Any, value: Any, where: str, key: str) -> tuple:
     arguments = get_args(hint)
     length = 4 if arguments[-1] is Ellipsis else len(arguments)
     if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != length:
-        raise InputError(f"a list of {length} is needed, not {value!r}", where, "see CONTRACT")
+        raise InputError(f"a list of {length} is needed, not {value!r}", where, "see docs/contract.md")
     return tuple(_value(arguments[0], entry, f"{where}[{index}]", key) for index, entry in enumerate(value))
 
 

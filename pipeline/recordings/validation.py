@@ -43,7 +43,7 @@ def resolve_kind(declared: object, expected: str | None, frame: pd.DataFrame, wh
         raise InputError(
             f"no column of a recording is there (columns: {shown})",
             where,
-            "name the columns as CONTRACT does",
+            "name the columns as docs/contract.md does",
         )
     return best
 

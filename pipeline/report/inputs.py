@@ -50,7 +50,7 @@ class ReportInputs:
 
     @cached_property
     def diagnosis(self) -> dict[str, Any] | None:
-        """The diagnosis (CONTRACT), or None where there is none."""
+        """The diagnosis (docs/contract.md), or None where there is none."""
         return read_json(self.diagnose, "diagnosis.json")
 
     def evidence(self, file: str) -> Any:

@@ -21,7 +21,7 @@ def build_simulator(
     """Build the simulator that is believed before the diagnosis.
 
     Args:
-        platform: the keys of CONTRACT.
+        platform: the keys of docs/contract.md.
         settings: effects that are known already.
         units: of the recording's channels; a joint slides where its position is in metres.
         identified: parameters that sysid found, to be used in place of the platform's.

@@ -75,7 +75,7 @@ def _is_whole(lock_file: Path) -> bool:
     from voluptuous import Invalid
 
     try:
-        COMPILED_LOCKFILE_SCHEMA(yaml.load(lock_file.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader))
+        COMPILED_LOCKFILE_SCHEMA(yaml.safe_load(lock_file.read_text(encoding="utf-8")))
     except (yaml.YAMLError, UnicodeDecodeError, Invalid):
         return False
     return True

@@ -65,7 +65,7 @@ def take(
     for channel, source in columns.items():
         if channel not in expected:
             near = difflib.get_close_matches(channel, expected, n=1)
-            remedy = f"did you mean {near[0]!r}?" if near else "see CONTRACT for the names"
+            remedy = f"did you mean {near[0]!r}?" if near else "see docs/contract.md for the names"
             raise InputError(f"unknown channel {channel!r} for a {kind}", "dataset.options.columns", remedy)
         if source.column not in frame:
             raise InputError(

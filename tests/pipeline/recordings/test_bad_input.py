@@ -133,7 +133,7 @@ def test_missing_group(written):
 def test_no_column_of_a_recording(tmp_path):
     path = tmp_path / "other.csv"
     path.write_text("time,angle\n0,1\n")
-    refused(path, "time, angle", "CONTRACT")
+    refused(path, "time, angle", "docs/contract.md")
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Imagined diagnoses by CONTRACT: every verdict, nulls, empty lists, and any text wherever text goes."""
+"""Imagined diagnoses by docs/contract.md: every verdict, nulls, empty lists, and any text wherever text goes."""
 
 from typing import Any
 
@@ -41,7 +41,7 @@ _EFFECTS: dict[str, list[dict[str, Any]]] = {
 
 
 def diagnosis(verdict: str, *, bare: bool = False, text: str = "") -> dict[str, Any]:
-    """Return a diagnosis by CONTRACT."""
+    """Return a diagnosis by docs/contract.md."""
     effects = [effect | ({"statement": text, "name": text} if text else {}) for effect in _EFFECTS[verdict]]
     fit: dict[str, Any] = {
         "metric": text or "RMS of the specific force over one step, m/s²",
