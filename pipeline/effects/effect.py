@@ -120,9 +120,13 @@ class ActuatorEffect(Effect):
     """A change in how a command becomes rotor speed, torque or voltage; may remember.
 
     `memory` is None before the first sample; a memoryless effect returns None and may be given whole blocks of time.
+    An effect with a hidden state of its own that pushes on the body (a swinging payload) is an actuator effect that
+    adds its hidden signal and a wrench effect that reads it.
     """
 
     remembers: ClassVar[bool] = False
+    order: ClassVar[int] = 0
+    """Place on the way from supply to load: 0 supply, 1 electrical, 2 mechanical, 3 what follows from the motion."""
 
     @abstractmethod
     def actuate(

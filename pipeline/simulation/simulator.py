@@ -85,8 +85,9 @@ class Simulator:
         return tuple(fitted for fitted in self.effects if fitted.known)
 
     def of_type(self, kind: type[Effect]) -> list[FittedEffect]:
-        """Return the effects that act in one place."""
-        return [fitted for fitted in self.effects if isinstance(fitted.effect, kind)]
+        """Return the effects that act in one place, in the order in which they act."""
+        chosen = [fitted for fitted in self.effects if isinstance(fitted.effect, kind)]
+        return sorted(chosen, key=lambda fitted: getattr(fitted.effect, "order", 0))
 
     def with_effects(self, effects: tuple[FittedEffect, ...]) -> "Simulator":
         """Return the same platform with other effects."""
