@@ -22,7 +22,7 @@ def candidates_for(
         if wanted not in {effect.name for effect in effects_of(kind)}:
             effect_by_key(kind, wanted)
     chosen = [e for e in effects_of(kind) if names is None or {e.name, e.key} & set(names)]
-    return [effect for effect in chosen if set(effect.needs) <= available]
+    return [effect for effect in chosen if effect.names_physics and set(effect.needs) <= available]
 
 
 def _derived(signals: Mapping[str, Tensor]) -> set[str]:

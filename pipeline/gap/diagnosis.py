@@ -15,7 +15,7 @@ from pipeline.gap.name import Naming, name
 from pipeline.gap.probability import presence_of
 from pipeline.gap.prove import Proof, prove
 from pipeline.gap.regimes import Regime, regimes_of
-from pipeline.gap.residuals import noise_of_rows
+from pipeline.gap.residuals import channels_on, noise_of_rows
 from pipeline.gap.scoring import clusters_of, cross_validated, folds_of
 from pipeline.gap.sensors import settle_accelerometer, settle_velocity
 from pipeline.gap.settings import Gap
@@ -67,6 +67,11 @@ class Diagnosis:
     nominal: Simulator
     simulator: Simulator
 
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """The equations that the recording was held against."""
+        return channels_on(self.nominal, self.fitting.blocks)
+
 
 def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnosis:
     """Locate the mismatch between a recording and a simulator, name it, model it and prove it.
@@ -89,7 +94,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     naming = name(nominal, problem, settings)
     simulator = naming.fit.simulator
     problem = replace(problem, noise=noise_of_rows(simulator, fitted, functions))
-    channels, regimes = nominal.mechanism.channels, regimes_on(fitted, simulator)
+    channels, regimes = channels_on(nominal, fitted), regimes_on(fitted, simulator)
     mismatches = locate(naming.base.residual, channels, regimes, problem)
     fold = folds_of(fitted, settings.folds)
     residual = cross_validated(naming.fit, fold)

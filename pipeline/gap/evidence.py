@@ -65,7 +65,7 @@ def traces(diagnosis: Diagnosis) -> pd.DataFrame:
     # The clocks that the named effects settle move the prediction, not what was measured.
     _, after = _rows(diagnosis, blocks, diagnosis.simulator)
     tables = []
-    for i, channel in enumerate(diagnosis.nominal.mechanism.channels):
+    for i, channel in enumerate(diagnosis.channels):
         columns = {
             "measured": measured[..., i],
             "before": before[..., i],
@@ -81,7 +81,7 @@ def traces(diagnosis: Diagnosis) -> pd.DataFrame:
 def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
     """Return residual rows before and after beside the regime variables, of fitted and proving runs."""
     parts = {"train": diagnosis.fitting.blocks, "holdout": diagnosis.proving}
-    channels = diagnosis.nominal.mechanism.channels
+    channels = diagnosis.channels
     functions = diagnosis.fitting.functions
     most = max(_MOST_ROWS // (len(parts) * len(channels) * len(functions.centres)), 1)
     tables = []
@@ -137,7 +137,7 @@ def laws(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         kept = tuple(f for f in diagnosis.simulator.effects if f.effect.key != candidate.effect.key)
         without = residual_rows(diagnosis.simulator.with_effects(kept), blocks, functions)
         contribution = without - fit.residual
-        for i, channel in enumerate(diagnosis.nominal.mechanism.channels):
+        for i, channel in enumerate(diagnosis.channels):
             law = contribution[..., i].flatten()
             if float(law.abs().max()) > 0:
                 target = law + fit.residual[..., i].flatten()
@@ -216,7 +216,7 @@ def regime_maps(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         if len(edges) < 3:
             continue
         place, count = bin_of(values, edges), len(edges) - 1
-        for i, channel in enumerate(diagnosis.nominal.mechanism.channels):
+        for i, channel in enumerate(diagnosis.channels):
             rms = [
                 mean_per_bin(rows[..., i].flatten().square(), place, count).sqrt().tolist()
                 for rows in (before, after)

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from pipeline.effects import Effect, Parameter, WrenchEffect
-from pipeline.gap.residuals import residual_rows
+from pipeline.gap.residuals import channels_on, residual_rows
 from pipeline.physics.weak_form import WindowFunctions, mean_of
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.blocks import Blocks
@@ -145,8 +145,10 @@ def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Prob
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
     scale = {name: nominal[name] / believed[name] for name in nominal}
     columns = []
-    for wrench in effect.regressors(inner, simulator.constants()):
-        names = [channel.name for channel in simulator.mechanism.channels]
+    constants = simulator.constants()
+    for regressor in effect.regressors(inner, constants):
+        wrench = simulator.mechanism.constrain(regressor, inner, constants)
+        names = [channel.name for channel in channels_on(simulator, blocks)]
         rows = [scale[n] * mean_of(problem.functions, wrench[n]) if n in wrench else zero for n in names]
         columns.append(torch.stack(rows, dim=-1))
     return torch.stack(columns, dim=-1)

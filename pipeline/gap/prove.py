@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.gap.residuals import noise_of_rows, residual_rows
+from pipeline.gap.residuals import channels_on, noise_of_rows, residual_rows
 from pipeline.gap.scoring import clusters_of
 from pipeline.physics.weak_form import WindowFunctions
 from pipeline.platforms.mechanism import Channel
@@ -62,7 +62,7 @@ def prove(
         held_out: whether the blocks were used for nothing else.
         resamples: of the bootstrap.
     """
-    names = [channel.name for channel in nominal.mechanism.channels]
+    names = [channel.name for channel in channels_on(nominal, blocks)]
     columns = [names.index(channel.name) for channel in counted]
     before, after = (residual_rows(simulator, blocks, functions) for simulator in (nominal, augmented))
     floor = noise_of_rows(augmented, blocks, functions)

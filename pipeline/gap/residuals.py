@@ -35,6 +35,11 @@ class ChannelSeries:
     direct: bool
 
 
+def channels_on(simulator: Simulator, blocks: Blocks) -> tuple[Channel, ...]:
+    """Return the equations that a recording can be held against."""
+    return simulator.mechanism.channels_of(blocks.signals)
+
+
 def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
     """Evaluate a simulator on recorded blocks, their margins dropped."""
     signals = simulator.along_time(blocks.signals, blocks.time_step)
@@ -42,7 +47,10 @@ def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
     balance = simulator.balance(inner)
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
     series = []
-    for channel in simulator.mechanism.channels:
+    for channel in channels_on(simulator, blocks):
+        if channel.group == "actuator":
+            series.append(_actuator_series(simulator, channel, inner))
+            continue
         scale = nominal[channel.name] / believed[channel.name]
         sensed = _sensed(channel, inner)
         if sensed is not None:
@@ -52,6 +60,13 @@ def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
             measured = measured * _settling(channel.name, simulator, blocks)
             series.append(ChannelSeries(channel, scale * measured, scale * predicted, direct=False))
     return series
+
+
+def _actuator_series(simulator: Simulator, channel: Channel, signals: dict[str, Tensor]) -> ChannelSeries:
+    """Hold what the command makes of an actuator against its recorded output."""
+    output, place = simulator.mechanism.actuator_output, int(channel.name[-1]) - 1
+    measured, commanded = signals[output][..., place], signals[f"commanded_{output}"][..., place]
+    return ChannelSeries(channel, measured, commanded, direct=True)
 
 
 def _settling(channel: str, simulator: Simulator, blocks: Blocks) -> float:

@@ -12,26 +12,28 @@ from pipeline.simulation.blocks import Blocks, cut_blocks
 _CLEARLY = 0.5  # of the error of held commands: no more may be left for them to have been measured instead
 
 _AXES = {"joint": ("velocity", "position"), "swerve": ("steer_velocity", "steer_angle")}
-_COMMANDS = {"joint": ("effort", "voltage"), "swerve": ("steer_voltage",)}
+_COMMANDS = {"joint": ("effort", "voltage"), "swerve": ("steer_voltage",), "quadrotor": ("motor_command",)}
 
 
 def cut_settled_blocks(recording: Recording, platform: Platform, settings: Gap) -> Blocks:
     """Cut a recording with its commands where they act: half a sample matters to friction and inertia.
 
-    A controller holds each command until its next sample; a measured effort or voltage belongs to its own instant.
-    Which of the two was recorded shows in how well command, velocity, its sign and position together explain the
-    acceleration, whatever the physics; commands are taken as held unless the other is clearly better.
+    A controller holds each command until its next sample; a measured effort or voltage belongs to its own instant, and
+    so does the command of a controller that is much faster than the log. Which of the two was recorded shows in how
+    well command, velocity, its sign and position together explain the acceleration, whatever the physics; commands are
+    taken as held unless the other is clearly better.
     """
     lengths = settings.block_duration, settings.margin
     held = cut_blocks(recording, platform, *lengths)
-    if recording.kind not in _AXES:
+    if not any(name in held.signals for name in _COMMANDS[recording.kind]):
         return held
     measured = cut_blocks(recording, platform, *lengths, held=False)
-    errors = [_unexplained(blocks, recording.kind, settings.test_width) for blocks in (held, measured)]
+    unexplained = _unexplained_rotors if recording.kind == "quadrotor" else _unexplained_axis
+    errors = [unexplained(blocks, recording.kind, settings.test_width) for blocks in (held, measured)]
     return measured if errors[1] < _CLEARLY * errors[0] else held
 
 
-def _unexplained(blocks: Blocks, kind: str, width: float) -> float:
+def _unexplained_axis(blocks: Blocks, kind: str, width: float) -> float:
     """Return the mean square of the acceleration that a regression on everything recorded of the axis leaves."""
     functions = window_functions(blocks.samples, width, blocks.time_step)
     signals = {name: blocks.inner(series) for name, series in blocks.signals.items()}
@@ -39,10 +41,30 @@ def _unexplained(blocks: Blocks, kind: str, width: float) -> float:
     commands = [_per_axis(signals[name]) for name in _COMMANDS[kind] if name in signals]
     slow = 0.05 * speed.square().mean().sqrt().clamp_min(1e-12)
     terms = [*commands, speed, torch.tanh(speed / slow), place, torch.sin(place), torch.ones_like(speed)]
-    matrix = torch.stack([mean_of(functions, term).flatten() for term in terms], dim=1)
-    target = mean_rate_of(functions, speed).flatten()
-    weights = torch.linalg.lstsq(matrix, target[:, None]).solution[:, 0]
-    return float((target - matrix @ weights).square().mean())
+    return _left([mean_of(functions, term) for term in terms], mean_rate_of(functions, speed))
+
+
+def _unexplained_rotors(blocks: Blocks, kind: str, width: float) -> float:
+    """Return what the commands leave of the rotors' speeds, or of the turning where no speed is recorded."""
+    functions = window_functions(blocks.samples, width, blocks.time_step)
+    command = blocks.inner(blocks.signals["motor_command"])
+    if "rotor_speed" in blocks.signals:
+        speed = _per_axis(blocks.inner(blocks.signals["rotor_speed"]))
+        terms = [_per_axis(command), torch.ones_like(speed)]
+        return _left([mean_of(functions, term) for term in terms], mean_of(functions, speed))
+    rate = blocks.inner(blocks.signals["body_rate"])
+    squares = [mean_of(functions, command[..., rotor] ** 2) for rotor in range(command.shape[-1])]
+    turning = [mean_rate_of(functions, rate[..., axis]) for axis in range(2)]
+    scale = [axis.square().mean().clamp_min(1e-24) for axis in turning]
+    return sum(_left(squares, axis) / float(size) for axis, size in zip(turning, scale, strict=True))
+
+
+def _left(terms: list[Tensor], target: Tensor) -> float:
+    """Return the mean square that a regression on the terms leaves of a target."""
+    matrix = torch.stack([term.flatten() for term in terms], dim=1)
+    goal = target.flatten()
+    weights = torch.linalg.lstsq(matrix, goal[:, None]).solution[:, 0]
+    return float((goal - matrix @ weights).square().mean())
 
 
 def _per_axis(series: Tensor) -> Tensor:

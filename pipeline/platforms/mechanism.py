@@ -29,7 +29,8 @@ class Channel:
 class Mechanism(ABC):
     """The nominal physics of one platform kind.
 
-    The rate of `momentum` equals `wrench` + `inertial`, channel by channel. Effects add to the wrench.
+    The rate of `momentum` equals `wrench` + `inertial`, channel by channel. Effects add to the wrench, of which
+    `constrain` keeps what the machine's bearings and wheels leave of it.
     All methods take signals with free leading dimensions.
     """
 
@@ -37,6 +38,17 @@ class Mechanism(ABC):
     channels: tuple[Channel, ...]
     actuator_signals: ClassVar[tuple[str, ...]]
     """Signals on the clock of the command: what a time offset of the sensors moves against the rest."""
+    actuator_output: ClassVar[str] = ""
+    """What the actuator makes of the command and a recording may hold as well; empty where none is ever recorded."""
+    actuator_input: ClassVar[str] = ""
+
+    def channels_of(self, signals: Signals) -> tuple[Channel, ...]:
+        """Return the equations that these signals can be held against: more where an actuator's output is recorded."""
+        return self.channels
+
+    def given_output(self, signals: Signals) -> str | None:
+        """Return the actuator's output where it is among the signals: then nothing has to be made of the command."""
+        return self.actuator_output if self.actuator_output in signals else None
 
     @abstractmethod
     def constants(self) -> dict[str, Any]:
@@ -50,9 +62,15 @@ class Mechanism(ABC):
     def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Return what the actuators and the nominal environment do, per channel."""
 
+    def constrain(
+        self, wrench: Mapping[str, Tensor], signals: Signals, constants: Constants
+    ) -> dict[str, Tensor]:
+        """Return what is left of a wrench once forces of constraint have answered it; absent channels are zero."""
+        return dict(wrench)
+
     @abstractmethod
     def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
-        """Return gravity and the terms of a turning frame, per channel (absent where zero)."""
+        """Return gravity and the terms of a turning frame, constrained, per channel (absent where zero)."""
 
     @abstractmethod
     def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:

@@ -23,13 +23,22 @@ class QuadrotorMechanism(Mechanism):
 
     kind = "quadrotor"
     actuator_signals = ("rotor_speed", "motor_command")
+    actuator_output = "rotor_speed"
+    actuator_input = "motor_command"
     channels = (
         *(Channel(f"force_{axis}", "m/s²", "force") for axis in _AXES),
         *(Channel(f"torque_{axis}", "N·m", "torque") for axis in _AXES),
     )
 
+    rotors = tuple(Channel(f"motor_speed_{rotor}", "rad/s", "actuator") for rotor in range(1, 5))
+
     def __init__(self, platform: Quadrotor) -> None:
         self.platform = platform
+
+    def channels_of(self, signals: Signals) -> tuple[Channel, ...]:
+        """Return the six of the body, and one per rotor where both its command and its speed are recorded."""
+        both = self.actuator_output in signals and self.actuator_input in signals
+        return (*self.channels, *self.rotors) if both else self.channels
 
     def constants(self) -> dict[str, Any]:
         """Return mass, coefficients, inertia and geometry of the platform."""

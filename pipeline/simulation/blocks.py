@@ -1,6 +1,6 @@
 """A recording cut into blocks of equal length, which a simulator can replay side by side."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import pandas as pd
 import torch
@@ -9,7 +9,7 @@ from torch import Tensor
 from pipeline.errors import InputError
 from pipeline.platforms import Platform
 from pipeline.recordings.recording import Recording
-from pipeline.simulation.signals import recorded_signals
+from pipeline.simulation.signals import COMMANDS, recorded_signals
 
 _FEWEST_SAMPLES = 10  # of a block
 
@@ -27,6 +27,8 @@ class Blocks:
         margin: samples on each side that belong to no block: for delays, clock shifts and effects that remember.
         samples: length of a block without its margins.
         held: whether commands are held from one sample to the next.
+        held_commands: those commands as they were recorded, where `signals` has the mean of what acts around a sample;
+            a simulation holds them. By name, (blocks, margin + samples + margin, ...).
     """
 
     signals: dict[str, Tensor]
@@ -37,14 +39,20 @@ class Blocks:
     margin: int
     samples: int
     held: bool = True
+    held_commands: dict[str, Tensor] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.run)
 
     def take(self, index: Tensor) -> "Blocks":
         """Return some of the blocks."""
-        signals = {name: series[index] for name, series in self.signals.items()}
-        return replace(self, signals=signals, run=self.run[index], start=self.start[index])
+        signals, held = (
+            {name: series[index] for name, series in part.items()}
+            for part in (self.signals, self.held_commands)
+        )
+        return replace(
+            self, signals=signals, held_commands=held, run=self.run[index], start=self.start[index]
+        )
 
     def of_runs(self, names: list[str]) -> "Blocks":
         """Return the blocks of some runs."""
@@ -90,20 +98,22 @@ def cut_blocks(
     samples, margin = _lengths(recording.frame, keys, duration / time_step, margin_duration / time_step)
     runs = tuple(recording.runs)
     index = {name: position for position, name in enumerate(runs)}
-    pieces: list[dict[str, Tensor]] = []
+    started = recording.frame.groupby("run", sort=False)["t"].first()
+    pieces: list[tuple[dict[str, Tensor], dict[str, Tensor]]] = []
     run: list[int] = []
     start: list[float] = []
     for segment in segments:
         firsts = range(0, len(segment) - samples + 1, samples)
-        signals = recorded_signals(segment, platform, held) if firsts else {}
-        padded = {name: _padded(series, margin) for name, series in signals.items()}
+        name = str(segment["run"].iloc[0])
+        kept = _kept_signals(segment, platform, held, float(started[name]), margin) if firsts else ({}, {})
         for first in firsts:
-            pieces.append({n: s[first : first + samples + 2 * margin] for n, s in padded.items()})
-            run.append(index[str(segment["run"].iloc[0])])
+            within = slice(first, first + samples + 2 * margin)
+            signals, commands = ({n: s[within] for n, s in part.items()} for part in kept)
+            pieces.append((signals, commands))
+            run.append(index[name])
             start.append(float(segment["t"].iloc[first]))
-    shared = set.intersection(*(set(piece) for piece in pieces))
     return Blocks(
-        signals={name: torch.stack([piece[name] for piece in pieces]) for name in sorted(shared)},
+        signals=_stacked([signals for signals, _ in pieces]),
         run=torch.tensor(run),
         runs=runs,
         start=torch.tensor(start, dtype=torch.float64),
@@ -111,7 +121,26 @@ def cut_blocks(
         margin=margin,
         samples=samples,
         held=held,
+        held_commands=_stacked([commands for _, commands in pieces]),
     )
+
+
+def _kept_signals(
+    segment: pd.DataFrame, platform: Platform, held: bool, run_start: float, margin: int
+) -> tuple[dict[str, Tensor], dict[str, Tensor]]:
+    """Return the padded signals of a segment, and the commands that are held in it as they were recorded."""
+    signals = recorded_signals(segment, platform, held)
+    signals["elapsed"] = torch.from_numpy(segment["t"].to_numpy(dtype="float64", copy=True)) - run_start
+    raw = recorded_signals(segment, platform, held=False) if held else {}
+    commands = {name: series for name, series in raw.items() if name in COMMANDS}
+    padded = ({name: _padded(s, margin) for name, s in part.items()} for part in (signals, commands))
+    return next(padded), next(padded)
+
+
+def _stacked(pieces: list[dict[str, Tensor]]) -> dict[str, Tensor]:
+    """Return the signals that every block has, (blocks, samples, ...)."""
+    shared = set.intersection(*(set(piece) for piece in pieces))
+    return {name: torch.stack([piece[name] for piece in pieces]) for name in sorted(shared)}
 
 
 def _padded(series: Tensor, margin: int) -> Tensor:

@@ -9,6 +9,8 @@ from torch import Tensor
 
 from pipeline.physics import rigid_body, rotations
 from pipeline.platforms import Platform, Swerve
+from pipeline.platforms.swerve_kinematics import rolling_speed
+from pipeline.platforms.swerve_mechanism import SwerveMechanism, wheel_angle
 
 Signals = Mapping[str, Tensor]
 
@@ -17,17 +19,19 @@ class Motion(ABC):
     """The state of one platform kind.
 
     `parts` names the slices of the state tensor (..., n); the same names, with recorded signals, make a state.
+    `velocities` names the parts that forces change at once; the others follow from them.
     """
 
     parts: ClassVar[dict[str, slice]]
+    velocities: ClassVar[tuple[str, ...]]
 
     @abstractmethod
     def pack(self, signals: Signals) -> Tensor:
         """Return the state tensor (..., n) that these signals describe."""
 
     @abstractmethod
-    def signals(self, state: Tensor) -> dict[str, Tensor]:
-        """Return the signals that effects and mechanism read from a state."""
+    def signals(self, state: Tensor, constants: Mapping[str, Any] | None = None) -> dict[str, Tensor]:
+        """Return the signals that effects and mechanism read from a state; without constants, the platform's own."""
 
     @abstractmethod
     def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
@@ -47,13 +51,14 @@ class QuadrotorMotion(Motion):
         "velocity": slice(7, 10),
         "body_rate": slice(10, 13),
     }
+    velocities = ("velocity", "body_rate")
 
     def pack(self, signals: Signals) -> Tensor:
         """Return (..., 13); the velocity among the signals is in the body frame."""
         velocity = rotations.rotate(signals["attitude"], signals["velocity"])
         return torch.cat([signals["position"], signals["attitude"], velocity, signals["body_rate"]], dim=-1)
 
-    def signals(self, state: Tensor) -> dict[str, Tensor]:
+    def signals(self, state: Tensor, constants: Mapping[str, Any] | None = None) -> dict[str, Tensor]:
         """Return the parts, with velocity in the body frame."""
         parts = {name: state[..., where] for name, where in self.parts.items()}
         return parts | {"velocity": rotations.rotate_inverse(parts["attitude"], parts["velocity"])}
@@ -84,12 +89,13 @@ class JointMotion(Motion):
     """Position and velocity of the axis."""
 
     parts: ClassVar = {"position": slice(0, 1), "velocity": slice(1, 2)}
+    velocities = ("velocity",)
 
     def pack(self, signals: Signals) -> Tensor:
         """Return (..., 2)."""
         return torch.stack([signals["position"], signals["velocity"]], dim=-1)
 
-    def signals(self, state: Tensor) -> dict[str, Tensor]:
+    def signals(self, state: Tensor, constants: Mapping[str, Any] | None = None) -> dict[str, Tensor]:
         """Return position and velocity."""
         return {"position": state[..., 0], "velocity": state[..., 1]}
 
@@ -100,48 +106,51 @@ class JointMotion(Motion):
 
 
 class SwerveMotion(Motion):
-    """Chassis velocity (robot frame, with yaw rate), steering angles and steering rates."""
+    """Chassis velocity (robot frame, with yaw rate), steering angles and steering rates, heading since the start."""
 
     parts: ClassVar = {
         "chassis_velocity": slice(0, 3),
         "steer_angle": slice(3, 7),
         "steer_velocity": slice(7, 11),
+        "heading": slice(11, 12),
     }
+    velocities = ("chassis_velocity", "steer_velocity")
 
     def __init__(self, platform: Swerve) -> None:
-        self.platform = platform
+        self.mechanism = SwerveMechanism(platform)
 
     def pack(self, signals: Signals) -> Tensor:
-        """Return (..., 11)."""
-        return torch.cat([signals[name] for name in self.parts], dim=-1)
+        """Return (..., 12); the heading is zero where none is given."""
+        angle = signals["steer_angle"]
+        heading = signals.get("heading", torch.zeros_like(angle[..., 0]))
+        return torch.cat(
+            [signals["chassis_velocity"], angle, signals["steer_velocity"], heading[..., None]], dim=-1
+        )
 
-    def signals(self, state: Tensor) -> dict[str, Tensor]:
+    def signals(self, state: Tensor, constants: Mapping[str, Any] | None = None) -> dict[str, Tensor]:
         """Return the parts and the drive motors' speeds, which follow from rolling without slip."""
         parts = {name: state[..., where] for name, where in self.parts.items()}
-        return parts | {"drive_velocity": self._motor_speed(parts)}
-
-    def _motor_speed(self, parts: Mapping[str, Tensor]) -> Tensor:
-        x, y, yaw = parts["chassis_velocity"].unbind(-1)
-        positions = torch.tensor(self.platform.module_positions, dtype=x.dtype, device=x.device)
-        along_x = x[..., None] - yaw[..., None] * positions[:, 1]
-        along_y = y[..., None] + yaw[..., None] * positions[:, 0]
-        angle = parts["steer_angle"]
-        rolling = along_x * torch.cos(angle) + along_y * torch.sin(angle)
-        return rolling * (self.platform.drive.gear_ratio / self.platform.wheel_radius)
+        parts["heading"] = parts["heading"][..., 0]
+        return parts | {"drive_velocity": _motor_speed(parts, constants or self.mechanism.constants())}
 
     def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
-        """Chassis and modules as rigid bodies, seen from the turning robot frame."""
-        x, y, yaw = state[..., 0], state[..., 1], state[..., 2]
-        chassis = torch.stack(
-            [
-                wrench["drive_x"] / constants["mass"] + yaw * y,
-                wrench["drive_y"] / constants["mass"] - yaw * x,
-                wrench["drive_yaw"] / constants["inertia"],
-            ],
-            dim=-1,
-        )
+        """Chassis and modules as rigid bodies, seen from the turning robot frame; wheels do not slide sideways."""
+        parts = {name: state[..., where] for name, where in self.parts.items()}
+        inertial = self.mechanism.inertial(parts, constants)
+        masses = {"x": constants["mass"], "y": constants["mass"], "yaw": constants["inertia"]}
+        chassis = [
+            (wrench[f"drive_{axis}"] + inertial[f"drive_{axis}"]) / mass for axis, mass in masses.items()
+        ]
         steer = torch.stack([wrench[f"steer_{module}"] for module in range(1, 5)], dim=-1)
-        return torch.cat([chassis, state[..., 7:11], steer / constants["steer_inertia"]], dim=-1)
+        faster = torch.stack(chassis, dim=-1), parts["steer_velocity"], steer / constants["steer_inertia"]
+        return torch.cat([*faster, parts["chassis_velocity"][..., 2:]], dim=-1)
+
+
+def _motor_speed(parts: Signals, constants: Mapping[str, Any]) -> Tensor:
+    angle = wheel_angle(parts["steer_angle"], constants)
+    rolling = rolling_speed(parts["chassis_velocity"], angle, constants["module_positions"])
+    driven = rolling * (constants["drive_gear_ratio"] / constants["wheel_radius"])
+    return driven + constants["coupling_ratio"] * parts["steer_velocity"]
 
 
 def motion_of(platform: Platform) -> Motion:

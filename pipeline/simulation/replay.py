@@ -1,25 +1,24 @@
 """Replaying a recording: the recorded commands drive the simulator open loop, from a recorded state."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import torch
 from torch import Tensor
 
-from pipeline.effects import CommandEffect, MeasurementEffect
+from pipeline.effects import ActuatorEffect, CommandEffect, MeasurementEffect
+from pipeline.simulation.actuation import Memory, held_through
 from pipeline.simulation.blocks import Blocks
 from pipeline.simulation.motion import motion_of
 from pipeline.simulation.rollout import rollout
 from pipeline.simulation.simulator import Simulator
 
-_COMMANDS = {
-    "quadrotor": ("rotor_speed", "motor_command"),
-    "joint": ("voltage", "effort"),
-    "swerve": ("drive_voltage", "steer_voltage"),
-}
-
 
 def replay(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int) -> Tensor:
-    """Roll every block out with its recorded commands.
+    """Roll every block out with its recorded commands, and with what else acted from outside.
 
-    Clocks are settled and delays applied on the whole block first, since the margin knows what was commanded before.
+    Clocks are settled and delays applied on the whole block first, since the margin knows what was commanded before;
+    effects that remember live through the margin as it was recorded.
 
     Args:
         simulator: platform and effects.
@@ -30,22 +29,44 @@ def replay(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int) ->
     Returns:
         States (blocks, steps + 1, n).
     """
-    signals, constants = dict(blocks.signals), simulator.constants()
-    for fitted in simulator.of_type(MeasurementEffect):
-        signals = fitted.effect.undo(signals, fitted.values, blocks.time_step)  # type: ignore[attr-defined]
-    for fitted in simulator.of_type(CommandEffect):
-        signals = fitted.effect.along_time(  # type: ignore[attr-defined]
-            signals, fitted.values, constants, blocks.time_step
-        )
-    commands = {}
-    for name in _COMMANDS[simulator.platform.kind]:
-        if name in signals:
-            series = blocks.inner(signals[name])
-            # Signals are centred on their samples; over a step the mean of its two ends acts.
-            commands[name] = 0.5 * (series[:, :steps] + series[:, 1 : steps + 1])
+    signals, held = (_settled(simulator, series, blocks) for series in (blocks.signals, blocks.held_commands))
     settled = (MeasurementEffect, CommandEffect)
     bare = simulator.with_effects(tuple(f for f in simulator.effects if not isinstance(f.effect, settled)))
-    return rollout(bare, initial, commands, blocks.time_step)
+    within = slice(blocks.margin, blocks.margin + steps)
+    made = motion_of(simulator.platform).signals(initial).keys()
+    outside = {name: _over_steps(series, within) for name, series in signals.items() if name not in made}
+    outside |= {name: series[:, within] for name, series in held.items()}
+    memory = _lived_through(bare, signals, blocks)
+    return rollout(bare, initial, outside, blocks.time_step, memory=memory)
+
+
+def _settled(simulator: Simulator, signals: Mapping[str, Tensor], blocks: Blocks) -> dict[str, Tensor]:
+    """Return signals with their clocks settled and their delays applied."""
+    out, constants = dict(signals), simulator.constants()
+    for fitted in simulator.of_type(MeasurementEffect):
+        out = {**out, **fitted.effect.undo(out, fitted.values, blocks.time_step)}  # type: ignore[attr-defined]
+    for fitted in simulator.of_type(CommandEffect):
+        if out:
+            effect: Any = fitted.effect
+            out = effect.along_time(out, fitted.values, constants, blocks.time_step)
+    return out
+
+
+def _over_steps(series: Tensor, within: slice) -> Tensor:
+    """Return the mean over each step of a signal that belongs to its samples."""
+    return 0.5 * (series[:, within] + series[:, within.start + 1 : within.stop + 1])
+
+
+def _lived_through(simulator: Simulator, signals: Mapping[str, Tensor], blocks: Blocks) -> Memory:
+    """Return what the effects remember at the end of the margin before each block."""
+    memory: Memory = ()
+    if not any(fitted.effect.remembers for fitted in simulator.of_type(ActuatorEffect)):  # type: ignore[attr-defined]
+        return memory
+    constants = simulator.constants()
+    for sample in range(blocks.margin):
+        now = {name: series[:, sample] for name, series in signals.items()}
+        _, memory = held_through(simulator, now, constants, memory, blocks.time_step)
+    return memory
 
 
 def replay_error(simulator: Simulator, blocks: Blocks, duration: float) -> dict[str, float]:

@@ -6,9 +6,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects import ActuatorEffect, CommandEffect
-from pipeline.physics.integrators import rk4
-from pipeline.simulation.motion import motion_of
+from pipeline.simulation.actuation import Memory, actuated, held_through
+from pipeline.simulation.integration import INTEGRATORS
+from pipeline.simulation.motion import Motion, motion_of
 from pipeline.simulation.simulator import Simulator
 
 Signals = Mapping[str, Tensor]
@@ -19,71 +19,66 @@ def step(
     state: Tensor,
     command: Signals,
     time_step: float,
-    memory: tuple[Any, ...] = (),
+    memory: Memory = (),
     substeps: int = 1,
-) -> tuple[Tensor, tuple[Any, ...]]:
+    integrator: str = "rk4",
+) -> tuple[Tensor, Memory]:
     """Advance a batch of simulated machines by one step with the command held.
 
     Args:
         simulator: platform and effects.
         state: (..., n), see `pipeline.simulation.motion`.
-        command: `rotor_speed`, `motor_command`, `voltage`, `effort` or the swerve's voltages, each (..., ·).
+        command: `rotor_speed`, `motor_command`, `voltage`, `effort` or the swerve's voltages, each (..., ·), and what
+            else acts from outside (`battery_voltage`, `temperature`).
         time_step: s.
         memory: of the effects that remember, from the previous step; empty before the first.
         substeps: integration steps inside the time step.
+        integrator: `euler`, `semi_implicit` or `rk4`.
 
     Returns:
         The new state and the memory for the next step.
     """
-    motion, constants = motion_of(simulator.platform), simulator.constants()
-    command, memory = _remember(simulator, motion.signals(state), command, constants, memory, time_step)
-
-    def derivative(now: Tensor) -> Tensor:
-        signals = simulator.mechanism.actuate({**motion.signals(now), **command}, constants)
-        for fitted in _memoryless(simulator):
-            changed, _ = fitted.effect.actuate(signals, fitted.values, constants, None, time_step)
-            signals = {**signals, **changed}
-        return motion.derivative(now, simulator.balance(signals).wrench, constants)
-
+    motion, constants = motion_of(simulator.platform), constants_like(simulator, state)
+    inner = time_step / substeps
     for _ in range(substeps):
-        state = rk4(derivative, state, time_step / substeps)
+        state, memory = _integrate(simulator, motion, constants, state, command, memory, inner, integrator)
     return motion.normalise(state), memory
 
 
-def _remember(
+def constants_like(simulator: Simulator, state: Tensor) -> dict[str, Any]:
+    """Return the simulator's constants on the device and in the precision of a state."""
+    constants = simulator.constants()
+    return {n: value.to(state) if isinstance(value, Tensor) else value for n, value in constants.items()}
+
+
+def _integrate(
     simulator: Simulator,
-    signals: Signals,
-    command: Signals,
+    motion: Motion,
     constants: dict[str, Any],
-    memory: tuple[Any, ...],
+    state: Tensor,
+    command: Signals,
+    memory: Memory,
     time_step: float,
-) -> tuple[dict[str, Tensor], tuple[Any, ...]]:
-    """Run the effects with memory once per step; between the samples of a log nothing else is known."""
-    effects = [f for f in simulator.of_type(ActuatorEffect) if f.effect.remembers]  # type: ignore[attr-defined]
-    memories = memory or (None,) * len(effects)
-    out, after = dict(command), []
-    for fitted, past in zip(effects, memories, strict=True):
-        if not isinstance(fitted.effect, CommandEffect):
-            out = {**out, **_actuated(simulator, {**signals, **out}, constants)}
-        changed, kept = fitted.effect.actuate(  # type: ignore[attr-defined]
-            {**signals, **out}, fitted.values, constants, past, time_step
-        )
-        out |= changed
-        after.append(kept)
-    return out, tuple(after)
+    integrator: str,
+) -> tuple[Tensor, Memory]:
+    start = {**motion.signals(state), **command}
+    held, memory = held_through(simulator, start, constants, memory, time_step)
 
+    def wrench(now: Tensor) -> dict[str, Tensor]:
+        signals = actuated(simulator, {**motion.signals(now), **command}, constants, held, time_step)
+        return simulator.wrench(signals, constants)
 
-def _actuated(simulator: Simulator, signals: Signals, constants: dict[str, Any]) -> dict[str, Tensor]:
-    actuated = simulator.mechanism.actuate(signals, constants)
-    return {name: value for name, value in actuated.items() if name not in signals}
-
-
-def _memoryless(simulator: Simulator) -> list:
-    return [f for f in simulator.of_type(ActuatorEffect) if not f.effect.remembers]  # type: ignore[attr-defined]
+    return INTEGRATORS[integrator](motion, wrench, state, constants, time_step), memory
 
 
 def rollout(
-    simulator: Simulator, initial: Tensor, commands: Signals, time_step: float, substeps: int = 1
+    simulator: Simulator,
+    initial: Tensor,
+    commands: Signals,
+    time_step: float,
+    substeps: int = 1,
+    integrator: str = "rk4",
+    memory: Memory = (),
 ) -> Tensor:
     """Run a batch open loop.
 
@@ -93,13 +88,15 @@ def rollout(
         commands: (batch, steps, ·) each, held over each step.
         time_step: s.
         substeps: integration steps inside each time step.
+        integrator: `euler`, `semi_implicit` or `rk4`.
+        memory: of the effects that remember, where they have a past.
 
     Returns:
         States (batch, steps + 1, n), the initial one included.
     """
-    states, memory = [initial], ()
+    states = [initial]
     for index in range(next(iter(commands.values())).shape[1]):
         command = {name: series[:, index] for name, series in commands.items()}
-        state, memory = step(simulator, states[-1], command, time_step, memory, substeps)
+        state, memory = step(simulator, states[-1], command, time_step, memory, substeps, integrator)
         states.append(state)
     return torch.stack(states, dim=1)

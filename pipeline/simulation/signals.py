@@ -13,6 +13,8 @@ from pipeline.platforms.swerve_mechanism import chassis_velocity_from_wheels
 _AXES = ("x", "y", "z")
 _QUATERNION = ("w", "x", "y", "z")
 _FOUR = ("1", "2", "3", "4")
+COMMANDS = frozenset({"motor_command", "effort", "voltage", "drive_voltage", "steer_voltage"})
+"""Signals that a controller holds from one sample to the next."""
 
 
 def recorded_signals(frame: pd.DataFrame, platform: Platform, held: bool = True) -> dict[str, Tensor]:

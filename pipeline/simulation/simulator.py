@@ -107,26 +107,45 @@ class Simulator:
     def along_time(self, signals: Signals, time_step: float) -> dict[str, Tensor]:
         """Return recorded blocks (blocks, samples, ...) with everything up to the actuator applied.
 
-        Clock offsets are undone, commands delayed, the nominal actuator and the actuator effects run.
+        Clock offsets are undone, commands delayed, the nominal actuator and the actuator effects run. Where the
+        actuator's output was recorded beside its command it is kept, and what the command makes of it is added as
+        `commanded_*`.
         """
         constants, out = self.constants(), dict(signals)
         for fitted in self.of_type(MeasurementEffect):
             out = fitted.effect.undo(out, fitted.values, time_step)  # type: ignore[attr-defined]
         for fitted in self.of_type(CommandEffect):
             out = _along_time(fitted, out, constants, time_step)
-        out = self.mechanism.actuate(out, constants)
+        given = self.mechanism.given_output(out)
+        if given is None or self.mechanism.actuator_input not in out:
+            return self._actuated_along_time(out, constants, time_step, given)
+        bare = {name: series for name, series in out.items() if name != given}
+        commanded = self._actuated_along_time(bare, constants, time_step, None)[given]
+        measured = self._actuated_along_time(out, constants, time_step, given)
+        return {**measured, f"commanded_{given}": commanded}
+
+    def _actuated_along_time(
+        self, signals: dict[str, Tensor], constants: dict[str, Any], time_step: float, given: str | None
+    ) -> dict[str, Tensor]:
+        out = self.mechanism.actuate(signals, constants)
         for fitted in self.of_type(ActuatorEffect):
             if not isinstance(fitted.effect, CommandEffect):
-                out = _along_time(fitted, out, constants, time_step)
+                changed = _along_time(fitted, out, constants, time_step)
+                out = {**changed, given: out[given]} if given else changed
         return out
+
+    def wrench(self, signals: Signals, constants: Mapping[str, Any]) -> dict[str, Tensor]:
+        """Return what acts, per channel, for signals that went through the actuator."""
+        wrench = self.mechanism.wrench(signals, constants)
+        for fitted in self.of_type(WrenchEffect):
+            added = fitted.effect.wrench(signals, fitted.values, constants)  # type: ignore[attr-defined]
+            wrench = {**wrench, **{name: wrench[name] + value for name, value in added.items()}}
+        return self.mechanism.constrain(wrench, signals, constants)
 
     def balance(self, signals: Signals) -> Balance:
         """Return both sides of the equations of motion for signals that went through the actuator."""
         constants, mechanism = self.constants(), self.mechanism
-        wrench = mechanism.wrench(signals, constants)
-        for fitted in self.of_type(WrenchEffect):
-            added = fitted.effect.wrench(signals, fitted.values, constants)  # type: ignore[attr-defined]
-            wrench = {**wrench, **{name: wrench[name] + value for name, value in added.items()}}
+        wrench = self.wrench(signals, constants)
         inertial = mechanism.inertial(signals, constants)
         rate = {name: value + inertial[name] if name in inertial else value for name, value in wrench.items()}
         return Balance(mechanism.momentum(signals, constants), wrench, rate)

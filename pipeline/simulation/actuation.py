@@ -1,0 +1,100 @@
+"""From command to what acts: delays, the nominal actuator and what effects make of it, in their order."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from torch import Tensor
+
+from pipeline.effects import ActuatorEffect, CommandEffect
+from pipeline.simulation.simulator import FittedEffect, Simulator
+
+Memory = tuple[Any, ...]
+"""For each effect that remembers: its own memory and what it last put out."""
+
+
+def command_effects(simulator: Simulator) -> list[FittedEffect]:
+    """Return the effects between the command and the actuator."""
+    return simulator.of_type(CommandEffect)
+
+
+def actuator_effects(simulator: Simulator) -> list[FittedEffect]:
+    """Return the effects behind the nominal actuator, in their order."""
+    return [f for f in simulator.of_type(ActuatorEffect) if not isinstance(f.effect, CommandEffect)]
+
+
+def held_through(
+    simulator: Simulator,
+    signals: Mapping[str, Tensor],
+    constants: Mapping[str, Any],
+    memory: Memory,
+    time_step: float,
+) -> tuple[list[dict[str, Tensor]], Memory]:
+    """Run the effects that remember through one integration step.
+
+    A command is held through a step and its delay is exact. What an actuator that remembers puts out is its value at
+    the step's end: the mean with the value before acts in the step, which keeps the rule's second order.
+
+    Args:
+        simulator: platform and effects.
+        signals: of the state and the command at the step's start.
+        constants: of the simulator.
+        memory: after the step before; empty before the first.
+        time_step: of the integration, s.
+
+    Returns:
+        What each effect that remembers puts out, in the order in which they act, and the memory after the step.
+    """
+    memories: Iterator[Any] = iter(memory)
+    held: list[dict[str, Tensor]] = []
+    after: list[Any] = []
+    now = dict(signals)
+
+    def run(fitted: FittedEffect) -> dict[str, Tensor]:
+        effect: Any = fitted.effect
+        if not effect.remembers:
+            return effect.actuate(now, fitted.values, constants, None, time_step)[0]
+        past, before = next(memories, (None, {}))
+        out, kept = effect.actuate(now, fitted.values, constants, past, time_step)
+        after.append((kept, out))
+        exact = not before or isinstance(effect, CommandEffect)
+        held.append(out if exact else {n: 0.5 * (value + before[n]) for n, value in out.items()})
+        return held[-1]
+
+    for fitted in command_effects(simulator):
+        now |= run(fitted)
+    given = simulator.mechanism.given_output(now)
+    now = simulator.mechanism.actuate(now, constants)
+    for fitted in actuator_effects(simulator):
+        now |= without(run(fitted), given)
+    return held, tuple(after)
+
+
+def actuated(
+    simulator: Simulator,
+    signals: Mapping[str, Tensor],
+    constants: Mapping[str, Any],
+    held: list[dict[str, Tensor]],
+    time_step: float,
+) -> dict[str, Tensor]:
+    """Return the signals at one instant of a step, with what the effects that remember hold through it."""
+    outputs = iter(held)
+    now = dict(signals)
+
+    def run(fitted: FittedEffect) -> dict[str, Tensor]:
+        effect: Any = fitted.effect
+        if effect.remembers:
+            return next(outputs)
+        return effect.actuate(now, fitted.values, constants, None, time_step)[0]
+
+    for fitted in command_effects(simulator):
+        now |= run(fitted)
+    given = simulator.mechanism.given_output(now)
+    now = simulator.mechanism.actuate(now, constants)
+    for fitted in actuator_effects(simulator):
+        now |= without(run(fitted), given)
+    return now
+
+
+def without(changed: dict[str, Tensor], given: str | None) -> dict[str, Tensor]:
+    """Leave out what was measured: no effect changes that."""
+    return {name: value for name, value in changed.items() if name != given}
