@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.errors import InputError
-from pipeline.recordings.importers import nanobench, nanodrone, sysid_json, table
+from pipeline.recordings.importers import nanobench, nanodrone, pendulum_json, sysid_json, table
 from pipeline.recordings.recording import Recording
 
 Importer = Callable[[Sequence[Path], Mapping[str, Any]], Recording]
@@ -15,6 +15,7 @@ IMPORTERS: dict[str, Importer] = {
     "sysid_json": sysid_json.read,
     "nanodrone": nanodrone.read,
     "nanobench": nanobench.read,
+    "pendulum_json": pendulum_json.read,
 }
 
 

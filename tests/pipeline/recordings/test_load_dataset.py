@@ -13,7 +13,14 @@ from pipeline.recordings.recording import recording_from_frame
 from pipeline.recordings.split import Split, runs_of, split_runs
 
 CONFIGURED = Path(__file__).parents[3] / "conf" / "dataset"
-HELD_OUT = {"nanodrone": 3, "nanobench": 2, "swerve_drive": 4, "swerve_drive_sim": 4, "flywheel": 0}
+HELD_OUT = {
+    "nanodrone": 3,
+    "nanobench": 2,
+    "swerve_drive": 4,
+    "swerve_drive_sim": 4,
+    "flywheel": 0,
+    "servo_xl330": 4,
+}
 
 
 def _configured(name: str) -> Dataset:
