@@ -4,6 +4,7 @@ from pipeline.effects.catalogue import effect_by_key, effects_of
 from pipeline.effects.effect import (
     ActuatorEffect,
     CommandEffect,
+    ConstantEffect,
     Effect,
     MeasurementEffect,
     Parameter,
@@ -14,6 +15,7 @@ from pipeline.effects.effect import (
 __all__ = [
     "ActuatorEffect",
     "CommandEffect",
+    "ConstantEffect",
     "Effect",
     "MeasurementEffect",
     "Parameter",

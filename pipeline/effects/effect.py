@@ -65,6 +65,8 @@ class Effect(ABC):
     source: ClassVar[str]
     sentence: ClassVar[str]
     excitation: ClassVar[str]
+    names_physics: ClassVar[bool] = True
+    """Whether a diagnosis may name it; a bundle of terms that would absorb every other effect may not."""
 
     @property
     def key(self) -> str:
@@ -158,15 +160,19 @@ class MeasurementEffect(Effect):
         """Return the signals as they would have been recorded without the effect; time is dimension 1."""
 
 
-class ParameterError(Effect):
+class ConstantEffect(Effect):
+    """A change of numbers in the nominal equations."""
+
+    @abstractmethod
+    def adjust(self, constants: Values, values: Values) -> dict[str, Any]:
+        """Return the constants as the effect changes them."""
+
+
+class ParameterError(ConstantEffect):
     """A number of the platform that is wrong; the parameter is the ratio of true over nominal."""
 
     acts_on: ClassVar[str] = "parameter"
     parameters = (Parameter("ratio", "1", 1.2, 1 / 3, 3.0, neutral=1.0),)
-
-    @abstractmethod
-    def adjust(self, constants: Values, values: Values) -> dict[str, Any]:
-        """Return the constants with the ratio applied."""
 
 
 def _scan(

@@ -1,5 +1,6 @@
 """The nominal swerve drive: four wheels that roll without slip, each behind an ideal DC motor."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import torch
@@ -7,6 +8,10 @@ from torch import Tensor
 
 from pipeline.platforms.mechanism import Channel, Constants, Mechanism, Signals
 from pipeline.platforms.swerve import Swerve
+from pipeline.platforms.swerve_constraint import rolling_projection
+from pipeline.platforms.swerve_kinematics import chassis_twist, module_matrix, wheel_direction
+
+_CHASSIS = ("drive_x", "drive_y", "drive_yaw")
 
 
 class SwerveMechanism(Mechanism):
@@ -15,7 +20,8 @@ class SwerveMechanism(Mechanism):
     Signals: `drive_voltage`, `steer_voltage`, `drive_velocity` (motor, rad/s), `steer_velocity`, `steer_angle`, each
     (..., 4); `chassis_velocity` (..., 3): [x m/s, y m/s, yaw rad/s] in the robot frame.
     Rolling without slip leaves the wheels' forces undetermined one by one but not their sum, so the drive has three
-    equations, those of the chassis: forces in N and a yaw torque in N·m.
+    equations, those of the chassis: forces in N and a yaw torque in N·m. Of these, `constrain` keeps what is along the
+    motion that the wheels allow; the modules' inertia is small, so that no reaction of it reaches the chassis.
     """
 
     kind = "swerve"
@@ -41,9 +47,12 @@ class SwerveMechanism(Mechanism):
             "steer_inertia": platform.steer.inertia,
             "sliding_velocity": 0.05,
             "module_positions": torch.tensor(platform.module_positions, dtype=torch.float64),
+            "module_offset": torch.zeros(4, dtype=torch.float64),
+            "coupling_ratio": 0.0,
         }
         for group, axis in (("drive", platform.drive), ("steer", platform.steer)):
             constants[f"{group}_gear_ratio"] = axis.gear_ratio
+            constants[f"{group}_nominal_voltage"] = axis.motor.nominal_voltage
             constants[f"{group}_resistance"] = axis.motor.resistance
             constants[f"{group}_torque_constant"] = axis.motor.torque_constant
             constants[f"{group}_back_emf_constant"] = axis.motor.back_emf_constant
@@ -64,17 +73,33 @@ class SwerveMechanism(Mechanism):
         return out
 
     def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
-        """Wheel torques summed on the chassis, and steering torques."""
+        """Wheel torques summed on the chassis, before the wheels' side forces, and steering torques."""
         drive = sum_on_chassis(signals["drive_torque"], signals["steer_angle"], constants)
-        return drive | per_module(signals["steer_torque"])
+        return drive | per_module(steering_torque(signals, constants))
+
+    def constrain(
+        self, wrench: Mapping[str, Tensor], signals: Signals, constants: Constants
+    ) -> dict[str, Tensor]:
+        """Add the wheels' side forces, which leave what is along the motion that the wheels allow."""
+        if not wrench.keys() & set(_CHASSIS):
+            return dict(wrench)
+        zero = torch.zeros_like(signals["steer_angle"][..., 0])
+        whole = torch.stack([wrench.get(name, zero) for name in _CHASSIS], dim=-1)
+        projection, _ = self._projection(signals, constants)
+        return {**wrench, **_on_chassis((projection @ whole[..., None])[..., 0])}
 
     def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
-        """Transport terms of the turning robot frame."""
+        """Transport terms of the turning robot frame along the allowed motion, and what turns the motion with it."""
         velocity, mass = signals["chassis_velocity"], constants["mass"]
-        return {
-            "drive_x": mass * velocity[..., 2] * velocity[..., 1],
-            "drive_y": -mass * velocity[..., 2] * velocity[..., 0],
-        }
+        x, y, yaw = velocity.unbind(-1)
+        transport = mass * torch.stack([yaw * y, -yaw * x, torch.zeros_like(yaw)], dim=-1)
+        momentum = torch.stack([mass * x, mass * y, constants["inertia"] * yaw], dim=-1)
+        projection, rate = self._projection(signals, constants)
+        return _on_chassis((projection @ transport[..., None] + rate @ momentum[..., None])[..., 0])
+
+    def _projection(self, signals: Signals, constants: Constants) -> tuple[Tensor, Tensor]:
+        angle = wheel_angle(signals["steer_angle"], constants)
+        return rolling_projection(angle, signals["steer_velocity"], constants)
 
     def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Linear and angular momentum of the chassis, angular momentum of each module."""
@@ -109,19 +134,34 @@ class SwerveMechanism(Mechanism):
         return {"drive_x": drive, "drive_y": drive} | {f"steer_{module}": steer for module in range(1, 5)}
 
 
+def wheel_angle(steer_angle: Tensor, constants: Constants) -> Tensor:
+    """Return where each wheel points, (..., 4) rad, which misalignment makes another angle than the measured one."""
+    return steer_angle + constants["module_offset"].to(steer_angle)
+
+
+def steering_torque(signals: Signals, constants: Constants) -> Tensor:
+    """Return what the motors do about each module's axis, (..., 4) N·m; the drive's share is the gears' reaction."""
+    coupling = constants["coupling_ratio"] / constants["drive_gear_ratio"]
+    return signals["steer_torque"] + coupling * signals["drive_torque"]
+
+
 def sum_on_chassis(wheel_torque: Tensor, steer_angle: Tensor, constants: Constants) -> dict[str, Tensor]:
     """Sum what four wheel torques do to the chassis.
 
     Args:
         wheel_torque: about each wheel's axle, (..., 4) N·m.
         steer_angle: (..., 4) rad, zero where the wheel rolls forward.
-        constants: with `wheel_radius` m and `module_positions` (4, 2) m.
+        constants: with `wheel_radius` m, `module_positions` (4, 2) m and `module_offset` (4,) rad.
     """
-    force = wheel_torque / constants["wheel_radius"]
-    along_x, along_y = force * torch.cos(steer_angle), force * torch.sin(steer_angle)
-    positions = constants["module_positions"].to(wheel_torque)
-    yaw = (positions[:, 0] * along_y - positions[:, 1] * along_x).sum(-1)
-    return {"drive_x": along_x.sum(-1), "drive_y": along_y.sum(-1), "drive_yaw": yaw}
+    force = (wheel_torque / constants["wheel_radius"])[..., None] * wheel_direction(
+        wheel_angle(steer_angle, constants)
+    )
+    return _on_chassis(force.flatten(-2) @ module_matrix(constants["module_positions"].to(wheel_torque)))
+
+
+def _on_chassis(vector: Tensor) -> dict[str, Tensor]:
+    """Name the three components of a (..., 3) vector as channels of the chassis."""
+    return {name: vector[..., index] for index, name in enumerate(_CHASSIS)}
 
 
 def per_module(values: Tensor) -> dict[str, Tensor]:
@@ -130,7 +170,7 @@ def per_module(values: Tensor) -> dict[str, Tensor]:
 
 
 def chassis_velocity_from_wheels(drive_velocity: Tensor, steer_angle: Tensor, platform: Swerve) -> Tensor:
-    """Least-squares chassis velocity of four rolling wheels (forward kinematics, 8×3 matrix).
+    """Return the chassis velocity that four rolling wheels fit best in the least-squares sense.
 
     Args:
         drive_velocity: motor speeds, (..., 4) rad/s.
@@ -141,9 +181,5 @@ def chassis_velocity_from_wheels(drive_velocity: Tensor, steer_angle: Tensor, pl
         (..., 3): x m/s, y m/s, yaw rad/s in the robot frame.
     """
     speed = drive_velocity * (platform.wheel_radius / platform.drive.gear_ratio)
-    modules = torch.stack([speed * torch.cos(steer_angle), speed * torch.sin(steer_angle)], dim=-1)
-    rows = []
-    for x, y in platform.module_positions:
-        rows += [[1.0, 0.0, -y], [0.0, 1.0, x]]
-    inverse = torch.linalg.pinv(torch.tensor(rows, dtype=modules.dtype, device=modules.device))  # (3, 8)
-    return modules.flatten(-2) @ inverse.T
+    positions = torch.tensor(platform.module_positions, dtype=speed.dtype, device=speed.device)
+    return chassis_twist(speed[..., None] * wheel_direction(steer_angle), positions)
