@@ -5,7 +5,14 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.errors import InputError
-from pipeline.recordings.importers import nanobench, nanodrone, pendulum_json, sysid_json, table
+from pipeline.recordings.importers import (
+    nanobench,
+    nanodrone,
+    pendulum_json,
+    sysid_json,
+    table,
+    wheel_excitation,
+)
 from pipeline.recordings.recording import Recording
 
 Importer = Callable[[Sequence[Path], Mapping[str, Any]], Recording]
@@ -16,6 +23,7 @@ IMPORTERS: dict[str, Importer] = {
     "nanodrone": nanodrone.read,
     "nanobench": nanobench.read,
     "pendulum_json": pendulum_json.read,
+    "wheel_excitation": wheel_excitation.read,
 }
 
 
