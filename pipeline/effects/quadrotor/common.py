@@ -15,3 +15,16 @@ def rotor_speed_ratio(signals: Signals, constants: Values) -> Tensor:
 def along_axes(stem: str, vector: Tensor) -> dict[str, Tensor]:
     """Name the three components of a (..., 3) vector as channels."""
     return {f"{stem}_{axis}": vector[..., index] for index, axis in enumerate("xyz")}
+
+
+def spin_momentum(speed: Tensor, constants: Values) -> Tensor:
+    """Return the rotors' angular momentum about +z relative to the body, over the inertia of one (...,) rad/s.
+
+    Air brakes a rotor against its spin and the motor hands that to the body: the spin is opposite to the reaction
+    torque, −direction. Given accelerations in place of speeds, the rate of that momentum.
+
+    Args:
+        speed: of each rotor, never negative, (..., 4) rad/s.
+        constants: of the platform.
+    """
+    return -(constants["rotor_directions"].to(speed) * speed).sum(-1)

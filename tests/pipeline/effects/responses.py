@@ -6,7 +6,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects import Effect
+from pipeline.effects import ActuatorEffect, Effect
+from pipeline.physics import rotations
 from pipeline.simulation import FittedEffect, Simulator
 from tests.pipeline.platforms.machines import MACHINES
 
@@ -34,8 +35,46 @@ def actuated(kind: str, signals: Mapping[str, Tensor]) -> dict[str, Tensor]:
     return mechanism.actuate(signals, mechanism.constants())
 
 
+def with_hidden(
+    effect: Effect, signals: Mapping[str, Tensor], values: Mapping[str, Any]
+) -> dict[str, Tensor]:
+    """Return signals (samples, ...) with those that an effect adds itself and its wrench reads."""
+    if not isinstance(effect, ActuatorEffect):
+        return dict(signals)
+    block = {name: series[None] for name, series in signals.items()}
+    acted = effect.along_time(block, values, constants(effect.kind), TIME_STEP)
+    return {name: series[0] for name, series in acted.items()}
+
+
 def constants(kind: str) -> dict[str, Any]:
     return Simulator(MACHINES[kind]).constants()
+
+
+def sample_by_sample(
+    effect: ActuatorEffect, signals: Mapping[str, Tensor], values: Mapping[str, Any], time_step: float
+) -> dict[str, Tensor]:
+    """Return what an effect changes when it is given one sample of the blocks after the other."""
+    memory, steps = None, []
+    for sample in range(next(iter(signals.values())).shape[1]):
+        now = {name: series[:, sample] for name, series in signals.items()}
+        changed, memory = effect.actuate(now, values, constants(effect.kind), memory, time_step)
+        steps.append(changed)
+    return {name: torch.stack([changed[name] for changed in steps], dim=1) for name in steps[0]}
+
+
+def smooth_flight(samples: int, duration: float) -> dict[str, Tensor]:
+    """Return one block of a quadrotor that is swung through the air from rest, the same flight at any rate."""
+    time = torch.linspace(0.0, duration, samples + 1, dtype=torch.float64)[None, :, None]
+    swing = torch.sin(torch.tensor([5.0, 7.0, 3.0], dtype=torch.float64) * time) ** 3
+    attitude = rotations.from_rotation_vector(0.5 * swing)
+    speed = 1000.0 + 200.0 * torch.sin(torch.tensor([5.0, 7.0, 9.0, 11.0], dtype=torch.float64) * time)
+    return {
+        "position": torch.zeros_like(swing),
+        "attitude": attitude,
+        "velocity": rotations.rotate_inverse(attitude, 2.0 * swing.flip(-1)),
+        "body_rate": torch.zeros_like(swing),
+        "rotor_speed": speed,
+    }
 
 
 def telling_values(effect: Effect) -> list[dict[str, float]]:

@@ -87,8 +87,9 @@ def test_bounds_hold_the_default_the_neutral_value_and_every_start(effect):
 
 @EFFECT
 def test_a_typing_error_is_met_with_the_nearest_name(effect):
+    mistyped = effect.key.replace("_", "", 1) if "_" in effect.key else effect.key[:-1]
     with pytest.raises(InputError) as caught:
-        effect_by_key(effect.kind, effect.key.replace("_", "", 1)[:-1])
+        effect_by_key(effect.kind, mistyped)
     assert f"did you mean {effect.key!r}?" in str(caught.value)
     assert "\n" not in str(caught.value)
 

@@ -5,9 +5,9 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.effects import effects_of
+from pipeline.effects import Effect, effect_by_key, effects_of
 from tests.pipeline.effects.responses import assert_same, response
-from tests.pipeline.platforms.machines import QUADROTOR, identity, some_signals
+from tests.pipeline.platforms.machines import QUADROTOR, identity, signals_for
 
 # A mirror turns round one component of what is a vector, and the two others of what turns.
 POLAR = {"x": [-1.0, 1.0, 1.0], "y": [1.0, -1.0, 1.0]}
@@ -46,17 +46,27 @@ def mirrored_signals(signals: dict[str, torch.Tensor], axis: str) -> dict[str, t
     }
 
 
+def mirrored_effect(effect: Effect, axis: str) -> Effect:
+    """Return the effect that a mirror makes of it: another rotor's where it is of one rotor."""
+    name, _, rotor = effect.key.partition("@")
+    return (
+        effect_by_key("quadrotor", f"{name}@{opposite_rotors(axis)[int(rotor) - 1] + 1}") if rotor else effect
+    )
+
+
 @EFFECT
 @AXIS
 @given(seed=st.integers(0, 10**6))
 @settings(max_examples=5)
 def test_the_mirrored_state_feels_the_mirrored_wrench(effect, axis, seed):
-    signals = some_signals("quadrotor", (2, 40), seed)
-    values = effect.defaults()
-    mirrored_values = {name: -v if name.endswith(f"_{axis}") else v for name, v in values.items()}
+    signals = signals_for(effect, (2, 40), seed)
+    values, behind = effect.defaults(), mirrored_effect(effect, axis)
+    signs = [-1.0 if name.endswith(f"_{axis}") else 1.0 for name in values]
+    names = [parameter.name for parameter in behind.parameters]
+    mirrored_values = {n: s * v for n, s, v in zip(names, signs, values.values(), strict=True)}
     expected = {}
     for name, value in response(effect, values, signals).items():
         component = "xyz".index(name[-1])
         expected[name] = value * (AXIAL if "torque" in name else POLAR)[axis][component]
-    found = response(effect, mirrored_values, mirrored_signals(signals, axis))
+    found = response(behind, mirrored_values, mirrored_signals(signals, axis))
     assert_same(found, expected, rtol=1e-9)

@@ -13,11 +13,11 @@ import pytest
 import torch
 from torch import Tensor
 
-from pipeline.effects import effects_of
+from pipeline.effects import Effect, effects_of
 from pipeline.platforms import Joint
 from pipeline.simulation import FittedEffect, Simulator
 from tests.pipeline.effects.responses import TIME_STEP, assert_same, telling_values
-from tests.pipeline.platforms.machines import JOINT, QUADROTOR, SWERVE, identity, some_signals
+from tests.pipeline.platforms.machines import JOINT, QUADROTOR, SWERVE, identity, signals_for, some_signals
 
 REGISTRY = pint.UnitRegistry()
 SCALES = {"[length]": 3.0, "[mass]": 0.2, "[time]": 1.7, "[current]": 0.6, "[temperature]": 1.4}
@@ -34,6 +34,7 @@ SIGNALS = {
     },
     "swerve": {
         "chassis_velocity": ("m/s", "m/s", "rad/s"),
+        "heading": "rad",
         "steer_angle": "rad",
         "steer_velocity": "rad/s",
         "drive_velocity": "rad/s",
@@ -69,7 +70,10 @@ CONSTANTS = {
         "steer_inertia": "kg·m²",
         "sliding_velocity": "rad/s",
         "module_positions": "m",
+        "module_offset": "rad",
+        "coupling_ratio": "1",
         **{f"{group}_gear_ratio": "1" for group in ("drive", "steer")},
+        **{f"{group}_nominal_voltage": "V" for group in ("drive", "steer")},
         **{f"{group}_resistance": "Ω" for group in ("drive", "steer")},
         **{f"{group}_torque_constant": "N·m/A" for group in ("drive", "steer")},
         **{f"{group}_back_emf_constant": "V/(rad/s)" for group in ("drive", "steer")},
@@ -118,10 +122,12 @@ def factor(unit: str | tuple[str, ...]) -> Tensor | float:
     return scale
 
 
-def signals_of(machine: str, other_units: bool) -> dict[str, Tensor]:
+def signals_of(machine: str, effect: Effect | None, other_units: bool) -> dict[str, Tensor]:
     platform, _ = MACHINES[machine]
     signals = some_signals(platform.kind, (3, 60), seed=1)
     assert signals.keys() == SIGNALS[machine].keys()
+    if effect is not None:
+        signals = signals_for(effect, (3, 60), seed=1)
     return {name: s * factor(SIGNALS[machine][name]) if other_units else s for name, s in signals.items()}
 
 
@@ -144,8 +150,9 @@ def sides(
 
 
 def assert_balanced(machine: str, in_si: Simulator, in_other: Simulator) -> None:
-    expected = sides(in_si, signals_of(machine, other_units=False), TIME_STEP)
-    found = sides(in_other, signals_of(machine, other_units=True), TIME_STEP * SCALES["[time]"])
+    effect = in_si.effects[0].effect if in_si.effects else None
+    expected = sides(in_si, signals_of(machine, effect, other_units=False), TIME_STEP)
+    found = sides(in_other, signals_of(machine, effect, other_units=True), TIME_STEP * SCALES["[time]"])
     units = {channel.name: channel.unit for channel in in_si.mechanism.channels}
     for side, values in expected.items():
         per_second = SCALES["[time]"] if side == "momentum" else 1.0

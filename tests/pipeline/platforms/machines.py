@@ -75,6 +75,7 @@ def some_signals(
     if kind == "swerve":
         return {
             "chassis_velocity": between(-3.0, 3.0, 3),
+            "heading": between(-3.0, 3.0),
             "steer_angle": between(-3.0, 3.0, 4),
             "steer_velocity": between(-10.0, 10.0, 4),
             "drive_velocity": between(-400.0, 400.0, 4),
@@ -89,3 +90,13 @@ def some_signals(
         "battery_voltage": between(10.0, 13.0),
         "temperature": between(20.0, 60.0),
     }
+
+
+def signals_for(
+    effect: Effect, shape: tuple[int, ...], seed: int, dtype: torch.dtype = torch.float64
+) -> dict[str, Tensor]:
+    """Return signals on which an effect shows: what acts on a command is not seen where its outcome is recorded."""
+    signals = some_signals(effect.kind, shape, seed, dtype)
+    if "motor_command" in effect.needs:
+        del signals["rotor_speed"]
+    return signals

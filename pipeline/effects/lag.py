@@ -1,0 +1,61 @@
+"""A first-order lag whose input and output are means over the same steps, so that it adds no delay of its own.
+
+Source: Krishnan 2001, Electric motor drives, §2; exact for an input held over each step.
+"""
+
+import torch
+from torch import Tensor
+
+_FORGOTTEN = 1 / 40  # of a step: so short a lag has decayed to e⁻⁴⁰ at the end of the step
+
+
+def lag_step(
+    start: Tensor, target: Tensor, time_constant: Tensor | float, time_step: float
+) -> tuple[Tensor, Tensor]:
+    """Return the mean over a step and the value at its end of dy/dt = (target − y) / time_constant.
+
+    Args:
+        start: y at the start of the step, any unit.
+        target: held over the step.
+        time_constant: s; at 0 the target is met at once. Smooth there.
+        time_step: s.
+    """
+    decay, share = _decay(target, time_constant, time_step)
+    behind = start - target
+    return target + share * behind, target + decay * behind
+
+
+def lag_along_time(target: Tensor, time_constant: Tensor | float, time_step: float) -> Tensor:
+    """Return the means of `lag_step` along recorded blocks, settled at their first sample.
+
+    Args:
+        target: (blocks, samples, ...).
+        time_constant: s; one number, or a tensor that broadcasts with the target.
+        time_step: s.
+    """
+    decay, share = _decay(target, time_constant, time_step)
+    gained = torch.cat([target[:, :1], ((1.0 - decay) * target)[:, 1:]], dim=1)
+    ends = _accumulated(decay.expand_as(target), gained)
+    starts = torch.cat([target[:, :1], ends[:, :-1]], dim=1)
+    return target + share * (starts - target)
+
+
+def _decay(like: Tensor, time_constant: Tensor | float, time_step: float) -> tuple[Tensor, Tensor]:
+    """Return what is left of a deviation at the end of a step, and its mean over the step."""
+    steps = torch.as_tensor(time_constant, dtype=like.dtype, device=like.device) / time_step
+    decay = torch.where(steps > _FORGOTTEN, torch.exp(-1.0 / steps.clamp_min(_FORGOTTEN)), 0.0)
+    return decay, steps * (1.0 - decay)
+
+
+def _accumulated(decay: Tensor, gained: Tensor) -> Tensor:
+    """Return y of y[k] = decay[k] · y[k−1] + gained[k] for all samples, in as many passes as their count doubles.
+
+    Source: Blelloch 1990, Prefix sums and their applications, §1.4.
+    """
+    reach = 1
+    while reach < gained.shape[1]:
+        longer = gained[:, reach:] + decay[:, reach:] * gained[:, :-reach]
+        gained = torch.cat([gained[:, :reach], longer], dim=1)
+        decay = torch.cat([decay[:, :reach], decay[:, reach:] * decay[:, :-reach]], dim=1)
+        reach *= 2
+    return gained

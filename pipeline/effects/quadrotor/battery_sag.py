@@ -1,0 +1,31 @@
+"""Motors that turn slower on a sagging battery."""
+
+from typing import Any
+
+from torch import Tensor
+
+from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
+
+
+class BatterySag(ActuatorEffect):
+    """Rotor speed for a given command falls with the battery's voltage."""
+
+    name = "battery_sag"
+    kind = "quadrotor"
+    acts_on = "actuator"
+    parameters = (Parameter("sensitivity", "1", 1.0, 0.0, 2.0),)
+    needs = ("motor_command", "battery_voltage")
+    formula = "Ω = motor_speed_max · command · (1 + sensitivity · (voltage / nominal_voltage − 1))"
+    source = "Krishnan 2001, Electric motor drives, §2: the speed of an unregulated motor follows its voltage"
+    sentence = (
+        "The rotors slow down as the battery sags: one percent of voltage costs {sensitivity} percent of rotor "
+        "speed at the same command; scale the rotor speed with the voltage in the simulator."
+    )
+    excitation = "fly the same manoeuvre on a full and on an empty battery, and punch the throttle"
+
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the rotor speed at the battery's voltage."""
+        sag = signals["battery_voltage"] / constants["nominal_voltage"] - 1.0
+        return {"rotor_speed": signals["rotor_speed"] * (1.0 + values["sensitivity"] * sag)[..., None]}, None

@@ -1,0 +1,47 @@
+"""Motors that take time to reach the commanded speed."""
+
+from typing import Any
+
+from torch import Tensor
+
+from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from pipeline.effects.lag import lag_along_time, lag_step
+
+
+class MotorLag(ActuatorEffect):
+    """First-order response of the rotor speed to its command."""
+
+    remembers = True
+    order = 2
+    name = "motor_lag"
+    kind = "quadrotor"
+    acts_on = "actuator"
+    parameters = (Parameter("time_constant", "s", 0.04, 0.0, 0.5),)
+    needs = ("motor_command",)
+    formula = "dΩ/dt = (Ω_commanded − Ω) / time_constant"
+    source = "Kaufmann et al. 2023, Champion-level drone racing using deep reinforcement learning, Methods"
+    sentence = (
+        "The rotors follow their command with a time constant of {time_constant} s; add a first-order lag to the "
+        "motors of the simulator."
+    )
+    excitation = "steps or fast chirps of the throttle and of roll and pitch"
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from none, and from a scan: a periodic command has more than one valley."""
+        return [{"time_constant": time_constant} for time_constant in (0.0, 0.01, 0.03, 0.08, 0.2)]
+
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the mean rotor speed over the step; the memory holds the speed at its end."""
+        target = signals["rotor_speed"]
+        start = target if memory is None else memory
+        mean, end = lag_step(start, target, values["time_constant"], time_step)
+        return {"rotor_speed": mean}, end
+
+    def along_time(
+        self, signals: Signals, values: Values, constants: Values, time_step: float
+    ) -> dict[str, Tensor]:
+        """Lag whole blocks at once: the same as sample by sample."""
+        lagged = lag_along_time(signals["rotor_speed"], values["time_constant"], time_step)
+        return {**signals, "rotor_speed": lagged}

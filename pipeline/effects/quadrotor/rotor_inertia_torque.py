@@ -1,0 +1,47 @@
+"""Rotors that push the body round when they are sped up."""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.quadrotor.common import spin_momentum
+
+
+class RotorInertiaTorque(ActuatorEffect, WrenchEffect):
+    """Yaw torque against the acceleration of the rotors."""
+
+    remembers = True
+    order = 3
+    name = "rotor_inertia_torque"
+    kind = "quadrotor"
+    acts_on = "torque"
+    parameters = (Parameter("inertia", "kg·m²", 1e-5, 0.0, 1e-2),)
+    needs = ("rotor_speed",)
+    formula = "τ_z = −inertia · Σ spin · dΩ/dt, spin = −direction of the reaction torque"
+    source = "Kaufmann et al. 2023, Champion-level drone racing using deep reinforcement learning, Methods"
+    sentence = (
+        "Speeding the rotors up twists the body the other way: each has a moment of inertia of {inertia} kg·m²; add "
+        "the torque of their acceleration to the simulator."
+    )
+    excitation = "yaw to and fro in steps"
+
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the rotors' acceleration since the sample before, none at the first; the memory holds the speed."""
+        speed = signals["rotor_speed"]
+        before = speed if memory is None else memory
+        return {"rotor_acceleration": (speed - before) / time_step}, speed
+
+    def along_time(
+        self, signals: Signals, values: Values, constants: Values, time_step: float
+    ) -> dict[str, Tensor]:
+        """Return recorded blocks with the rotors' acceleration by central differences."""
+        (acceleration,) = torch.gradient(signals["rotor_speed"], spacing=time_step, dim=1)
+        return {**signals, "rotor_acceleration": acceleration}
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the yaw torque, N·m."""
+        return {"torque_z": -values["inertia"] * spin_momentum(signals["rotor_acceleration"], constants)}

@@ -1,0 +1,38 @@
+"""Wind that does not change."""
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.quadrotor.common import along_axes
+from pipeline.physics import rotations
+
+
+class SteadyWind(WrenchEffect):
+    """A constant horizontal push in the world, whichever way the machine points."""
+
+    name = "steady_wind"
+    kind = "quadrotor"
+    acts_on = "force"
+    parameters = (
+        Parameter("push_x", "m/s²", 0.5, -10.0, 10.0),
+        Parameter("push_y", "m/s²", 0.5, -10.0, 10.0),
+    )
+    needs = ("attitude",)
+    formula = "a = attitude⁻¹ · (push_x, push_y, 0)"
+    source = "Tomić, Schmid, Lutz, Mathers & Haddadin 2016, The flying anemometer: drag linear in relative airspeed"
+    sentence = (
+        "Something pushes steadily with {push_x} m/s² along x and {push_y} m/s² along y of the world: the drag of a "
+        "wind; divide by the drag coefficient (1/s) for the wind in m/s, and add it to the simulator."
+    )
+    excitation = (
+        "hover and turn on the spot, so that the push goes round the body while the body's own forces do not"
+    )
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the push in the body frame, m/s²."""
+        attitude = signals["attitude"]
+        one = torch.ones_like(attitude[..., 0])
+        push = [values["push_x"] * one, values["push_y"] * one, 0.0 * one]
+        world = torch.stack(push, dim=-1)
+        return along_axes("force", rotations.rotate_inverse(attitude, world))
