@@ -1,5 +1,7 @@
 """A fit with one effect more or one less, without fitting the others from scratch."""
 
+from dataclasses import replace
+
 import torch
 from torch import Tensor
 
@@ -22,6 +24,7 @@ from pipeline.gap.residuals import residual_rows
 from pipeline.simulation import FittedEffect, Simulator
 
 _STEPS = 3
+_SCANNED = 60  # blocks that a scan of starting points looks at
 
 
 def extend(current: Fit, effect: Effect, problem: Problem) -> Fit:
@@ -62,17 +65,34 @@ def _is_linear(effect: Effect) -> bool:
 
 
 def _start(current: Fit, effect: Effect, problem: Problem) -> tuple[Simulator, Tensor]:
-    """Return the simulator at the effect's most promising starting point, and its residual."""
+    """Return the simulator at the effect's most promising starting point, and its residual.
+
+    A start is worth what one Newton step from it promises: many effects have a size that only a step can tell and a
+    shape that only a scan can find. The scan looks at a part of the blocks, drawn evenly.
+    """
     kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
     known = next((f for f in current.simulator.known if f.effect.key == effect.key), None)
-    tried = []
-    for values in [dict(known.values)] if known else effect.starts():
-        simulator = current.simulator.with_effects((*kept, FittedEffect(effect, values)))
-        if known or values == effect.neutral():
-            tried.append((simulator, current.residual))
-        else:
-            tried.append((simulator, residual_rows(simulator, problem.blocks, problem.functions)))
-    return min(tried, key=lambda pair: float((pair[1] / current.scale).square().sum()))
+    starts = [dict(known.values)] if known else effect.starts()
+    simulators = [current.simulator.with_effects((*kept, FittedEffect(effect, values))) for values in starts]
+    best = simulators[0]
+    if len(simulators) > 1:
+        part = torch.linspace(0, len(problem.blocks) - 1, min(_SCANNED, len(problem.blocks))).round().long()
+        few = replace(problem, blocks=problem.blocks.take(part), cluster=problem.cluster[part])
+        best = min(simulators, key=lambda tried: _promise(tried, effect, current, few, part))
+    if best is simulators[0] and (known or starts[0] == effect.neutral()):
+        return best, current.residual
+    return best, residual_rows(best, problem.blocks, problem.functions)
+
+
+def _promise(simulator: Simulator, effect: Effect, current: Fit, few: Problem, part: Tensor) -> float:
+    """Return the weighted cost that one Newton step from a starting point would leave on some of the blocks."""
+    residual = residual_rows(simulator, few.blocks, few.functions)
+    added = effect_jacobian(simulator, effect, few, residual)
+    jacobian = torch.cat([current.jacobian[part], added], dim=-1)
+    low, high = bounds_of(simulator)
+    step = bounded_newton_step(jacobian, residual, current.scale, values_of(simulator), low, high)
+    change = step[0].minimum(high - values_of(simulator)).maximum(low - values_of(simulator))
+    return float(((residual - jacobian @ change) / current.scale).square().sum())
 
 
 def _stepped(
