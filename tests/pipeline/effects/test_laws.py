@@ -58,7 +58,9 @@ def test_friction_and_drag_take_power_from_whatever_moves(effect, seed):
     signals = some_signals(effect.kind, (20,), seed)
     if effect.kind == "joint":  # fast enough to slide
         signals["velocity"] = signals["velocity"] + 0.1 * torch.sign(signals["velocity"])
-    assert (power(effect, consistent(effect.kind, signals)) < 0).all()
+    taken = -power(effect, consistent(effect.kind, signals))
+    assert taken.max() > 0
+    assert (taken >= -1e-12 * taken.max()).all()
 
 
 @given(
@@ -97,7 +99,7 @@ def test_dry_friction_holds_up_to_its_level_and_no_further(effect, share):
         commands = {"drive_voltage": still, "steer_voltage": still} | {
             f"{effect.acts_on}_voltage": still + voltage
         }
-        initial = torch.zeros(1, 11, dtype=torch.float64)
+        initial = torch.zeros(1, 12, dtype=torch.float64)
     states = rollout(Simulator(machine, (FittedEffect(effect, {"level": level}),)), initial, commands, 0.01)
     moved = float((states[:, -1] - initial).abs().max())
     assert moved < 1e-12 if share < 1 else moved > 1e-4

@@ -90,7 +90,7 @@ def test_a_spring_swings_about_where_the_effort_holds_it():
 
 
 def drive(angles: list[float], voltage: float, time_step: float, steps: int) -> torch.Tensor:
-    initial = torch.tensor([[0.0, 0.0, 0.0, *angles, 0.0, 0.0, 0.0, 0.0]], dtype=torch.float64)
+    initial = torch.tensor([[0.0, 0.0, 0.0, *angles, 0.0, 0.0, 0.0, 0.0, 0.0]], dtype=torch.float64)
     volts = torch.full((1, steps, 4), voltage, dtype=torch.float64)
     commands = {"drive_voltage": volts, "steer_voltage": torch.zeros_like(volts)}
     return rollout(Simulator(SWERVE), initial, commands, time_step)[0]

@@ -120,7 +120,7 @@ def test_the_drive_of_a_swerve_may_be_late_while_its_steering_is_prompt():
     simulator = Simulator(SWERVE, (FittedEffect(effect, {"delay": 0.03}),))
     volts = torch.zeros(1, 8, 4, dtype=torch.float64)
     volts[:, 1:] = 6.0
-    initial = torch.zeros(1, 11, dtype=torch.float64)
+    initial = torch.zeros(1, 12, dtype=torch.float64)
     states = rollout(simulator, initial, {"drive_voltage": volts, "steer_voltage": volts}, 0.01)[0]
     moving = states.abs() > 1e-9
     assert int(moving[:, 0].int().argmax()) == 5
