@@ -1,44 +1,12 @@
-"""State recorded on another clock than the motors."""
+"""State of a quadrotor recorded on another clock than the motors."""
 
-from torch import Tensor
-
-from pipeline.effects.effect import MeasurementEffect, Parameter, Signals, Values
-from pipeline.effects.shift import shift_in_time
+from pipeline.effects.time_offset import TimeOffset
 
 
-class SensorTimeOffset(MeasurementEffect):
+class QuadrotorTimeOffset(TimeOffset):
     """The state reaches the log late with respect to the motors' telemetry (early where negative)."""
 
-    name = "sensor_time_offset"
     kind = "quadrotor"
-    acts_on = "measurement"
-    parameters = (Parameter("offset", "s", 0.02, -0.1, 0.1),)
     needs = ("rotor_speed",)
-    formula = "recorded(t) = true(t − offset)"
-    source = (
-        "Furgale, Rehder & Siegwart 2013, Unified temporal and spatial calibration for multi-sensor systems"
-    )
-    sentence = (
-        "The state was recorded {offset} s late with respect to the motors; shift the clocks before anything is "
-        "fitted."
-    )
+    on_command_clock = ("rotor_speed", "motor_command")
     excitation = "pump the thrust up and down quickly, so that rotor speed and acceleration can be aligned"
-
-    def starts(self) -> list[dict[str, float]]:
-        """Start from a scan: a periodic flight has a valley at each period."""
-        return [{"offset": offset} for offset in (-0.06, -0.03, 0.0, 0.03, 0.06)]
-
-    def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Tensor]:
-        """Delay the motors' signals by the offset so that both clocks agree.
-
-        Where the runs' clocks differ, `clock_deviation` holds each block's deviation from the common offset.
-        """
-        offset = values["offset"]
-        if "clock_deviation" in signals:
-            offset = offset + signals["clock_deviation"][:, 0]
-        shifted = {
-            name: shift_in_time(signals[name], offset, time_step)
-            for name in ("rotor_speed", "motor_command")
-            if name in signals
-        }
-        return {**signals, **shifted}

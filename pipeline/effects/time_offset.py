@@ -1,0 +1,46 @@
+"""State and commands recorded on different clocks, shared by every platform."""
+
+from typing import ClassVar
+
+from torch import Tensor
+
+from pipeline.effects.effect import MeasurementEffect, Parameter, Signals, Values
+from pipeline.effects.shift import shift_in_time
+
+
+class TimeOffset(MeasurementEffect):
+    """The state reaches the log late with respect to the commands (early where negative)."""
+
+    on_command_clock: ClassVar[tuple[str, ...]]
+    """The signals on the other clock, those of them that are present."""
+
+    name = "sensor_time_offset"
+    acts_on = "measurement"
+    parameters = (Parameter("offset", "s", 0.02, -0.1, 0.1),)
+    formula = "recorded(t) = true(t − offset)"
+    source = (
+        "Furgale, Rehder & Siegwart 2013, Unified temporal and spatial calibration for multi-sensor systems"
+    )
+    sentence = (
+        "The state was recorded {offset} s late with respect to the motors; shift the clocks before anything is "
+        "fitted."
+    )
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a scan: a periodic motion has a valley at each period."""
+        return [{"offset": offset} for offset in (-0.06, -0.03, 0.0, 0.03, 0.06)]
+
+    def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Tensor]:
+        """Delay the motors' signals by the offset so that both clocks agree.
+
+        Where the runs' clocks differ, `clock_deviation` holds each block's deviation from the common offset.
+        """
+        offset = values["offset"]
+        if "clock_deviation" in signals:
+            offset = offset + signals["clock_deviation"][:, 0]
+        shifted = {
+            name: shift_in_time(signals[name], offset, time_step)
+            for name in self.on_command_clock
+            if name in signals
+        }
+        return {**signals, **shifted}
