@@ -3,9 +3,15 @@
 import torch
 from torch import Tensor
 
+Value = Tensor | float
+
 
 def dry_friction(
-    level: Tensor | float, velocity: Tensor, applied: Tensor, sliding_velocity: Tensor | float
+    level: Value,
+    velocity: Tensor,
+    applied: Tensor,
+    sliding_velocity: Value,
+    backward_level: Value | None = None,
 ) -> Tensor:
     """Friction that opposes motion at its level, and at standstill whatever is applied, up to its level (...,).
 
@@ -17,8 +23,11 @@ def dry_friction(
         velocity: (...,) rad/s or m/s.
         applied: what else acts, (...,) in the unit of the level.
         sliding_velocity: in the unit of the velocity; far above it the axis slides.
+        backward_level: against negative motion, where it is not the same as against positive.
     """
     slip = torch.tanh(velocity / sliding_velocity)
-    level = torch.as_tensor(level, dtype=slip.dtype)
-    held = torch.maximum(torch.minimum(applied, level), -level)
-    return -level * slip * slip.abs() - (1.0 - slip.square()) * held
+    forward = torch.as_tensor(level, dtype=slip.dtype)
+    backward = forward if backward_level is None else torch.as_tensor(backward_level, dtype=slip.dtype)
+    held = torch.maximum(torch.minimum(applied, forward), -backward)
+    sliding = torch.where(slip > 0, forward, backward) * slip * slip.abs()
+    return -sliding - (1.0 - slip.square()) * held

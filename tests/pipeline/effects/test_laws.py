@@ -60,7 +60,7 @@ def test_friction_and_drag_take_power_from_whatever_moves(effect, seed):
         signals["velocity"] = signals["velocity"] + 0.1 * torch.sign(signals["velocity"])
     taken = -power(effect, consistent(effect.kind, signals))
     assert taken.max() > 0
-    assert (taken >= -1e-12 * taken.max()).all()
+    assert (taken >= -1e-6 * taken.max()).all()  # what holds still creeps, ever less the faster it slides
 
 
 @given(

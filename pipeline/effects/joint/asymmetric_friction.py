@@ -1,0 +1,42 @@
+"""Dry friction of a joint that is greater one way than the other.
+
+Coulomb friction is the level that both directions share. On an axis that never rests, a constant load with half as much
+Coulomb friction does the same; at rest a load still pulls and friction only holds.
+"""
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.dry_friction import dry_friction
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.joint.common import applied, on_axis
+
+
+class AsymmetricFriction(WrenchEffect):
+    """What dry friction is greater by in one direction of motion: in the direction of its sign."""
+
+    linear = False
+    name = "asymmetric_friction"
+    kind = "joint"
+    acts_on = "torque"
+    parameters = (Parameter("difference", "N·m", 0.05, -1e4, 1e4),)
+    needs = ("velocity", "effort")
+    formula = "torque = −difference where sign(velocity) = sign(difference), else 0; at standstill it holds that way"
+    source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
+    sentence = (
+        "Dry friction is {difference} {difference_unit} greater forward than backward; add the difference of the "
+        "two directions."
+    )
+    excitation = "the same slow ramps in both directions, with rests under no load between them"
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start on either side of none: which direction it is slowed in has no slope at zero."""
+        return [{"difference": -1e-3}, {"difference": 1e-3}]
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the friction on the axis, N·m or N."""
+        velocity, load = signals["velocity"], applied(signals, constants)
+        difference = torch.as_tensor(values["difference"], dtype=velocity.dtype)
+        forward, backward = difference.clamp_min(0.0), (-difference).clamp_min(0.0)
+        friction = dry_friction(forward, velocity, load, constants["sliding_velocity"], backward)
+        return on_axis(constants, friction)

@@ -1,0 +1,34 @@
+"""Dry friction of a joint in proportion to the load that its gear transmits."""
+
+from torch import Tensor
+
+from pipeline.effects.dry_friction import dry_friction
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.joint.common import applied, on_axis
+
+
+class LoadDependentFriction(WrenchEffect):
+    """Teeth that are pressed together rub: what the gear loses of what it transmits."""
+
+    linear = False
+    name = "load_dependent_friction"
+    kind = "joint"
+    acts_on = "torque"
+    parameters = (Parameter("ratio", "1", 0.2, 0.0, 1.0),)
+    needs = ("velocity", "effort")
+    formula = "torque = −ratio · |effort| · sign(velocity); at standstill it holds, up to ratio · |effort|"
+    source = (
+        "Duclusaud et al. 2024, Extended friction models for the physics simulation of servo actuators "
+        "(arXiv 2410.08650)"
+    )
+    sentence = (
+        "The gear loses {ratio} of the load that it transmits to friction; add load-dependent friction."
+    )
+    excitation = "the same slow motion under several loads, lifting and lowering"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the friction on the axis, N·m or N."""
+        level = values["ratio"] * signals["effort"].abs()
+        load = applied(signals, constants)
+        friction = dry_friction(level, signals["velocity"], load, constants["sliding_velocity"])
+        return on_axis(constants, friction)

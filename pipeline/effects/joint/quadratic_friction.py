@@ -1,0 +1,29 @@
+"""Friction of a joint in proportion to the square of its velocity."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.joint.common import on_axis
+
+
+class QuadraticFriction(WrenchEffect):
+    """Resistance of a fluid: of a flywheel's air, of a pump, of grease churned."""
+
+    name = "quadratic_friction"
+    kind = "joint"
+    acts_on = "torque"
+    parameters = (Parameter("coefficient", "N·m·s²/rad²", 1e-3, 0.0, 1e4),)
+    needs = ("velocity",)
+    formula = "torque = −coefficient · velocity · |velocity|"
+    source = (
+        "Schlichting & Gersten 2017, Boundary-layer theory, §5.2: drag of turning discs in turbulent flow"
+    )
+    sentence = (
+        "Friction grows with the square of speed by {coefficient} {coefficient_unit}; add quadratic friction."
+    )
+    excitation = "constant speeds up to the highest, in both directions"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the friction on the axis, N·m or N."""
+        velocity = signals["velocity"]
+        return on_axis(constants, -values["coefficient"] * velocity * velocity.abs())

@@ -1,0 +1,43 @@
+"""Dry friction of a joint that is greater the slower it moves."""
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.dry_friction import dry_friction
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.joint.common import applied, on_axis
+from pipeline.effects.scan import scan
+
+
+class StribeckFriction(WrenchEffect):
+    """What breaking away takes beyond Coulomb friction, and how fast it fades with speed."""
+
+    linear = False
+    name = "stribeck_friction"
+    kind = "joint"
+    acts_on = "torque"
+    parameters = (
+        Parameter("extra_level", "N·m", 0.1, 0.0, 1e4),
+        Parameter("velocity", "rad/s", 0.5, 1e-4, 1e3, neutral=1.0),
+    )
+    needs = ("velocity", "effort")
+    formula = (
+        "torque = −extra_level · exp(−(v / velocity)²) · sign(v); at standstill it holds, up to extra_level"
+    )
+    source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, eq. 2.7"
+    sentence = (
+        "Breaking away takes {extra_level} {extra_level_unit} more than sliding, which fades over {velocity} "
+        "{velocity_unit}; add Stribeck friction."
+    )
+    excitation = "very slow ramps through standstill, and constant crawling speeds in both directions"
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a scan: the speed at which it fades has no slope where nothing fades."""
+        return scan(extra_level=(0.01, 0.1, 1.0, 10.0), velocity=(0.03, 0.3, 3.0))
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the friction on the axis, N·m or N."""
+        velocity = signals["velocity"]
+        level = values["extra_level"] * torch.exp(-(velocity / values["velocity"]).square())
+        load = applied(signals, constants)
+        return on_axis(constants, dry_friction(level, velocity, load, constants["sliding_velocity"]))
