@@ -1,0 +1,54 @@
+"""Torque of a joint that comes back along its travel."""
+
+import math
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.joint.common import on_axis
+
+_MOST_CYCLES = 48
+_PHASES = 3
+
+
+class Cogging(WrenchEffect):
+    """Magnets that prefer some places, or teeth that come round: a wave along the position."""
+
+    linear = False
+    name = "cogging"
+    kind = "joint"
+    acts_on = "torque"
+    parameters = (
+        Parameter("sine", "N·m", 0.05, -1e4, 1e4),
+        Parameter("cosine", "N·m", 0.02, -1e4, 1e4),
+        Parameter("cycles", "1/rad", 12.0, 0.1, 1e5, neutral=1.0),
+    )
+    needs = ("position",)
+    formula = "torque = sine · sin(cycles · position) + cosine · cos(cycles · position)"
+    source = "Hendershot & Miller 2010, Design of brushless permanent-magnet machines, §3: cogging torque"
+    sentence = (
+        "A ripple of {sine} {sine_unit} (sine) and {cosine} {cosine_unit} (cosine) repeats along the travel with "
+        "{cycles} {cycles_unit}; add cogging."
+    )
+    excitation = "slow constant speed over the whole travel, in both directions"
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from every whole number of cycles per turn, in several phases: each number is a valley of its own."""
+        amplitude = self.defaults()["sine"]
+        angles = [0.5 + 2.0 * math.pi * phase / _PHASES for phase in range(_PHASES)]
+        return [
+            {
+                "sine": amplitude * math.cos(angle),
+                "cosine": amplitude * math.sin(angle),
+                "cycles": float(cycles),
+            }
+            for cycles in range(1, _MOST_CYCLES + 1)
+            for angle in angles
+        ]
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the ripple on the axis, N·m or N."""
+        angle = values["cycles"] * signals["position"]
+        wave = values["sine"] * torch.sin(angle) + values["cosine"] * torch.cos(angle)
+        return on_axis(constants, wave)

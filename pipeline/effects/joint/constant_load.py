@@ -1,0 +1,27 @@
+"""A load on a joint that is the same everywhere."""
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.joint.common import on_axis
+
+
+class ConstantLoad(WrenchEffect):
+    """A weight on a slide or a pulley, a constant-force spring, an offset of the drive."""
+
+    name = "constant_load"
+    kind = "joint"
+    acts_on = "torque"
+    parameters = (Parameter("load", "N·m", 0.1, -1e4, 1e4),)
+    needs = ("position",)
+    formula = "torque = load"
+    source = "Newton's second law"
+    sentence = (
+        "A constant {load} {load_unit} pushes the axis in the positive direction; add it to the simulator."
+    )
+    excitation = "the same motion in both directions, and rests without a command"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the load on the axis, N·m or N."""
+        return on_axis(constants, values["load"] * torch.ones_like(signals["position"]))

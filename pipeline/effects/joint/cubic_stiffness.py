@@ -1,0 +1,24 @@
+"""A spring on a joint that stiffens with its deflection."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.joint.common import on_axis
+
+
+class CubicStiffness(WrenchEffect):
+    """The Duffing spring's cubic part; negative where the spring softens."""
+
+    name = "cubic_stiffness"
+    kind = "joint"
+    acts_on = "torque"
+    parameters = (Parameter("stiffness", "N·m/rad³", 0.3, -1e9, 1e9),)
+    needs = ("position",)
+    formula = "torque = −stiffness · position³"
+    source = "Kovacic & Brennan 2011, The Duffing equation, §1"
+    sentence = "A spring stiffens with the cube of its deflection by {stiffness} {stiffness_unit}; add cubic stiffness."
+    excitation = "free swings of several amplitudes up to the ends of the travel"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the spring's pull on the axis, N·m or N."""
+        return on_axis(constants, -values["stiffness"] * signals["position"].pow(3))

@@ -1,0 +1,63 @@
+"""Friction of a joint that first bends like a spring.
+
+The deflection depends on the way, not on the speed, so that it follows exactly from the recorded positions. Where an
+axis moves on inside a step, the wrench takes the deflection from the step's place to where the axis is now.
+"""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.joint.common import on_axis
+from pipeline.effects.scan import scan
+
+
+class Hysteresis(ActuatorEffect, WrenchEffect):
+    """Pre-sliding: a hidden deflection follows the motion up to its level, and turns round with it."""
+
+    remembers = True
+    linear = False
+    order = 3
+    name = "hysteresis"
+    kind = "joint"
+    acts_on = "torque"
+    parameters = (
+        Parameter("level", "N·m", 0.1, 0.0, 1e4),
+        Parameter("displacement", "rad", 0.05, 1e-5, 10.0, neutral=0.1),
+    )
+    needs = ("position",)
+    formula = "torque = −level · z, dz/dt = (velocity − |velocity| · z) / displacement"
+    source = "Dahl 1976, Solid friction damping of mechanical vibrations (AIAA J. 14), eq. 6 with exponent 1"
+    sentence = (
+        "Resistance lags behind the motion: it builds up to {level} {level_unit} over {displacement} "
+        "{displacement_unit} after each reversal; add hysteresis."
+    )
+    excitation = "slow swings of several small amplitudes with many reversals"
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a scan: how far it bends has no slope where it has no level."""
+        return scan(level=(0.01, 0.1, 1.0, 10.0), displacement=(0.003, 0.02, 0.1, 0.5))
+
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the relative deflection and where it is reached; it starts relaxed."""
+        position = signals["position"]
+        deflection, place = (torch.zeros_like(position), position) if memory is None else memory
+        deflection = _moved(deflection, position - place, values["displacement"])
+        out = {"hysteresis_deflection": deflection, "hysteresis_position": position}
+        return out, (deflection, position)
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the resistance on the axis, N·m or N."""
+        moved = signals["position"] - signals["hysteresis_position"]
+        deflection = _moved(signals["hysteresis_deflection"], moved, values["displacement"])
+        return on_axis(constants, -values["level"] * deflection)
+
+
+def _moved(deflection: Tensor, way: Tensor, displacement: Tensor | float) -> Tensor:
+    """Return the relative deflection after a way without reversal: dz = (1 − z·sign(way)) · way / displacement."""
+    towards = torch.sign(way)
+    return towards + (deflection - towards) * torch.exp(-way.abs() / displacement)

@@ -1,0 +1,24 @@
+"""A spring on a joint."""
+
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.joint.common import on_axis
+
+
+class LinearStiffness(WrenchEffect):
+    """Stiffness beyond what the platform file has; negative where the file has too much."""
+
+    name = "linear_stiffness"
+    kind = "joint"
+    acts_on = "torque"
+    parameters = (Parameter("stiffness", "N·m/rad", 0.3, -1e6, 1e6),)
+    needs = ("position",)
+    formula = "torque = −stiffness · position"
+    source = "Hooke's law; Craig 2005, Introduction to robotics, §9.3"
+    sentence = "A spring of {stiffness} {stiffness_unit} pulls the axis to zero; add it to the simulator."
+    excitation = "slow motion over the whole travel, and free swings of several amplitudes"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the spring's pull on the axis, N·m or N."""
+        return on_axis(constants, -values["stiffness"] * signals["position"])
