@@ -10,9 +10,9 @@ from pipeline.errors import InputError
 from pipeline.gap.fit import Problem, columns_of
 from pipeline.gap.horizon import HorizonError, horizon_errors
 from pipeline.gap.locate import Mismatch, locate
-from pipeline.gap.model import Drift, drifts_of
+from pipeline.gap.model import Drift, drifts_of, unsteadiness_of
 from pipeline.gap.name import Naming, name
-from pipeline.gap.probability import presence_of
+from pipeline.gap.probability import Signs, probability_of
 from pipeline.gap.prove import Proof, prove
 from pipeline.gap.regimes import Regime, regimes_of
 from pipeline.gap.residuals import channels_on, noise_of_rows
@@ -42,7 +42,7 @@ class Diagnosis:
         warnings: doubts about recording and result.
         mismatches: where the nominal simulator fails.
         naming: the competition and its result.
-        probabilities: of each named effect, by key.
+        signs: what speaks for each named effect and against it, by key.
         drifts: of each named effect's parameters between runs, by key.
         unnamed: what no effect of the catalogue accounts for.
         proof: errors before and after on held-out runs.
@@ -57,7 +57,7 @@ class Diagnosis:
     warnings: tuple[str, ...]
     mismatches: list[Mismatch]
     naming: Naming
-    probabilities: dict[str, float]
+    signs: dict[str, Signs]
     drifts: dict[str, list[Drift]]
     unnamed: list[Unnamed]
     proof: Proof
@@ -66,6 +66,11 @@ class Diagnosis:
     proving: Blocks
     nominal: Simulator
     simulator: Simulator
+
+    @property
+    def probabilities(self) -> dict[str, float]:
+        """The probability of each named effect, by key."""
+        return {key: probability_of(signs) for key, signs in self.signs.items()}
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -109,9 +114,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         warnings=(*recording.warnings, *remarks, *_doubts(naming, drifts, held_out)),
         mismatches=mismatches,
         naming=naming,
-        probabilities=_probabilities(
-            naming, drifts, int(cluster.max()) + 1, unnamed, [channel.name for channel in channels]
-        ),
+        signs=_signs(naming, drifts, problem, unnamed, channels),
         drifts=drifts,
         unnamed=unnamed,
         proof=proof,
@@ -198,26 +201,35 @@ def _verdict(naming: Naming, gap: bool) -> str:
     return "unexplained" if gap else "none"
 
 
-def _probabilities(
+def _signs(
     naming: Naming,
     drifts: dict[str, list[Drift]],
-    clusters: int,
+    problem: Problem,
     unnamed: Sequence[Unnamed],
-    names: list[str],
-) -> dict[str, float]:
-    """Return each effect's probability: its evidence, its weight among rivals, and how little is left beside it.
+    channels: Sequence[Channel],
+) -> dict[str, Signs]:
+    """Return what speaks for each named effect and against it.
 
     What remains without a name in an effect's own channels may be what the effect stands in for.
     """
     weight = {rivalry.winner.key: rivalry.weight for rivalry in naming.rivalries}
     left = {remainder.channel.name: remainder.share for remainder in unnamed}
-    probabilities = {}
+    excess = naming.fit.residual.square().mean((0, 1)) / problem.noise.square()
+    signs = {}
     for c in naming.named:
         touched = naming.fit.jacobian[..., columns_of(naming.fit, c.effect)].abs().amax((0, 1, 3)) > 0
-        beside = max(left.get(name, 0.0) for name, hit in zip(names, touched.tolist(), strict=True) if hit)
-        presence = presence_of(c.gain, len(c.effect.parameters), clusters, drifts[c.effect.key])
-        probabilities[c.effect.key] = presence * weight.get(c.effect.key, 1.0) * (1.0 - beside**2)
-    return probabilities
+        own = [i for i, hit in enumerate(touched.tolist()) if hit]
+        signs[c.effect.key] = Signs(
+            gain=c.gain,
+            parameters=len(c.effect.parameters),
+            clusters=int(problem.cluster.max()) + 1,
+            unsteadiness=unsteadiness_of(drifts[c.effect.key]),
+            captured=c.share,
+            excess=max(float(excess[i]) for i in own),
+            remainder=max(left.get(channels[i].name, 0.0) for i in own),
+            weight=weight.get(c.effect.key, 1.0),
+        )
+    return signs
 
 
 def _doubts(naming: Naming, drifts: dict[str, list[Drift]], held_out: bool) -> list[str]:

@@ -1,5 +1,6 @@
 """What supports a diagnosis, as the tables and series that the report draws."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,7 @@ def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
     traces(diagnosis).to_parquet(folder / "traces.parquet", index=False)
     residuals(diagnosis).to_parquet(folder / "residuals.parquet", index=False)
     write_json(competition(diagnosis), folder / "competition.json")
+    write_json({key: asdict(signs) for key, signs in diagnosis.signs.items()}, folder / "signs.json")
     write_json(laws(diagnosis), folder / "laws.json")
     write_json(horizons(diagnosis), folder / "horizon.json")
     write_json(regime_maps(diagnosis), folder / "regimes.json")

@@ -9,9 +9,9 @@ from pipeline.effects import Effect, MeasurementEffect, ParameterError
 from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
 from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Fit, Problem, columns_of, fit
-from pipeline.gap.model import drifts_of
+from pipeline.gap.model import drifts_of, unsteadiness_of
 from pipeline.gap.parsimony import single_cause
-from pipeline.gap.probability import presence_of
+from pipeline.gap.probability import Signs, presence_of
 from pipeline.gap.refit import extend, shrink
 from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
 from pipeline.gap.settings import Gap
@@ -237,7 +237,8 @@ class _Competition:
     def presence(self, candidate: Candidate) -> float:
         """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
         drifts = drifts_of(self.current, candidate.effect, self.problem.blocks, self.problem.cluster)
-        return presence_of(candidate.gain, len(candidate.effect.parameters), self.clusters, drifts)
+        parameters = len(candidate.effect.parameters)
+        return presence_of(Signs(candidate.gain, parameters, self.clusters, unsteadiness_of(drifts)))
 
     def resting(self, effect: Effect) -> dict[str, float]:
         """Return the values at which an effect changes nothing: those known before, else none of it."""

@@ -1,28 +1,58 @@
-"""How sure a name is: the probability that is written beside it."""
+"""How sure a name is: the probability that is written beside it, and the signs that it is made of."""
 
 import math
-from collections.abc import Sequence
+from dataclasses import dataclass
 
-from pipeline.gap.model import Drift, steadiness
+from pipeline.gap.model import steadiness
 
 _PRIOR = 0.1
 _MOST = 0.995
 
 
-def presence_of(gain: float, parameters: int, clusters: int, drifts: Sequence[Drift]) -> float:
-    """Return the probability that an effect is present, if none of its rivals is.
+@dataclass(frozen=True)
+class Signs:
+    """What speaks for a named effect and against it.
 
-    The evidence is the Schwarz approximation of the Bayes factor on the number of independent clusters, against a prior
-    of one effect in ten; it is lowered by how much the effect's parameters certainly drift between runs.
-    Source: Kass & Raftery 1995, Bayes factors (JASA 90), eq. 9.
-
-    Args:
-        gain: cross-validated log likelihood gained by the effect as the last to enter.
+    Attributes:
+        gain: cross-validated log likelihood gained by the effect as the last to enter, for independent rows.
         parameters: how many it has.
         clusters: number of stretches with independent residuals.
-        drifts: of its parameters between runs.
+        unsteadiness: greatest certain drift of its parameters between runs, over their values.
+        captured: share of the excess over the noise that it explains, in the channel where it explains most.
+        excess: energy that is left beside it over the noise's, in the worst of its own channels.
+        remainder: share of the mismatch that a formula without a name explains in its own channels.
+        weight: of the effect among those that this recording cannot tell from it.
     """
-    penalty = 0.5 * parameters * math.log(max(clusters, 2))
-    log_odds = gain - penalty + math.log(_PRIOR / (1.0 - _PRIOR))
+
+    gain: float
+    parameters: int
+    clusters: int
+    unsteadiness: float = 0.0
+    captured: float = 1.0
+    excess: float = 1.0
+    remainder: float = 0.0
+    weight: float = 1.0
+
+    @property
+    def log_bayes_factor(self) -> float:
+        """The evidence for the effect: the Schwarz approximation on the number of independent clusters.
+
+        Source: Kass & Raftery 1995, Bayes factors (JASA 90), eq. 9.
+        """
+        return self.gain - 0.5 * self.parameters * math.log(max(self.clusters, 2))
+
+
+def presence_of(signs: Signs) -> float:
+    """Return the probability that an effect of this kind is there, whichever of its rivals it is.
+
+    The evidence stands against a prior of one effect in ten; it is lowered by how much the effect's parameters
+    certainly drift between runs, and by what remains without a name in its channels, for which it may stand in.
+    """
+    log_odds = signs.log_bayes_factor + math.log(_PRIOR / (1.0 - _PRIOR))
     evidence = 1.0 / (1.0 + math.exp(-max(min(log_odds, 50.0), -50.0)))
-    return min(evidence * steadiness(drifts), _MOST)
+    return min(evidence * steadiness(signs.unsteadiness), _MOST) * (1.0 - signs.remainder**2)
+
+
+def probability_of(signs: Signs) -> float:
+    """Return the probability that it is this effect: present, and none of those that cannot be told from it."""
+    return presence_of(signs) * signs.weight
