@@ -7,9 +7,13 @@ from pipeline.effects.effect import Signals, Values
 
 def rotor_speed_ratio(signals: Signals, constants: Values) -> Tensor:
     """Mean rotor speed over the rotor speed that carries the weight (...,)."""
+    return signals["rotor_speed"].mean(-1) / hover_rotor_speed(constants)
+
+
+def hover_rotor_speed(constants: Values) -> float | Tensor:
+    """Rotor speed at which four rotors carry the weight, rad/s."""
     weight = constants["mass"] * constants["gravity"]
-    hover = (weight / (4.0 * constants["thrust_coefficient"])) ** 0.5
-    return signals["rotor_speed"].mean(-1) / hover
+    return (weight / (4.0 * constants["thrust_coefficient"])) ** 0.5
 
 
 def along_axes(stem: str, vector: Tensor) -> dict[str, Tensor]:

@@ -1,0 +1,91 @@
+"""Rotor discs that tilt against the air and lag behind the body.
+
+A step above `rotor_drag` and `blade_flapping_moment`. The tilt is that of the four discs' mean: what each adds sideways
+by its own sense of turning cancels in pairs.
+"""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.lag import lag_along_time, lag_step
+from pipeline.effects.quadrotor.common import rotor_speed_ratio
+from pipeline.effects.scan import scan
+
+_SLOWEST = 0.1  # of the hover rotor speed; slower, a rotor lifts a hundredth of the weight and its tilt hardly counts
+
+
+class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
+    """Discs tilt back from the air, follow the body with a lag, and take thrust and hub along."""
+
+    remembers = True
+    linear = False
+    order = 3
+    name = "tip_path_plane_flapping"
+    kind = "quadrotor"
+    acts_on = "force"
+    parameters = (
+        Parameter("tilt", "rad·s/m", 0.03, 0.0, 1.0),
+        Parameter("time_constant", "s", 0.01, 0.0, 0.2),
+        Parameter("stiffness", "N·m/rad", 0.01, 0.0, 10.0),
+    )
+    needs = ("velocity", "body_rate", "rotor_speed")
+    formula = (
+        "with r = mean Ω / Ω_hover: dβ/dt = (tilt·v_xy / r − β)·r / time_constant + (ω_y, −ω_x); "
+        "a_xy = −T/m · β, τ_x = (stiffness + Σ z_i·T_i)·β_y, τ_y = −(stiffness + Σ z_i·T_i)·β_x"
+    )
+    source = (
+        "Leishman 2006, Principles of helicopter aerodynamics, §4.4–4.6 (time constant 16/(γΩ)); Kantue & Pedro, "
+        "grey-box modelling of multirotors in aggressive manoeuvres"
+    )
+    sentence = (
+        "The rotor discs tilt by {tilt} rad for each m/s of airspeed at hover rotor speed, {time_constant} s late, and "
+        "twist the body by {stiffness} N·m per radian; add the tip path plane to the simulator."
+    )
+    excitation = "dash sideways and stop, and roll and pitch as fast as the machine can"
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a few sizes: at none the stiffness leaves no slope to follow."""
+        return scan(tilt=(0.01, 0.05), time_constant=(0.005, 0.05), stiffness=(0.01,))
+
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the mean tilt over the step, settled at the first; the memory holds the tilt at its end."""
+        target, time_constant = _settled(signals, values, constants)
+        start = target if memory is None else memory
+        mean, end = lag_step(start, target, time_constant, time_step)
+        return {"disc_tilt": mean}, end
+
+    def along_time(
+        self, signals: Signals, values: Values, constants: Values, time_step: float
+    ) -> dict[str, Tensor]:
+        """Tilt the discs along whole blocks at once: the same as sample by sample."""
+        target, time_constant = _settled(signals, values, constants)
+        return {**signals, "disc_tilt": lag_along_time(target, time_constant, time_step)}
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return specific force, m/s², and torque, N·m."""
+        thrust = constants["thrust_coefficient"] * signals["rotor_speed"].square()
+        back, side = signals["disc_tilt"].unbind(-1)
+        heights = constants["rotor_positions"][:, 2].to(thrust)
+        moment = values["stiffness"] + (heights * thrust).sum(-1)
+        lift = thrust.sum(-1) / constants["mass"]
+        return {
+            "force_x": -lift * back,
+            "force_y": -lift * side,
+            "torque_x": moment * side,
+            "torque_y": -moment * back,
+        }
+
+
+def _settled(signals: Signals, values: Values, constants: Values) -> tuple[Tensor, Tensor]:
+    """Return the tilt (..., 2) away from +x and +y that the discs tend to, rad, and the time it takes, s."""
+    ratio = rotor_speed_ratio(signals, constants).clamp_min(_SLOWEST)[..., None]
+    time_constant = values["time_constant"] / ratio
+    # The discs keep their plane in space while the body turns away under them.
+    roll, pitch, _ = signals["body_rate"].unbind(-1)
+    left_behind = torch.stack([pitch, -roll], dim=-1)
+    return values["tilt"] * signals["velocity"][..., :2] / ratio + time_constant * left_behind, time_constant
