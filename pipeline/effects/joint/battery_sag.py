@@ -24,7 +24,7 @@ class BatterySag(ActuatorEffect):
     )
     needs = ("voltage", "battery_voltage")
     formula = "voltage_effective = voltage · (1 + share · (battery_voltage / nominal_voltage − 1))"
-    source = "Mohan 2003, Electric drives, §4: the mean voltage of a pulse-width-modulated converter"
+    source = "Mohan 2003, Electric drives: the mean voltage of a pulse-width-modulated converter"
     sentence = (
         "The motor's voltage follows the battery's by a share of {share}, and is as commanded at {nominal_voltage} V; "
         "scale it in the simulator."

@@ -26,7 +26,7 @@ class Cogging(WrenchEffect):
     )
     needs = ("position",)
     formula = "torque = sine · sin(cycles · position) + cosine · cos(cycles · position)"
-    source = "Hendershot & Miller 2010, Design of brushless permanent-magnet machines, §3: cogging torque"
+    source = "Hendershot & Miller 2010, Design of brushless permanent-magnet machines: cogging torque"
     sentence = (
         "A ripple of {sine} {sine_unit} (sine) and {cosine} {cosine_unit} (cosine) repeats along the travel with "
         "{cycles} {cycles_unit}; add cogging."

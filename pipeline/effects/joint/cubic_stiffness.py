@@ -15,7 +15,7 @@ class CubicStiffness(WrenchEffect):
     parameters = (Parameter("stiffness", "N·m/rad³", 0.3, -1e9, 1e9),)
     needs = ("position",)
     formula = "torque = −stiffness · position³"
-    source = "Kovacic & Brennan 2011, The Duffing equation, §1"
+    source = "Kovacic & Brennan 2011, The Duffing equation"
     sentence = "A spring stiffens with the cube of its deflection by {stiffness} {stiffness_unit}; add cubic stiffness."
     excitation = "free swings of several amplitudes up to the ends of the travel"
 

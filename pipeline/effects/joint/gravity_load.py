@@ -23,7 +23,7 @@ class GravityLoad(WrenchEffect):
     )
     needs = ("position",)
     formula = "torque = −sine · sin(position) − cosine · cos(position)"
-    source = "the pendulum's equation; Craig 2005, Introduction to robotics, §6.7"
+    source = "the pendulum's equation"
     sentence = (
         "A weight pulls on the joint with {sine} {sine_unit} (sine of the position) and {cosine} {cosine_unit} "
         "(cosine); add it to the simulator."

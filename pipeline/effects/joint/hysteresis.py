@@ -29,7 +29,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
     )
     needs = ("position",)
     formula = "torque = −level · z, dz/dt = (velocity − |velocity| · z) / displacement"
-    source = "Dahl 1976, Solid friction damping of mechanical vibrations (AIAA J. 14), eq. 6 with exponent 1"
+    source = "Dahl 1976, Solid friction damping of mechanical vibrations (AIAA J. 14), with exponent 1"
     sentence = (
         "Resistance lags behind the motion: it builds up to {level} {level_unit} over {displacement} "
         "{displacement_unit} after each reversal; add hysteresis."

@@ -15,7 +15,7 @@ class LinearStiffness(WrenchEffect):
     parameters = (Parameter("stiffness", "N·m/rad", 0.3, -1e6, 1e6),)
     needs = ("position",)
     formula = "torque = −stiffness · position"
-    source = "Hooke's law; Craig 2005, Introduction to robotics, §9.3"
+    source = "Hooke's law"
     sentence = "A spring of {stiffness} {stiffness_unit} pulls the axis to zero; add it to the simulator."
     excitation = "slow motion over the whole travel, and free swings of several amplitudes"
 

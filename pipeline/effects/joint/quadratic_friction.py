@@ -15,9 +15,7 @@ class QuadraticFriction(WrenchEffect):
     parameters = (Parameter("coefficient", "N·m·s²/rad²", 1e-3, 0.0, 1e4),)
     needs = ("velocity",)
     formula = "torque = −coefficient · velocity · |velocity|"
-    source = (
-        "Schlichting & Gersten 2017, Boundary-layer theory, §5.2: drag of turning discs in turbulent flow"
-    )
+    source = "Schlichting & Gersten 2017, Boundary-layer theory: discs that turn in a fluid"
     sentence = (
         "Friction grows with the square of speed by {coefficient} {coefficient_unit}; add quadratic friction."
     )

@@ -24,7 +24,7 @@ class StribeckFriction(WrenchEffect):
     formula = (
         "torque = −extra_level · exp(−(v / velocity)²) · sign(v); at standstill it holds, up to extra_level"
     )
-    source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, eq. 2.7"
+    source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction"
     sentence = (
         "Breaking away takes {extra_level} {extra_level_unit} more than sliding, which fades over {velocity} "
         "{velocity_unit}; add Stribeck friction."

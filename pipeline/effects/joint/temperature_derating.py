@@ -20,7 +20,9 @@ class TemperatureDerating(ActuatorEffect):
     )
     needs = ("effort", "temperature")
     formula = "effort_effective = effort · (1 − coefficient · (temperature − reference))"
-    source = "Krishnan 2010, Permanent magnet synchronous and brushless DC motor drives, §1: remanence and temperature"
+    source = (
+        "Krishnan 2010, Permanent magnet synchronous and brushless DC motor drives: remanence and temperature"
+    )
     sentence = "The motor loses {coefficient} of its torque per kelvin above {reference} °C; derate it in the simulator."
     excitation = "the same motion cold and after long hard work"
 

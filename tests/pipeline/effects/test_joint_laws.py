@@ -1,0 +1,243 @@
+"""Each law of a joint against what is known exactly of it."""
+
+import math
+
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+from torch import Tensor
+
+from pipeline.effects import effect_by_key
+from pipeline.simulation import FittedEffect, Simulator, rollout
+from tests.pipeline.effects.responses import constants
+from tests.pipeline.platforms.machines import JOINT
+
+FAST = st.floats(1.0, 20.0) | st.floats(-20.0, -1.0)
+
+
+def numbers(*values: float) -> Tensor:
+    return torch.tensor(values, dtype=torch.float64)
+
+
+def torque(name: str, values: dict[str, float], **signals: Tensor) -> Tensor:
+    still = torch.zeros_like(next(iter(signals.values())))
+    everything = {"position": still, "velocity": still, "effort": still, **signals}
+    return effect_by_key("joint", name).wrench(everything, values, constants("joint"))["torque"]
+
+
+@given(velocity=FAST, level=st.floats(0.0, 10.0), fading=st.floats(0.1, 5.0))
+def test_stribeck_friction_fades_as_a_bell_of_speed(velocity, level, fading):
+    found = torque(
+        "stribeck_friction", {"extra_level": level, "velocity": fading}, velocity=numbers(velocity)
+    )
+    expected = -math.copysign(level * math.exp(-((velocity / fading) ** 2)), velocity)
+    assert float(found) == pytest.approx(expected, rel=1e-9, abs=1e-300)
+
+
+def test_stribeck_friction_holds_what_is_applied_up_to_its_level():
+    values = {"extra_level": 0.2, "velocity": 0.5}
+    found = torque("stribeck_friction", values, effort=numbers(-0.5, -0.1, 0.1, 0.5))
+    torch.testing.assert_close(found, numbers(0.2, 0.1, -0.1, -0.2))
+
+
+@given(velocity=FAST, factor=st.floats(0.1, 10.0))
+def test_quadratic_friction_grows_with_the_square_of_speed(velocity, factor):
+    once = torque("quadratic_friction", {"coefficient": 0.3}, velocity=numbers(velocity))
+    more = torque("quadratic_friction", {"coefficient": 0.3}, velocity=numbers(factor * velocity))
+    assert float(more) == pytest.approx(factor**2 * float(once))
+
+
+@pytest.mark.parametrize("difference", [-0.3, 0.3])
+def test_asymmetric_friction_slows_one_direction_only_and_holds_only_against_it(difference):
+    with_it, against_it = math.copysign(5.0, difference), math.copysign(5.0, -difference)
+    values = {"difference": difference}
+    moving = torque("asymmetric_friction", values, velocity=numbers(with_it, against_it))
+    torch.testing.assert_close(moving, numbers(-difference, 0.0))
+    at_rest = torque("asymmetric_friction", values, effort=numbers(0.2 * with_it, 0.2 * against_it))
+    torch.testing.assert_close(at_rest, numbers(-difference, 0.0))
+
+
+def test_on_an_axis_that_moves_asymmetry_is_half_a_load_and_half_coulomb_friction():
+    velocity = numbers(-9.0, -2.0, 1.0, 4.0)
+    difference = 0.3
+    one_way = torque("asymmetric_friction", {"difference": difference}, velocity=velocity)
+    both = torque("coulomb_friction", {"level": 0.5 * difference}, velocity=velocity)
+    pull = torque("constant_load", {"load": -0.5 * difference}, velocity=velocity)
+    torch.testing.assert_close(one_way, both + pull)
+
+
+@given(velocity=FAST, effort=st.floats(-10.0, 10.0), ratio=st.floats(0.0, 1.0))
+def test_a_gear_loses_a_share_of_what_it_transmits_and_never_more(velocity, effort, ratio):
+    values = {"ratio": ratio}
+    found = float(
+        torque("load_dependent_friction", values, velocity=numbers(velocity), effort=numbers(effort))
+    )
+    assert found == pytest.approx(-ratio * abs(effort) * math.copysign(1.0, velocity))
+    at_rest = float(torque("load_dependent_friction", values, effort=numbers(effort)))
+    assert at_rest == pytest.approx(-ratio * effort)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "potential"),
+    [
+        ("linear_stiffness", {"stiffness": 0.7}, lambda q: 0.35 * q**2),
+        ("cubic_stiffness", {"stiffness": 0.7}, lambda q: 0.175 * q**4),
+        ("gravity_load", {"sine": 0.5, "cosine": -0.2}, lambda q: -0.5 * q.cos() - 0.2 * q.sin()),
+        (
+            "cogging",
+            {"sine": 0.06, "cosine": 0.02, "cycles": 9.0},
+            lambda q: (0.06 * (9.0 * q).cos() - 0.02 * (9.0 * q).sin()) / 9.0,
+        ),
+        ("constant_load", {"load": 0.3}, lambda q: -0.3 * q),
+    ],
+)
+def test_what_depends_on_the_place_alone_is_the_slope_of_a_potential(name, values, potential):
+    position = torch.linspace(-4.0, 4.0, 41, dtype=torch.float64, requires_grad=True)
+    (slope,) = torch.autograd.grad(potential(position).sum(), position)
+    torch.testing.assert_close(torque(name, values, position=position.detach()), -slope)
+
+
+def test_cogging_comes_back_after_a_cycle():
+    position = torch.linspace(-1.0, 1.0, 21, dtype=torch.float64)
+    values = {"sine": 0.06, "cosine": 0.02, "cycles": 7.0}
+    once = torque("cogging", values, position=position)
+    again = torque("cogging", values, position=position + 2.0 * math.pi / 7.0)
+    torch.testing.assert_close(once, again)
+
+
+def test_a_slide_has_no_weight_that_turns():
+    effect = effect_by_key("joint", "gravity_load")
+    numbers_of_a_slide = Simulator(JOINT, position_unit="m").constants()
+    position = numbers(-1.0, 0.5)
+    assert effect.wrench({"position": position}, effect.defaults(), numbers_of_a_slide).keys() == {"force"}
+    assert not effect.wrench({"position": position}, effect.defaults(), numbers_of_a_slide)["force"].any()
+
+
+def resistance(position: Tensor, displacement: float) -> Tensor:
+    """Return the torque of unit hysteresis along one path (samples,)."""
+    effect = effect_by_key("joint", "hysteresis")
+    values = {"level": 1.0, "displacement": displacement}
+    signals = effect.along_time({"position": position[None]}, values, constants("joint"), 0.01)
+    return effect.wrench(signals, values, constants("joint"))["torque"][0]
+
+
+def test_hysteresis_is_a_spring_at_first_and_a_friction_in_the_end():
+    position = torch.linspace(0.0, 1.0, 1001, dtype=torch.float64)
+    torch.testing.assert_close(resistance(position, 0.1), torch.expm1(-position / 0.1))
+
+
+@given(
+    amplitude=st.floats(0.01, 2.0),
+    displacement=st.floats(0.01, 1.0),
+    samples=st.sampled_from([40, 41, 200]),
+)
+def test_hysteresis_takes_energy_over_every_closed_cycle_and_never_passes_its_level(
+    amplitude, displacement, samples
+):
+    angle = torch.linspace(0.0, 6.0 * math.pi, 3 * samples + 1, dtype=torch.float64)
+    position = amplitude * torch.sin(angle)
+    found = resistance(position, displacement)
+    assert (found.abs() <= 1.0).all()
+    work = 0.5 * (found[1:] + found[:-1]) * torch.diff(position)
+    assert float(work[-samples:].sum()) < 0.0
+
+
+def test_hysteresis_depends_on_the_way_and_not_on_the_speed():
+    slow = 0.3 * torch.sin(torch.linspace(0.0, 9.0, 901, dtype=torch.float64))
+    torch.testing.assert_close(resistance(slow, 0.1), resistance(slow.repeat_interleave(3), 0.1)[::3])
+    turning = numbers(0.0, 0.3, -0.2, 0.1)
+    between = numbers(0.0, 0.1, 0.3, 0.1, -0.2, 0.0, 0.1)
+    torch.testing.assert_close(resistance(turning, 0.1), resistance(between, 0.1)[[0, 2, 4, 6]])
+
+
+@given(command=st.floats(-20.0, 20.0), width=st.floats(0.0, 10.0))
+@pytest.mark.parametrize("name", ["voltage", "effort"])
+def test_a_dead_zone_passes_nothing_inside_and_less_outside(name, command, width):
+    effect = effect_by_key("joint", "dead_zone")
+    found, _ = effect.actuate({name: numbers(command)}, {"width": width}, constants("joint"), None, 0.01)
+    expected = math.copysign(max(abs(command) - width, 0.0), command)
+    assert float(found[name]) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_sagging_supply_gives_the_effort_of_the_voltage_that_it_leaves():
+    sag = effect_by_key("joint", "battery_sag")
+    simulator = Simulator(JOINT, (FittedEffect(sag, {"share": 1.0, "nominal_voltage": 12.0}),))
+    signals = {"position": numbers(0.0, 0.1), "velocity": numbers(2.0, -3.0), "voltage": numbers(10.0, -6.0)}
+    sagging = {name: value[None] for name, value in signals.items()} | {
+        "battery_voltage": numbers(9.0, 6.0)[None]
+    }
+    lower = {name: value[None] for name, value in signals.items()} | {"voltage": numbers(7.5, -3.0)[None]}
+    found = simulator.along_time(sagging, 0.01)
+    expected = Simulator(JOINT).along_time(lower, 0.01)
+    torch.testing.assert_close(found["effort"], expected["effort"])
+    torch.testing.assert_close(found["voltage"], expected["voltage"])
+
+
+def test_a_motor_loses_its_coefficient_for_each_kelvin_above_its_reference():
+    effect = effect_by_key("joint", "temperature_derating")
+    signals = {"effort": numbers(1.0, 1.0, -2.0), "temperature": numbers(25.0, 75.0, 75.0)}
+    values = {"coefficient": 0.002, "reference": 25.0}
+    found, _ = effect.actuate(signals, values, constants("joint"), None, 0.01)
+    torch.testing.assert_close(found["effort"], numbers(1.0, 0.9, -1.8))
+
+
+def test_current_rises_with_the_time_constant_of_the_winding():
+    """After a step of the voltage the mean over each time step is that of 1 − e^(−t/τ)."""
+    effect, time_step, lag = effect_by_key("joint", "motor_inductance"), 0.002, 0.005
+    effort = torch.cat([torch.zeros(1, 1), torch.ones(1, 20)], dim=1).double()
+    values = {"inductance": lag * constants("joint")["resistance"]}
+    found = effect.along_time({"effort": effort}, values, constants("joint"), time_step)["effort"][0, 1:]
+    start = time_step * torch.arange(20, dtype=torch.float64)
+    left = lag / time_step * (torch.exp(-start / lag) - torch.exp(-(start + time_step) / lag))
+    torch.testing.assert_close(found, 1.0 - left)
+
+
+@given(offset=st.integers(-8, 8))
+def test_a_time_offset_moves_the_command_to_the_clock_of_the_state(offset):
+    effect = effect_by_key("joint", "sensor_time_offset")
+    time = torch.arange(50, dtype=torch.float64)[None]
+    signals = {"voltage": torch.sin(time), "position": torch.cos(time), "velocity": torch.sin(2.0 * time)}
+    undone = effect.undo(signals, {"offset": offset * 0.01}, 0.01)
+    torch.testing.assert_close(undone["voltage"][:, 10:40], signals["voltage"][:, 10 - offset : 40 - offset])
+    assert torch.equal(undone["position"], signals["position"])
+
+
+def through_play(effort: Tensor, velocity: Tensor, share: float = 0.25, gap: float = 0.1) -> Tensor:
+    """Return what reaches a recorded axis (samples,) that is driven through a gap, at 1 kHz."""
+    effect = effect_by_key("joint", "backlash")
+    signals = {"effort": effort[None], "velocity": velocity[None]}
+    values = {"gap": gap, "motor_inertia_share": share}
+    return effect.along_time(signals, values, constants("joint"), 1e-3)["effort"][0]
+
+
+def test_backlash_transmits_nothing_inside_the_gap_and_hands_over_what_was_gathered_there():
+    """After a reversal of the effort on a held axis, the crossing takes √(2·gap·J/effort)."""
+    effort = torch.ones(300, dtype=torch.float64)
+    effort[100:] = -0.5
+    found = through_play(effort, torch.zeros(300, dtype=torch.float64))
+    inertia = 0.25 * JOINT.inertia
+    crossing = round(1e3 * math.sqrt(2.0 * 0.1 * inertia / 0.5))
+    torch.testing.assert_close(found[:100], effort[:100])
+    torch.testing.assert_close(
+        found[100 : 100 + crossing - 2], torch.zeros(crossing - 2).double(), atol=1e-12, rtol=0
+    )
+    torch.testing.assert_close(found[100 + crossing + 3 :], effort[100 + crossing + 3 :])
+    assert float(found.sum()) == pytest.approx(float(effort.sum()))
+
+
+def test_in_the_gap_the_axis_moves_as_if_the_motor_were_not_there():
+    """Its own part of the inertia and its own load decide, whatever the effort."""
+    effect = effect_by_key("joint", "backlash")
+    values = {"gap": 1.0, "motor_inertia_share": 0.25}
+    load = effect_by_key("joint", "constant_load")
+    alone = (FittedEffect(effect, values), FittedEffect(load, {"load": 0.05}))
+    platform = type(JOINT)(inertia=JOINT.inertia)
+    effort = torch.cat(
+        [torch.full((2, 1), 1e-3), torch.tensor([[-0.01], [-0.03]]).expand(2, 99)], dim=1
+    ).double()
+    simulator = Simulator(platform, alone)
+    states = rollout(simulator, torch.zeros(2, 2, dtype=torch.float64), {"effort": effort}, 1e-3)
+    acceleration = (states[:, 80, 1] - states[:, 40, 1]) / 0.04
+    expected = torch.full((2,), 0.05 / (0.75 * JOINT.inertia), dtype=torch.float64)
+    torch.testing.assert_close(acceleration, expected, rtol=1e-6, atol=0)
