@@ -1,0 +1,51 @@
+"""A motor whose current takes time to rise, shared by joints and swerve drives.
+
+At each sample the torque is the mean over the time around it for which the sample's voltage stands.
+"""
+
+from typing import Any, ClassVar
+
+from torch import Tensor
+
+from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from pipeline.effects.lag import lag_along_time, lag_step
+
+
+class MotorInductance(ActuatorEffect):
+    """Current that follows the voltage with the winding's time constant, inductance over resistance."""
+
+    group: ClassVar[str] = ""
+    """What the names of the constants begin with: a swerve's `drive_` or `steer_`."""
+    delayed: ClassVar[str]
+    """The signal that follows the current: effort or torque."""
+
+    remembers = True
+    order = 1
+    name = "motor_inductance"
+    parameters = (Parameter("inductance", "H", 5e-3, 0.0, 10.0),)
+    formula = "inductance · d(current)/dt = voltage − K·velocity − resistance · current"
+    source = "Krishnan 2001, Electric motor drives, §2"
+    excitation = "voltage steps and fast reversals, sampled faster than the current rises"
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a scan over the usual windings."""
+        return [{"inductance": 1e-5 * 10.0**step} for step in range(5)]
+
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the mean torque of the step; the memory holds the torque at its end."""
+        target = signals[self.delayed]
+        start = target if memory is None else memory
+        mean, end = lag_step(start, target, self._time_constant(values, constants), time_step)
+        return {self.delayed: mean}, end
+
+    def along_time(
+        self, signals: Signals, values: Values, constants: Values, time_step: float
+    ) -> dict[str, Tensor]:
+        """Filter whole blocks at once: the same as sample by sample."""
+        time_constant = self._time_constant(values, constants)
+        return {**signals, self.delayed: lag_along_time(signals[self.delayed], time_constant, time_step)}
+
+    def _time_constant(self, values: Values, constants: Values) -> Any:
+        return values["inductance"] / constants[f"{self.group}resistance"]
