@@ -3,12 +3,15 @@
 from torch import Tensor
 
 from pipeline.effects.effect import Signals, Values
-from pipeline.platforms.swerve_mechanism import per_module, sum_on_chassis
+from pipeline.platforms.swerve_mechanism import per_module, steering_torque, sum_on_chassis, wheel_angle
+
+__all__ = ["on_modules", "on_wheels", "steering_torque", "wheel_angle", "wheel_speed"]
 
 
 def wheel_speed(signals: Signals, constants: Values) -> Tensor:
-    """Speed of each wheel about its axle, (..., 4) rad/s."""
-    return signals["drive_velocity"] / constants["drive_gear_ratio"]
+    """Speed of each wheel about its axle, (..., 4) rad/s; what turning the module adds to the motor's is taken out."""
+    driven = signals["drive_velocity"] - constants["coupling_ratio"] * signals["steer_velocity"]
+    return driven / constants["drive_gear_ratio"]
 
 
 def on_wheels(torque: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:

@@ -4,7 +4,7 @@ from torch import Tensor
 
 from pipeline.effects.dry_friction import dry_friction
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.swerve.common import on_modules, on_wheels, wheel_speed
+from pipeline.effects.swerve.common import on_modules, on_wheels, steering_torque, wheel_speed
 
 
 class DriveCoulombFriction(WrenchEffect):
@@ -48,4 +48,5 @@ class SteerCoulombFriction(WrenchEffect):
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on each module, N·m."""
         speed, sliding = signals["steer_velocity"], constants["sliding_velocity"]
-        return on_modules(dry_friction(values["level"], speed, signals["steer_torque"], sliding))
+        applied = steering_torque(signals, constants)
+        return on_modules(dry_friction(values["level"], speed, applied, sliding))

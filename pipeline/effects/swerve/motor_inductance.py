@@ -1,0 +1,25 @@
+"""Motors of a swerve drive whose current takes time to rise."""
+
+from pipeline.effects.motor_inductance import MotorInductance
+
+
+class DriveMotorInductance(MotorInductance):
+    """The drive motors' current follows their voltage with the winding's time constant."""
+
+    kind = "swerve"
+    acts_on = "drive"
+    group = "drive_"
+    delayed = "drive_torque"
+    sentence = "The drive motors' inductance of {inductance} H delays their current; add it to the simulator."
+
+
+class SteerMotorInductance(MotorInductance):
+    """The steering motors' current follows their voltage with the winding's time constant."""
+
+    kind = "swerve"
+    acts_on = "steer"
+    group = "steer_"
+    delayed = "steer_torque"
+    sentence = (
+        "The steering motors' inductance of {inductance} H delays their current; add it to the simulator."
+    )

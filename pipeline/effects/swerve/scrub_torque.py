@@ -1,0 +1,44 @@
+"""The ground's resistance against turning a wheel about the vertical."""
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.dry_friction import dry_friction
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.scan import scan
+from pipeline.effects.swerve.common import on_modules, steering_torque, wheel_speed
+
+
+class ScrubTorque(WrenchEffect):
+    """Each tyre's patch rubs as its module turns, at full strength at rest and the less the faster the wheel rolls."""
+
+    linear = False
+    name = "scrub_torque"
+    kind = "swerve"
+    acts_on = "steer"
+    parameters = (
+        Parameter("level", "N·m", 1.0, 0.0, 1e3),
+        Parameter("patch_radius", "m", 0.02, 1e-3, 0.5, neutral=0.01),
+    )
+    formula = (
+        "module torque = −level · patch_radius·ω / √((patch_radius·ω)² + v²), ω of the module, v rolling speed; at rest "
+        "it holds, up to level"
+    )
+    source = "Pacejka 2012, Tire and vehicle dynamics, §9.2: turn slip and spin torque of a rubbing patch"
+    sentence = (
+        "The ground holds each standing wheel back with {level} N·m when its module turns, less when it rolls (patch "
+        "of {patch_radius} m); add scrub torque to the steering."
+    )
+    excitation = "turn the modules at rest and while rolling at several speeds"
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a scan: the radius has no slope where nothing rubs."""
+        return scan(level=(0.1, 1.0, 10.0), patch_radius=(0.005, 0.02, 0.1))
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the torque on each module, N·m."""
+        turning, sliding = signals["steer_velocity"], constants["sliding_velocity"]
+        rolling = wheel_speed(signals, constants) * constants["wheel_radius"]
+        rubbing = values["patch_radius"] ** 2 * (turning.square() + sliding**2)
+        level = values["level"] * torch.sqrt(rubbing / (rubbing + rolling.square()))
+        return on_modules(dry_friction(level, turning, steering_torque(signals, constants), sliding))

@@ -1,0 +1,35 @@
+"""A floor that is not level."""
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+
+
+class Slope(WrenchEffect):
+    """The weight pulls downhill, the same way whichever way the robot faces."""
+
+    name = "slope"
+    kind = "swerve"
+    acts_on = "chassis"
+    parameters = (Parameter("rise_x", "1", 0.05, -0.7, 0.7), Parameter("rise_y", "1", 0.05, -0.7, 0.7))
+    needs = ("heading",)
+    formula = (
+        "force = −mass · gravity · (rise_x, rise_y): sines of the climb along where the robot faced at the start of a "
+        "run, and to its left"
+    )
+    source = "statics of an inclined plane"
+    sentence = (
+        "The floor climbs by {rise_x} along the robot's first heading and by {rise_y} to the left of it; incline the "
+        "ground of the simulator, or level the floor."
+    )
+    excitation = "drive the same line to and fro in two directions, always from the same first heading"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the downhill pull in the robot's frame, N."""
+        cosine, sine = torch.cos(signals["heading"]), torch.sin(signals["heading"])
+        weight = constants["mass"] * constants["gravity"]
+        return {
+            "drive_x": -weight * (values["rise_x"] * cosine + values["rise_y"] * sine),
+            "drive_y": -weight * (values["rise_y"] * cosine - values["rise_x"] * sine),
+        }

@@ -1,0 +1,73 @@
+"""Dry friction that is greater the slower they turn, in a swerve drive's wheels and in its steering."""
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.dry_friction import dry_friction
+from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.scan import scan
+from pipeline.effects.swerve.common import on_modules, on_wheels, steering_torque, wheel_speed
+
+
+class _SwerveStribeckFriction(WrenchEffect):
+    """What breaking away takes beyond Coulomb friction, and how fast it fades with speed."""
+
+    linear = False
+    name = "stribeck_friction"
+    kind = "swerve"
+    parameters = (
+        Parameter("extra_level", "N·m", 0.5, 0.0, 1e3),
+        Parameter("velocity", "rad/s", 0.5, 1e-3, 1e3, neutral=1.0),
+    )
+    source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, eq. 2.7"
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a scan: the speed at which it fades has no slope where nothing fades."""
+        return scan(extra_level=(0.03, 0.3, 3.0), velocity=(0.1, 1.0, 10.0))
+
+
+class DriveStribeckFriction(_SwerveStribeckFriction):
+    """A driven wheel breaks away harder than it rolls."""
+
+    acts_on = "drive"
+    formula = (
+        "wheel torque = −extra_level · exp(−(ω / velocity)²) · sign(ω), ω of the wheel; at standstill it holds, up to "
+        "extra_level"
+    )
+    sentence = (
+        "Breaking away takes each driven wheel {extra_level} N·m more than rolling, which fades over {velocity} rad/s; "
+        "add Stribeck friction to the drive."
+    )
+    excitation = (
+        "very slow voltage ramps through standstill, and constant crawling speeds forward and backward"
+    )
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the friction summed on the chassis."""
+        speed = wheel_speed(signals, constants)
+        return on_wheels(_friction(speed, signals["drive_torque"], values, constants), signals, constants)
+
+
+class SteerStribeckFriction(_SwerveStribeckFriction):
+    """A module breaks away harder than it turns."""
+
+    acts_on = "steer"
+    formula = (
+        "module torque = −extra_level · exp(−(ω / velocity)²) · sign(ω), ω of the module; at standstill it holds, up "
+        "to extra_level"
+    )
+    sentence = (
+        "Breaking away takes each steering module {extra_level} N·m more than turning, which fades over {velocity} "
+        "rad/s; add Stribeck friction to the steering."
+    )
+    excitation = "turn the modules very slowly to and fro, and crawl at constant rates"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the friction on each module, N·m."""
+        applied = steering_torque(signals, constants)
+        return on_modules(_friction(signals["steer_velocity"], applied, values, constants))
+
+
+def _friction(speed: Tensor, applied: Tensor, values: Values, constants: Values) -> Tensor:
+    level = values["extra_level"] * torch.exp(-(speed / values["velocity"]).square())
+    return dry_friction(level, speed, applied, constants["sliding_velocity"])

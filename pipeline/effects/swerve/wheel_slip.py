@@ -1,0 +1,51 @@
+"""Wheels of a swerve drive that lose their grip."""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from pipeline.effects.swerve.common import wheel_angle
+
+
+class WheelSlip(ActuatorEffect):
+    """Each wheel pulls no harder than its grip allows, which the side force in a curve uses up a part of."""
+
+    order = 3
+    name = "wheel_slip"
+    kind = "swerve"
+    acts_on = "drive"
+    parameters = (Parameter("friction_coefficient", "1", 0.9, 0.02, 100.0, neutral=100.0),)
+    formula = (
+        "√(pull² + side force²) ≤ friction_coefficient · mass · gravity / 4 for each wheel, both cut alike"
+    )
+    source = "Pacejka 2012, Tire and vehicle dynamics, §1.2.2: the friction circle"
+    sentence = (
+        "The wheels slip where they pull harder than {friction_coefficient} times their load; limit the traction in "
+        "the simulator."
+    )
+    excitation = "full-voltage steps from standstill and hard braking, straight ahead and in curves"
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a scan: a grip that is never used up leaves no slope to follow."""
+        return [{"friction_coefficient": 0.05 * 1.5**step} for step in range(12)]
+
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the torques that the ground can answer."""
+        load = 0.25 * constants["mass"] * constants["gravity"]
+        pull = signals["drive_torque"] / constants["wheel_radius"]
+        used = (pull.square() + _side_force(signals, constants).square()).div(
+            (values["friction_coefficient"] * load) ** 2
+        )
+        return {"drive_torque": signals["drive_torque"] * torch.rsqrt(used.clamp_min(1.0))}, None
+
+
+def _side_force(signals: Signals, constants: Values) -> Tensor:
+    """Return what keeps the robot in its curve across each wheel, (..., 4) N, the load spread evenly."""
+    x, y, yaw = signals["chassis_velocity"].unbind(-1)
+    angle = wheel_angle(signals["steer_angle"], constants)
+    inward = torch.cos(angle) * (yaw * x)[..., None] + torch.sin(angle) * (yaw * y)[..., None]
+    return 0.25 * constants["mass"] * inward
