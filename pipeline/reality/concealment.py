@@ -1,0 +1,129 @@
+"""What a joint or a swerve drive can be made to conceal: effects with named quantities, and the key that lists them."""
+
+import difflib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from pipeline.errors import InputError
+
+KEY_SCHEMA = "simgap.key/1"
+
+
+Size = Mapping[str, float]
+"""What is typical of a machine at work: its effort, velocity and so on, by name."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of a concealed effect.
+
+    Attributes:
+        unit: as the key states it.
+        default: a clear strength, in units of the machine's own sizes (see `powers`).
+        powers: of the machine's own sizes (its effort, velocity, ...) that the default is multiplied by.
+        neutral: the value at which the effect is absent.
+        low: the least value that makes sense.
+        high: the greatest.
+    """
+
+    unit: str
+    default: float
+    powers: Mapping[str, int] = field(default_factory=dict)
+    neutral: float = 0.0
+    low: float = 0.0
+    high: float = math.inf
+
+    def typical(self, size: Size, strength: float = 1.0) -> float:
+        """Return the default for a machine, that much stronger or fainter.
+
+        Args:
+            size: what is typical of the machine.
+            strength: 1 for the default, 0 for none.
+        """
+        scale = math.prod(size[name] ** power for name, power in self.powers.items())
+        return self.neutral + strength * (self.default * scale - self.neutral)
+
+
+Table = Mapping[str, Mapping[str, Quantity]]
+"""Quantities by effect; the first of each is its strength."""
+
+Chosen = Mapping[str, Mapping[str, float]]
+"""Values by effect and quantity, as a case gives them; what is left out has its default."""
+
+
+class Concealed:
+    """The values of what a case conceals; anything else is neutral."""
+
+    def __init__(self, chosen: Chosen, table: Table, size: Size) -> None:
+        """Fill in the defaults of a machine of that size."""
+        self.table = table
+        self.values = {
+            name: {
+                key: float(given.get(key, quantity.typical(size))) for key, quantity in table[name].items()
+            }
+            for name, given in chosen.items()
+        }
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.values
+
+    def get(self, name: str, quantity: str) -> float:
+        """Return a quantity of an effect, neutral where the effect is not concealed."""
+        return self.values[name][quantity] if name in self.values else self.table[name][quantity].neutral
+
+    def present(self) -> dict[str, dict[str, float]]:
+        """Return the effects whose strength is not neutral, in the order of the table."""
+        return {
+            name: self.values[name]
+            for name, quantities in self.table.items()
+            if name in self.values and _strength(self.values[name], quantities)
+        }
+
+
+def _strength(values: Mapping[str, float], quantities: Mapping[str, Quantity]) -> bool:
+    first, quantity = next(iter(quantities.items()))
+    return values[first] != quantity.neutral
+
+
+def typical(name: str, table: Table, size: Size, strength: float = 1.0) -> dict[str, float]:
+    """Return the values of an effect on a machine; `strength` scales its first quantity from neutral."""
+    return {
+        key: quantity.typical(size, strength if place == 0 else 1.0)
+        for place, (key, quantity) in enumerate(table[name].items())
+    }
+
+
+def check_chosen(chosen: Chosen, table: Table, where: str) -> None:
+    """Refuse effects and quantities that the plant does not have.
+
+    Raises:
+        InputError: naming the key.
+    """
+    for name, given in chosen.items():
+        if name not in table:
+            raise InputError(f"unknown effect {name!r}", where, _nearest(name, table))
+        if not isinstance(given, Mapping):
+            raise InputError(
+                f"a mapping of quantities is needed, not {given!r}", f"{where}.{name}", "give {}"
+            )
+        for key, value in given.items():
+            if key not in table[name]:
+                raise InputError(f"unknown quantity {key!r}", f"{where}.{name}", _nearest(key, table[name]))
+            quantity = table[name][key]
+            if not (math.isfinite(value) and quantity.low <= value <= quantity.high):
+                span = f"must be from {quantity.low:g} to {quantity.high:g}, is {value}"
+                raise InputError(span, f"{where}.{name}.{key}", "correct it")
+
+
+def _nearest(name: str, known: Mapping[str, Any]) -> str:
+    near = difflib.get_close_matches(str(name), known, n=1)
+    return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
+
+
+def entry(name: str, values: Mapping[str, float], units: Mapping[str, str]) -> dict[str, Any]:
+    """Return an effect as the key lists it; the group after `@` becomes `acts_on`."""
+    bare, _, group = name.partition("@")
+    parameters = {key: {"value": float(value), "unit": units[key]} for key, value in values.items()}
+    return {"name": bare, "parameters": parameters} | ({"acts_on": group} if group else {})
