@@ -1,14 +1,18 @@
 """The concealed quadrotor as a rigid body with four rotors in the air."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from pipeline.reality.rotation import Array, cross
 from pipeline.reality.rotor import AIR_DENSITY, NEWTON_STEPS, Rotor
 
-# Unlike the catalogue's body drag, a real frame shows the wind a different face along each axis.
+# Unlike the catalogue's body drag, a real frame shows the wind a different face along each axis,
 FACES = np.array([0.9, 1.0, 1.15])
+# and resists turning about its long axis the most, a little more so the faster it turns.
+TURNING_FACES = np.array([0.95, 1.0, 1.1])
+_TURNING_GROWTH = 0.05  # s/rad
+_GREATEST_GAIN = 0.5  # of the ground effect's term R²/16h²: nearer to the floor its theory ends
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,10 @@ class Airframe:
         arm: share of the hubs' distance from the centre of mass over which the body's turning moves them
             through the air and their in-plane forces twist the body.
         gravity: m/s².
+        center: of mass, from where the rotors' places are measured, (3,) m.
+        lift_share: of each rotor's thrust and reaction torque that is left, (4,).
+        ground_area: of the ground effect, R²/16 with the radius R that the floor sees, m².
+        turning_resistance: of the frame in the air, N·m·s/rad.
     """
 
     mass: float
@@ -37,43 +45,88 @@ class Airframe:
     drag_area: float
     arm: float
     gravity: float
+    center: Array = field(default_factory=lambda: np.zeros(3))
+    lift_share: Array = field(default_factory=lambda: np.ones(4))
+    ground_area: float = 0.0
+    turning_resistance: float = 0.0
 
     def wrench(
-        self, velocity: Array, body_rate: Array, rotor_speed: Array, inflow: Array, steps: int = NEWTON_STEPS
+        self,
+        velocity: Array,
+        body_rate: Array,
+        rotor_speed: Array,
+        inflow: Array,
+        steps: int = NEWTON_STEPS,
+        heights: Array | None = None,
     ) -> tuple[Array, Array, Array]:
         """Return specific force, torque and induced velocities.
 
         Args:
-            velocity: body frame, (..., 3) m/s.
+            velocity: through the air, body frame, (..., 3) m/s.
             body_rate: (..., 3) rad/s.
             rotor_speed: (..., 4) rad/s.
             inflow: the last induced velocities (2, ..., 4), m/s.
             steps: of Newton's rule for the induced velocities.
+            heights: of the rotors over the floor (..., 4), m; None far from it.
 
         Returns:
             Specific force (..., 3) m/s² and torque (..., 3) N·m, body frame; induced velocities.
         """
-        hubs = velocity[..., None, :] + cross(body_rate[..., None, :], self.arm * self.rotor_positions)
+        places = self.rotor_positions - self.center
+        hubs = velocity[..., None, :] + cross(body_rate[..., None, :], self.arm * places)
         thrust, in_plane, inflow = self.rotor.forces(rotor_speed, hubs, inflow, steps)
+        if heights is not None:
+            thrust = thrust * self._ground_gain(heights, hubs, inflow[0])
+        thrust, in_plane = self.lift_share * thrust, self.lift_share[:, None] * in_plane
         forces = np.concatenate((in_plane, thrust[..., None]), axis=-1)  # (..., 4, 3)
         twisting = np.concatenate((self.arm * in_plane, thrust[..., None]), axis=-1)
-        torque = cross(self.rotor_positions, twisting).sum(axis=-2)
-        torque[..., 2] += (rotor_speed * rotor_speed) @ (self.torque_coefficient * self.rotor_directions)
+        torque = cross(places, twisting).sum(axis=-2)
+        reaction = self.torque_coefficient * self.rotor_directions * self.lift_share
+        torque[..., 2] += (rotor_speed * rotor_speed) @ reaction
+        torque += self._hub_moments(rotor_speed, hubs, inflow) + self._turning_drag(body_rate)
         airspeed = np.sqrt((velocity * velocity).sum(axis=-1, keepdims=True))
         drag = -0.5 * AIR_DENSITY * self.drag_area * FACES * airspeed * velocity
         return (forces.sum(axis=-2) + drag) / self.mass, torque, inflow
 
-    def settled(self, velocity: Array, body_rate: Array, rotor_speed: Array) -> tuple[Array, Array]:
+    def rotor_heights(self, height: Array, rotation: Array) -> Array:
+        """Return the heights of the rotors (..., 4), m, of a machine at a height (...,) and attitude."""
+        return height[..., None] + rotation[..., 2, :] @ (self.rotor_positions - self.center).T
+
+    def _ground_gain(self, heights: Array, hubs: Array, induced: Array) -> Array:
+        """Return thrust over that far from the floor: Cheeseman & Bennett 1955, equation (7)."""
+        crossing = (hubs[..., 0] ** 2 + hubs[..., 1] ** 2) / (induced * induced)
+        nearest = np.sqrt(self.ground_area / _GREATEST_GAIN)
+        height = np.maximum(heights, nearest)
+        return 1.0 / (1.0 - self.ground_area / (height * height) / (1.0 + crossing))
+
+    def _hub_moments(self, rotor_speed: Array, hubs: Array, inflow: Array) -> Array | float:
+        if self.rotor.hub_stiffness == 0:
+            return 0.0
+        per_speed = (self.lift_share * self.rotor.hub_moment(rotor_speed, inflow[0], hubs[..., 2]))[..., None]
+        turned = np.stack((hubs[..., 1], -hubs[..., 0], np.zeros_like(hubs[..., 0])), axis=-1)
+        return (per_speed * turned).sum(axis=-2)
+
+    def _turning_drag(self, body_rate: Array) -> Array | float:
+        if self.turning_resistance == 0:
+            return 0.0
+        rate = np.sqrt((body_rate * body_rate).sum(axis=-1, keepdims=True))
+        return -self.turning_resistance * TURNING_FACES * (1.0 + _TURNING_GROWTH * rate) * body_rate
+
+    def settled(
+        self, velocity: Array, body_rate: Array, rotor_speed: Array, heights: Array | None = None
+    ) -> tuple[Array, Array]:
         """Return specific force and torque, as `wrench`, with the induced velocities settled."""
         inflow = self.rotor.still_inflow(rotor_speed)
-        return self.wrench(velocity, body_rate, rotor_speed, inflow, steps=30)[:2]
+        return self.wrench(velocity, body_rate, rotor_speed, inflow, 30, heights)[:2]
 
     def without(self, effect: str) -> "Airframe":
         """Return the same airframe with one of its forces or torques switched off."""
         if effect == "body_drag":
             return replace(self, drag_area=0.0)
         if effect == "angular_drag":
-            return replace(self, arm=0.0)
+            return replace(self, arm=0.0, turning_resistance=0.0)
+        if effect == "ground_effect":
+            return replace(self, ground_area=0.0)
         return replace(self, rotor=replace(self.rotor, **{ROTOR_SWITCHES[effect]: 0.0}))
 
 
@@ -81,5 +134,6 @@ ROTOR_SWITCHES = {
     "rotor_drag": "lateral_scale",
     "axial_inflow": "axial_share",
     "translational_lift": "in_plane_share",
+    "blade_flapping_moment": "hub_stiffness",
 }
 """The attribute of the rotor by which each of its effects is switched off."""

@@ -1,39 +1,27 @@
 """What is concealed, and under which conditions it is recorded."""
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any
 
 from pipeline.errors import InputError
+from pipeline.reality.concealable import CONCEALABLE, OUTSIDE, is_present, named_parameters
+from pipeline.reality.concealment import Table
 
-
-@dataclass(frozen=True)
-class Concealable:
-    """An effect that a plant can be given.
-
-    Attributes:
-        parameter: the name of its strength in a diagnosis.
-        unit: of the strength.
-        neutral: the strength at which the effect is absent.
-        low: the least strength that makes sense.
-    """
-
-    parameter: str
-    unit: str
-    neutral: float = 0.0
-    low: float = 0.0
-
-
-CONCEALABLE = {
-    "rotor_drag": Concealable("coefficient", "1/s"),
-    "axial_inflow": Concealable("coefficient", "1/s"),
-    "translational_lift": Concealable("coefficient", "1/m"),
-    "body_drag": Concealable("coefficient", "1/m"),
-    "motor_lag": Concealable("time_constant", "s"),
-    "sensor_time_offset": Concealable("offset", "s", low=-1.0),
-    "mass_error": Concealable("ratio", "1", neutral=1.0, low=0.1),
-    "thrust_coefficient_error": Concealable("ratio", "1", neutral=1.0, low=0.1),
-}
+FLIGHTS = ("auto", "varied", "low", "hover", "line", "level")
+AUTOPILOTS = ("auto", "plain", "trimmed")
+HIDEABLE = ("motor_speed", "motor_command", "battery_voltage", "specific_force")
+_PLAIN = {
+    "rotor_drag",
+    "axial_inflow",
+    "translational_lift",
+    "body_drag",
+    "motor_lag",
+    "sensor_time_offset",
+    "mass_error",
+    "thrust_coefficient_error",
+}  # effects that feedback of position and velocity alone can live with
 
 
 @dataclass
@@ -77,7 +65,8 @@ class PlantCase:
     """A set of flights of one concealed plant.
 
     Attributes:
-        effects: strength by effect name, in the unit that the diagnosis uses (see `CONCEALABLE`).
+        effects: by effect, its strength or a mapping of its parameters (see `CONCEALABLE`).
+        outside: the same for physics that the catalogue has no name for (see `OUTSIDE`).
         arm: share of the hubs' distance from the centre of mass that the air knows of: over it the body's
             turning moves rotors through the air, and their in-plane forces twist the body. A real rotor has all
             of it; the damping of the turning is then `angular_drag`, which the key lists. 0 leaves forces alone.
@@ -88,12 +77,22 @@ class PlantCase:
         fastest: peak speed of the wildest flight, m/s.
         acceleration: that the flights' paths are laid out for, m/s².
         excitation: scale of the multisine on thrust and body rates (see `dither`); 0 for none.
+        flights: what is flown: `varied` manoeuvres; the same `low` over the floor, gently; `hover` on one spot;
+            one `line` to and fro at a fixed heading; `level` at constant height. `auto` is `low` where a ground
+            effect is concealed and `varied` elsewhere. All but the first two excite poorly on purpose.
+        autopilot: `plain` feedback of position, velocity and attitude; `trimmed` integrates what stays wrong, waits
+            for slow rotors and spares heavy ones; `auto` is `trimmed` where something concealed calls for it.
+        charge: lowest and highest state of charge of the pack at the start of a run.
+        battery_wear: factor on the pack's resistances.
         jitter: standard deviation of the sampling instant, s.
         dropped: share of the samples that are lost.
+        hidden: channels, of `HIDEABLE`, that are not recorded.
+        estimates: scale of the errors of an on-board estimator whose beliefs are recorded; 0 records none.
         sensors: noise of the sensors.
     """
 
-    effects: dict[str, float] = field(default_factory=dict)
+    effects: dict[str, Any] = field(default_factory=dict)
+    outside: dict[str, Any] = field(default_factory=dict)
     arm: float = 0.0
     runs: int = 10
     duration: float = 15.0
@@ -102,13 +101,44 @@ class PlantCase:
     fastest: float = 8.0
     acceleration: float = 10.0
     excitation: float = 1.0
+    flights: str = "auto"
+    autopilot: str = "auto"
+    charge: list[float] = field(default_factory=lambda: [0.6, 1.0])
+    battery_wear: float = 1.0
     jitter: float = 0.0
     dropped: float = 0.0
+    hidden: list[str] = field(default_factory=list)
+    estimates: float = 0.0
     sensors: Sensors = field(default_factory=Sensors)
 
-    def strength(self, effect: str) -> float:
-        """Return the strength of an effect, neutral where it is not concealed."""
-        return float(self.effects.get(effect, CONCEALABLE[effect].neutral))
+    @cached_property
+    def concealed(self) -> dict[str, dict[str, float]]:
+        """The parameters of the effects that are not at their neutral strength."""
+        return _present(self.effects, CONCEALABLE, "record.effects")
+
+    @cached_property
+    def unnamed(self) -> dict[str, dict[str, float]]:
+        """The parameters of the physics outside the catalogue that is not at its neutral strength."""
+        return _present(self.outside, OUTSIDE, "record.outside")
+
+    @property
+    def flown(self) -> str:
+        """What is flown, `auto` resolved."""
+        low = "low" if "ground_effect" in self.concealed else "varied"
+        return low if self.flights == "auto" else self.flights
+
+    @property
+    def trimmed(self) -> bool:
+        """Whether the autopilot integrates, `auto` resolved."""
+        called_for = bool(self.unnamed or set(self.concealed) - _PLAIN or self.flown == "low")
+        return called_for if self.autopilot == "auto" else self.autopilot == "trimmed"
+
+    def strength(self, effect: str, parameter: str = "") -> float:
+        """Return a parameter of an effect, its first if none is named; neutral where it is not concealed."""
+        table = CONCEALABLE if effect in CONCEALABLE else OUTSIDE
+        parameter = parameter or next(iter(table[effect]))
+        present = self.concealed if effect in CONCEALABLE else self.unnamed
+        return present[effect][parameter] if effect in present else table[effect][parameter].neutral
 
     def check(self, where: str = "record") -> None:
         """Refuse a case that cannot be flown.
@@ -116,13 +146,18 @@ class PlantCase:
         Raises:
             InputError: naming the key.
         """
-        _check_effects(self.effects, f"{where}.effects")
-        for key in ("runs", "duration", "rate", "slowest", "fastest", "acceleration"):
+        named_parameters(self.effects, CONCEALABLE, f"{where}.effects")
+        named_parameters(self.outside, OUTSIDE, f"{where}.outside")
+        for key in ("runs", "duration", "rate", "slowest", "fastest", "acceleration", "battery_wear"):
             if getattr(self, key) <= 0:
                 raise InputError(f"must be positive, is {getattr(self, key)}", f"{where}.{key}", "correct it")
-        for key in ("excitation", "arm"):
+        for key in ("excitation", "arm", "estimates"):
             if getattr(self, key) < 0:
                 raise InputError("must not be negative", f"{where}.{key}", "give 0 or more")
+        self._check_sampling(where)
+        self._check_choices(where)
+
+    def _check_sampling(self, where: str) -> None:
         if not 0 <= self.dropped < 0.9:
             raise InputError(f"must be from 0 to 0.9, is {self.dropped}", f"{where}.dropped", "give a share")
         if not 0 <= self.jitter * self.rate < 0.2:
@@ -132,15 +167,35 @@ class PlantCase:
         for entry in fields(self.sensors):
             if getattr(self.sensors, entry.name) < 0:
                 raise InputError("must not be negative", f"{where}.sensors.{entry.name}", "correct it")
-
-
-def _check_effects(effects: Mapping[str, float], where: str) -> None:
-    for name, strength in effects.items():
-        if name not in CONCEALABLE:
-            near = difflib.get_close_matches(str(name), CONCEALABLE, n=1)
-            remedy = f"did you mean {near[0]!r}?" if near else f"the plant knows {', '.join(CONCEALABLE)}"
-            raise InputError(f"unknown effect {name!r}", where, remedy)
-        if strength < CONCEALABLE[name].low:
+        if len(self.charge) != 2 or not 0.1 <= self.charge[0] <= self.charge[1] <= 1.0:
             raise InputError(
-                f"must be at least {CONCEALABLE[name].low}, is {strength}", f"{where}.{name}", "correct it"
+                f"must be two shares from 0.1 to 1, is {self.charge}", f"{where}.charge", "give [low, high]"
             )
+
+    def _check_choices(self, where: str) -> None:
+        for key, known in (("flights", FLIGHTS), ("autopilot", AUTOPILOTS)):
+            if getattr(self, key) not in known:
+                raise InputError(
+                    f"unknown choice {getattr(self, key)!r}",
+                    f"{where}.{key}",
+                    f"give one of {', '.join(known)}",
+                )
+        if set(self.hidden) - set(HIDEABLE) or {"motor_speed", "motor_command"} <= set(self.hidden):
+            raise InputError(
+                f"cannot hide {', '.join(self.hidden)}",
+                f"{where}.hidden",
+                f"give some of {', '.join(HIDEABLE)}, and leave motor_speed or motor_command",
+            )
+        blown = [name for name in ("steady_wind", "gusts") if name in {*self.concealed, *self.unnamed}]
+        if blown and not {"rotor_drag", "body_drag"} & set(self.concealed):
+            raise InputError(
+                f"{blown[0]} moves nothing without drag",
+                f"{where}.effects",
+                "conceal rotor_drag or body_drag as well",
+            )
+
+
+def _present(given: Mapping[str, Any], table: Table, where: str) -> dict[str, dict[str, float]]:
+    """Return the parameters of what is not neutral, in the order of the table."""
+    named = named_parameters(given, table, where)
+    return {name: named[name] for name in table if name in named and is_present(named[name], table[name])}

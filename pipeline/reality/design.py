@@ -27,14 +27,18 @@ def design(platform: Quadrotor, case: PlantCase) -> Airframe:
     disc = platform.thrust_coefficient / (STATIC_THRUST_COEFFICIENT * AIR_DENSITY * math.pi)
     airframe = Airframe(
         mass=mass,
-        inertia=np.array(platform.inertia),
+        inertia=np.array(platform.inertia) * case.strength("inertia_error"),
         rotor_positions=np.array(platform.rotor_positions),
         rotor_directions=np.array(platform.rotor_directions, dtype=float),
-        torque_coefficient=platform.torque_coefficient,
+        torque_coefficient=platform.torque_coefficient * case.strength("torque_coefficient_error"),
         rotor=Rotor(thrust_coefficient, radius=disc**0.25),
         drag_area=2.0 * mass * case.strength("body_drag") / AIR_DENSITY,
         arm=case.arm,
         gravity=platform.gravity,
+        center=np.array([*(case.strength("center_of_mass_offset", f"offset_{axis}") for axis in "xy"), 0.0]),
+        lift_share=1.0 - np.array([case.strength("rotor_fault", f"loss_{rotor}") for rotor in range(1, 5)]),
+        ground_area=case.strength("ground_effect"),
+        turning_resistance=case.strength("angular_drag"),
     )
     return _with_rotor_effects(airframe, platform.hover_rotor_speed, case)
 
@@ -45,11 +49,16 @@ def _with_rotor_effects(airframe: Airframe, hover: float, case: PlantCase) -> Ai
     drag = -_gained(airframe, hover, "lateral_scale", (small, 0.0, 0.0))[0] / small
     climb = -_gained(airframe, hover, "axial_share", (0.0, 0.0, small))[2] / small
     lift = _gained(airframe, hover, "in_plane_share", (PROBE_SPEED, 0.0, 0.0))[2] / PROBE_SPEED**2
+    spinning = np.array([hover])
+    still = airframe.rotor.still_inflow(spinning)[0]
+    rigid = replace(airframe.rotor, hub_stiffness=1.0)
+    moment = 4.0 * rigid.hub_moment(spinning, still, np.zeros(1)).item()
     rotor = replace(
         airframe.rotor,
         lateral_scale=case.strength("rotor_drag") / drag,
         axial_share=case.strength("axial_inflow") / climb,
         in_plane_share=math.sqrt(case.strength("translational_lift") / lift),
+        hub_stiffness=case.strength("blade_flapping_moment") / moment,
     )
     return replace(airframe, rotor=rotor)
 
@@ -60,5 +69,6 @@ def _gained(
     """Return the specific force that a full effect of the rotors adds at hover rotor speed, m/s²."""
     moving = np.array(velocity)
     speed = np.full(4, hover)
-    full = replace(airframe, rotor=replace(airframe.rotor, **{switch: 1.0}), drag_area=0.0)
+    whole = np.ones(4)
+    full = replace(airframe, rotor=replace(airframe.rotor, **{switch: 1.0}), drag_area=0.0, lift_share=whole)
     return full.settled(moving, np.zeros(3), speed)[0] - full.settled(np.zeros(3), np.zeros(3), speed)[0]

@@ -6,16 +6,19 @@ import numpy as np
 
 from pipeline.platforms import Quadrotor
 from pipeline.reality.airframe import Airframe
+from pipeline.reality.battery import Battery
 from pipeline.reality.case import PlantCase
-from pipeline.reality.controller import Controller
+from pipeline.reality.controller import Controller, tuned
 from pipeline.reality.dither import Dither
+from pipeline.reality.drive import Drive
+from pipeline.reality.integration import AdamsBashforth
 from pipeline.reality.path import Paths
+from pipeline.reality.plant import build
 from pipeline.reality.rotation import Array, cross, matrix, product
 
 STEP = 1e-3  # s
 SETTLING = 1.5  # s flown before the recording starts
 _GYRO_CUT_OFF = 250.0  # rad/s, of the low-pass between gyro and rate controller
-_LAG_SPREAD = 0.1  # standard deviation of the rotors' time constants over their mean
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,8 @@ class Log:
         rotor_speed: rad/s.
         rotor_command: rad/s.
         step: s.
+        wind: world frame, m/s; None in still air.
+        voltage: of the battery (steps, runs), V; None where the motors do not feel it.
     """
 
     position: Array
@@ -41,6 +46,8 @@ class Log:
     rotor_speed: Array
     rotor_command: Array
     step: float = STEP
+    wind: Array | None = None
+    voltage: Array | None = None
 
 
 def fly_paths(
@@ -49,46 +56,45 @@ def fly_paths(
     case: PlantCase,
     paths: Paths,
     dither: Dither,
+    battery: Battery,
     random: np.random.Generator,
     step: float = STEP,
 ) -> Log:
     """Fly all paths in closed loop and log the truth.
 
-    The state advances by the two-step rule of Adams and Bashforth, of second order: one evaluation per step,
-    and no shift in time between force and motion that would look like a sensor's delay.
-
     Args:
         airframe: the plant.
         platform: what the controller believes.
-        case: motor lag and gyro noise are taken from it.
+        case: what is concealed, and the gyro noise.
         paths: where to go.
         dither: what is shaken on the way.
-        random: for the gyro noise in the loop and the spread of the rotors.
+        battery: of all runs, full or not.
+        random: for the gyro noise in the loop, the spread of the rotors, gusts and flutter.
         step: s.
     """
     count = round((SETTLING + case.duration) / step) + 1
     times = np.arange(count, dtype=np.float64) * step - SETTLING
-    decay, estimate = _lag_decay(case, random, step), _Gyro(case, random, step)
-    controller = Controller(platform)
-    state, before = _start(paths, times[0]), None
-    speed = np.full((len(paths.names), 4), platform.hover_rotor_speed)
-    inflow = airframe.rotor.still_inflow(speed)
-    kept: list[tuple[Array, Array, Array, Array]] = []
-    for *reference, shaking in zip(*paths.at(times), dither.at(times), strict=True):
+    plant = build(airframe, platform, case, count, step, random)
+    drive, estimate = Drive(platform, case, random, step, battery), _Gyro(case, random, step)
+    controller, advance = Controller(platform, tuned(case, platform), step), AdamsBashforth(step)
+    state = _start(paths, times[0])
+    kept: list[tuple[Array, ...]] = []
+    for index, (*reference, shaking) in enumerate(zip(*paths.at(times), dither.at(times), strict=True)):
         rotation, body_rate = matrix(state[:, 6:10]), state[:, 10:]
         pose = state[:, :3], state[:, 3:6], rotation, estimate(body_rate)
         command = controller.command(reference, *pose, shaking)
-        speed = command + (speed - command) * decay
-        velocity = (state[:, None, 3:6] @ rotation)[:, 0]
-        force, torque, inflow = airframe.wrench(velocity, body_rate, speed, inflow)
-        kept.append((state, force, speed, command))
-        rate = _derivative(airframe, state, rotation, force, torque)
-        state = state + step * (rate if before is None else 1.5 * rate - 0.5 * before)
+        speed, acceleration = drive(command)
+        force, torque = plant.push(index, state, rotation, speed, acceleration)
+        kept.append((state, force, speed, command, *([] if drive.voltage is None else [drive.voltage])))
+        state = advance(state, _derivative(airframe, state, rotation, force, torque))
         state[:, 6:10] /= np.sqrt((state[:, 6:10] ** 2).sum(axis=-1, keepdims=True))
-        before = rate
-    states, forces, speeds, commands = (np.stack(part) for part in zip(*kept, strict=True))
+    return _log(kept, step, plant.wind)
+
+
+def _log(kept: list[tuple[Array, ...]], step: float, wind: Array | None) -> Log:
+    states, forces, speeds, commands, *voltage = (np.stack(part) for part in zip(*kept, strict=True))
     motion = states[..., :3], states[..., 3:6], states[..., 6:10], states[..., 10:]
-    return Log(*motion, forces, speeds, commands, step)
+    return Log(*motion, forces, speeds, commands, step, wind, voltage[0] if voltage else None)
 
 
 class _Gyro:
@@ -114,13 +120,6 @@ def _start(paths: Paths, time: float) -> Array:
     state[:, :3], state[:, 3:6] = place[:, :3], speed[:, :3]
     state[:, 6], state[:, 9] = np.cos(half), np.sin(half)
     return state
-
-
-def _lag_decay(case: PlantCase, random: np.random.Generator, step: float) -> Array:
-    """Share of the distance to the command that each rotor keeps over a step, (4,)."""
-    spread = 1.0 + _LAG_SPREAD * np.clip(random.standard_normal(4), -2.0, 2.0)
-    mean = case.strength("motor_lag")
-    return np.exp(-step / (mean * spread)) if mean > 0 else np.zeros(4)
 
 
 def _derivative(airframe: Airframe, state: Array, rotation: Array, force: Array, torque: Array) -> Array:

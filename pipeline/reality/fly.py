@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.platforms import Quadrotor
+from pipeline.reality.battery import Battery
 from pipeline.reality.case import PlantCase
 from pipeline.reality.design import design
 from pipeline.reality.dither import shake
@@ -38,9 +39,12 @@ def fly(case: PlantCase, platform: Quadrotor, seed: int) -> tuple[Recording, dic
     for_paths, for_plant, for_sensors = (np.random.default_rng([seed, part]) for part in range(3))
     airframe = design(platform, case)
     paths, dither = plan(case, for_paths), shake(case, for_paths)
-    log = fly_paths(airframe, platform, case, paths, dither, for_plant)
+    lowest, highest = case.charge
+    charge = for_sensors.uniform(lowest, highest, case.runs)
+    battery = Battery(platform, charge, case.battery_wear)
+    log = fly_paths(airframe, platform, case, paths, dither, battery, for_plant)
     key = answer_key(airframe, platform, case, log)
-    frame = record(log, platform, case, paths.names, for_sensors)
+    frame = record(log, platform, case, paths.names, charge, for_sensors)
     units = channel_units("quadrotor")
     recording = Recording(
         frame=frame,

@@ -1,5 +1,6 @@
 """Where a flight is to go: sums of sines, run through now faster, now slower."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +14,15 @@ _PACE_DEPTH, _PACE_PERIOD = 0.3, 7.0  # share and s by which the pace along the 
 _GOLDEN = (5**0.5 - 1) / 2  # spreads speeds evenly over manoeuvres, whatever the number of runs
 _BASE_FREQUENCY = 1.4  # rad/s, of a manoeuvre that is not slowed down for its acceleration
 _LOWEST = 1.5  # m above the floor
+_LOW_SPEED, _LOW_ACCELERATION = 1.5, 2.5  # m/s and m/s² at most over the floor, so that nobody touches it
+_LOW_HEIGHT, _LOW_SPAN = (
+    0.12,
+    0.2,
+)  # m: lowest point of a low path, and how far it goes up and down from its middle
+_ON_PURPOSE = {
+    "hover": ("hover",),
+    "line": ("line",),
+}  # flights that leave most unexcited, by their manoeuvres
 _VERTICAL_WEIGHT = 2.0  # an acceleration downwards is limited by gravity, and rotors do not push down
 
 
@@ -55,29 +65,45 @@ class Paths:
 
 def plan(case: PlantCase, random: np.random.Generator) -> Paths:
     """Return paths on which every manoeuvre is flown and peak speeds range from slowest to fastest."""
-    names = [MANOEUVRES[run % len(MANOEUVRES)] for run in range(case.runs)]
+    manoeuvres = _ON_PURPOSE.get(case.flown, MANOEUVRES)
+    names = [manoeuvres[run % len(manoeuvres)] for run in range(case.runs)]
     order = np.argsort(np.argsort([(run * _GOLDEN) % 1.0 for run in range(case.runs)]))
     shapes = [_shape(name, random) for name in names]
     amplitude, frequency, phase = (np.stack(part) for part in zip(*shapes, strict=True))
+    amplitude[:, 2] *= case.flown != "level"
     sense = random.choice([-1.0, 1.0], case.runs)
     paths = Paths(
         names=tuple(f"{name}_{run + 1}" for run, name in enumerate(names)),
         amplitude=amplitude,
         frequency=frequency,
         phase=phase,
-        turning=sense * random.uniform(0.15, 0.5, case.runs),
+        turning=sense * random.uniform(0.15, 0.5, case.runs) * (case.flown not in _ON_PURPOSE),
         height=np.zeros(case.runs),
     )
-    return _scaled(paths, np.linspace(case.slowest, case.fastest, case.runs)[order], case)
+    speeds = np.linspace(case.slowest, case.fastest, case.runs)[order]
+    if case.flown == "hover":
+        return replace(paths, height=np.full(case.runs, _LOWEST))
+    if case.flown == "low":
+        return _low(_scaled(paths, np.minimum(speeds, _LOW_SPEED), case, _LOW_ACCELERATION), case)
+    return _scaled(paths, speeds, case, case.acceleration)
 
 
-def _scaled(paths: Paths, speeds: Array, case: PlantCase) -> Paths:
-    """Scale shapes to peak speeds (runs,), m/s, and slow down those that ask for too much acceleration."""
+def _low(paths: Paths, case: PlantCase) -> Paths:
+    """Bring paths down to the floor: how far up and down they go is cut to what a ground effect reaches."""
+    amplitude = paths.amplitude.copy()
+    half = np.abs(amplitude[:, 2]).sum(axis=-1)
+    amplitude[:, 2] *= np.minimum(1.0, _LOW_SPAN / half)[:, None]
+    lowest = max(_LOW_HEIGHT, 4.0 * math.sqrt(case.strength("ground_effect")))
+    return replace(paths, amplitude=amplitude, height=lowest + np.minimum(half, _LOW_SPAN))
+
+
+def _scaled(paths: Paths, speeds: Array, case: PlantCase, limit: float) -> Paths:
+    """Scale shapes to peak speeds (runs,), m/s, and slow down those that exceed a limit of acceleration, m/s²."""
     _, velocity, acceleration = paths.at(np.linspace(0.0, case.duration, 500))
     weight = np.array([1.0, 1.0, _VERTICAL_WEIGHT])
     size = speeds / np.linalg.norm(velocity[..., :3], axis=-1).max(axis=0)
     felt = size * np.linalg.norm(weight * acceleration[..., :3], axis=-1).max(axis=0)
-    slowing = np.minimum(1.0, case.acceleration / felt)[:, None, None]
+    slowing = np.minimum(1.0, limit / felt)[:, None, None]
     amplitude = paths.amplitude.copy()
     amplitude[:, :3] *= size[:, None, None] / slowing
     return replace(
@@ -104,6 +130,12 @@ def _shape(manoeuvre: str, random: np.random.Generator) -> tuple[Array, Array, A
     elif manoeuvre == "sprint":
         amplitude[:, 0] = along
         phase[:, 0] = phase[0, 0]
+    elif manoeuvre == "line":
+        amplitude[:] = 0.0
+        amplitude[0, 0] = 1.0
+        return amplitude, frequency, phase
+    elif manoeuvre == "hover":
+        return np.zeros((4, 4)), frequency, phase
     elif manoeuvre == "climb":
         amplitude[:, 3] = 0.6 * along
         amplitude[2, :2] = 0.5, 0.15

@@ -48,7 +48,7 @@ def from_small_angles(angles: Array) -> Array:
 
 def cross(a: Array, b: Array) -> Array:
     """Return the vector product of (..., 3); numpy's own costs ten times as much on small arrays."""
-    result = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    result = np.empty(np.broadcast(a, b).shape)
     result[..., 0] = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
     result[..., 1] = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
     result[..., 2] = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

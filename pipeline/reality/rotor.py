@@ -31,6 +31,8 @@ class Rotor:
         lateral_scale: on the in-plane force; 0 switches it off.
         axial_share: of the flow along the axis that changes the thrust; 0 switches it off.
         in_plane_share: of the flow through the disc's plane that changes the thrust; 0 switches it off.
+        hub_stiffness: moment on the hub per tilt of the disc and squared speed, N·m/(rad/s)²; the centrifugal
+            force on hinges away from the axis grows with the square of speed.
     """
 
     thrust_coefficient: float
@@ -41,6 +43,7 @@ class Rotor:
     lateral_scale: float = 0.0
     axial_share: float = 0.0
     in_plane_share: float = 0.0
+    hub_stiffness: float = 0.0
 
     @cached_property
     def area(self) -> float:
@@ -117,5 +120,19 @@ class Rotor:
         """In-plane force per in-plane airspeed: blade drag, tilted lift and tilt by flapping, N/(m/s)."""
         section = self.pitch * inflow_ratio + self.profile_drag / self.lift_slope
         blades = 0.5 * self.lift_factor * tip * section
-        flapping = thrust * (8.0 / 3.0 * self.pitch - 2.0 * inflow_ratio) / tip
-        return blades + flapping
+        return blades + thrust * self._tilt(tip, inflow_ratio)
+
+    def _tilt(self, tip: Array, inflow_ratio: Array) -> Array:
+        """Backward tilt of the disc per in-plane airspeed, rad/(m/s)."""
+        return (8.0 / 3.0 * self.pitch - 2.0 * inflow_ratio) / tip
+
+    def hub_moment(self, speed: Array, induced: Array, climb: Array) -> Array:
+        """Return the moment of a tilted disc on its hub per in-plane airspeed, N·s.
+
+        Args:
+            speed: (...,) rad/s.
+            induced: velocity in the full flow (...,), m/s.
+            climb: of the hub through the air (...,), m/s.
+        """
+        tip = self.radius * speed
+        return self.hub_stiffness * speed * speed * self._tilt(tip, (climb + induced) / tip)

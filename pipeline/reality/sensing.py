@@ -2,33 +2,60 @@
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from pipeline.platforms import Quadrotor
-from pipeline.reality.battery import terminal_voltage
+from pipeline.reality.battery import Battery, voltage_behind
 from pipeline.reality.case import PlantCase
+from pipeline.reality.estimator import believed
 from pipeline.reality.flight import SETTLING, Log
 from pipeline.reality.rotation import Array, from_small_angles, product
+from pipeline.reality.sampling import at, instants, kept, quantised
 
 _COMMAND_STEP = 1.0 / 2000.0  # DShot has two thousand levels
 
 
 def record(
-    log: Log, platform: Quadrotor, case: PlantCase, names: tuple[str, ...], random: np.random.Generator
+    log: Log,
+    platform: Quadrotor,
+    case: PlantCase,
+    names: tuple[str, ...],
+    charge: Array,
+    random: np.random.Generator,
 ) -> pd.DataFrame:
-    """Return the recording of all runs: `run`, `t` from 0, and the channels of the contract."""
+    """Return the recording of all runs: `run`, `t` from 0, and the channels of the contract.
+
+    Args:
+        log: what truly happened.
+        platform: sizes the pack and scales the commands.
+        case: how it is recorded.
+        names: of the runs.
+        charge: of the packs at the start, (runs,).
+        random: of the sensors.
+    """
     samples = round(case.duration * case.rate)
-    grid = np.arange(samples) / case.rate
     draw = _Noise(case, random)
-    voltage = terminal_voltage(platform, _at(log.rotor_speed, grid, log.step), 1.0 / case.rate, random)
+    voltage = _voltage(log, platform, case, charge, samples)
+    for_estimates = random.spawn(1)[0]
     frames = []
     for run, name in enumerate(names):
-        t = grid + case.jitter * np.clip(random.standard_normal(samples), -2.5, 2.5) * (grid > 0)
+        t = instants(samples, case.rate, case.jitter, random)
         frame = _run(log, run, t, platform, case, draw)
         frame["battery_voltage"] = draw(voltage[:, run], "battery_voltage")
+        if case.estimates > 0:
+            frame = frame.assign(**believed(log, run, t, case, for_estimates))
         frame.insert(0, "run", name)
-        frames.append(frame[_kept(samples, case, random)])
-    return pd.concat(frames, ignore_index=True)
+        frames.append(frame[kept(samples, case.dropped, random)])
+    recorded = pd.concat(frames, ignore_index=True)
+    return recorded[[column for column in recorded if not str(column).startswith(tuple(case.hidden))]]
+
+
+def _voltage(log: Log, platform: Quadrotor, case: PlantCase, charge: Array, samples: int) -> Array:
+    """Return the battery's voltage (samples, runs), V: as it was, or as the flight left it."""
+    grid = np.arange(samples) / case.rate
+    if log.voltage is not None:
+        return at(log.voltage, grid, log.step, SETTLING)
+    speed = at(log.rotor_speed, grid, log.step, SETTLING)
+    return voltage_behind(Battery(platform, charge, case.battery_wear), speed, 1.0 / case.rate)
 
 
 class _Noise:
@@ -41,7 +68,7 @@ class _Noise:
         spread = self.sensors.scale * getattr(self.sensors, sensor)
         step = self.sensors.scale * getattr(self.sensors, f"{sensor}_step", 0.0)
         noisy = values + spread * self.random.standard_normal(values.shape)
-        return _quantised(noisy, step)
+        return quantised(noisy, step)
 
     def turn(self, attitude: Array) -> Array:
         """Return attitudes (samples, 4) turned by a little about each body axis."""
@@ -54,18 +81,18 @@ class _Noise:
 def _run(log: Log, run: int, t: Array, platform: Quadrotor, case: PlantCase, draw: _Noise) -> pd.DataFrame:
     late = t - case.strength("sensor_time_offset")
     state = {
-        name: _at(getattr(log, name)[:, run], late, log.step)
+        name: at(getattr(log, name)[:, run], late, log.step, SETTLING)
         for name in ("position", "velocity", "attitude", "body_rate", "specific_force")
     }
-    speed = _at(log.rotor_speed[:, run], t, log.step)
-    command = _at(log.rotor_command[:, run], t, log.step) / platform.motor_speed_max
+    speed = at(log.rotor_speed[:, run], t, log.step, SETTLING)
+    command = at(log.rotor_command[:, run], t, log.step, SETTLING) / platform.motor_speed_max
     channels = {
         ("position", "xyz"): draw(state["position"], "position"),
         ("attitude", "wxyz"): draw.turn(state["attitude"]),
         ("velocity", "xyz"): draw(state["velocity"], "velocity"),
         ("body_rate", "xyz"): draw(state["body_rate"], "body_rate"),
         ("motor_speed", "1234"): np.maximum(draw(speed, "motor_speed"), 0.0),
-        ("motor_command", "1234"): np.clip(_quantised(command, case.sensors.scale * _COMMAND_STEP), 0.0, 1.0),
+        ("motor_command", "1234"): np.clip(quantised(command, case.sensors.scale * _COMMAND_STEP), 0.0, 1.0),
         ("specific_force", "xyz"): draw(state["specific_force"], "specific_force"),
     }
     columns = {
@@ -74,22 +101,3 @@ def _run(log: Log, run: int, t: Array, platform: Quadrotor, case: PlantCase, dra
         for index, axis in enumerate(axes)
     }
     return pd.DataFrame({"t": t, **columns})
-
-
-def _at(series: Array, times: Array, step: float) -> Array:
-    """Interpolate a log (steps, ...) at times, s; beyond its end the last value is held."""
-    place = np.clip((times + SETTLING) / step, 0.0, len(series) - 1.0)
-    below = np.minimum(np.floor(place + 1e-9).astype(int), len(series) - 2)
-    share = np.maximum(place - below, 0.0).reshape(-1, *[1] * (series.ndim - 1))
-    return series[below] * (1.0 - share) + series[below + 1] * share
-
-
-def _quantised(values: Array, step: float) -> Array:
-    return np.round(values / step) * step if step > 0 else values
-
-
-def _kept(samples: int, case: PlantCase, random: np.random.Generator) -> NDArray[np.bool_]:
-    """Mark the samples that are not lost; the first and the last never are."""
-    kept = random.random(samples) >= case.dropped
-    kept[[0, -1]] = True
-    return kept

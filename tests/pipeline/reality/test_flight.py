@@ -4,6 +4,7 @@ import torch
 
 from pipeline.physics import rigid_body, rotations, rotors
 from pipeline.physics.integrators import rk4
+from pipeline.reality.battery import Battery
 from pipeline.reality.case import PlantCase, Sensors
 from pipeline.reality.design import design
 from pipeline.reality.dither import shake
@@ -17,7 +18,8 @@ def flight(racer, step=1e-3, **kwargs):
     case = PlantCase(runs=3, duration=1.0, sensors=QUIET, **kwargs)
     random = np.random.default_rng(1)
     paths, dither = plan(case, random), shake(case, random)
-    return fly_paths(design(racer, case), racer, case, paths, dither, random, step), paths
+    battery = Battery(racer, np.ones(3))
+    return fly_paths(design(racer, case), racer, case, paths, dither, battery, random, step), paths
 
 
 def test_with_everything_off_it_moves_as_the_nominal_rigid_body(racer):

@@ -22,7 +22,7 @@ def log():
 
 def recorded(log, racer, **kwargs):
     case = PlantCase(runs=2, duration=4.0, **kwargs)
-    return record(log, racer, case, ("a_1", "b_2"), np.random.default_rng(0))
+    return record(log, racer, case, ("a_1", "b_2"), np.ones(2), np.random.default_rng(0))
 
 
 def test_perfect_sensors_record_the_truth(log, racer):
