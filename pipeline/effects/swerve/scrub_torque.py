@@ -21,7 +21,7 @@ class ScrubTorque(WrenchEffect):
         Parameter("patch_radius", "m", 0.02, 1e-3, 0.5, neutral=0.01),
     )
     formula = (
-        "module torque = −level · patch_radius·ω / √((patch_radius·ω)² + v²), ω of the module, v rolling speed; at rest "
+        "module torque = −level · patch_radius·ω / √((patch_radius·ω)² + v²), ω of the module, v of rolling; at rest "
         "it holds, up to level"
     )
     source = "Pacejka 2012, Tire and vehicle dynamics, §9.2: turn slip and spin torque of a rubbing patch"
