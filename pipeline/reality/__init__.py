@@ -2,3 +2,7 @@
 
 Nothing that identifies, diagnoses or simulates may look in here; only the stages `record` and `deploy` do.
 """
+
+from pipeline.reality.kinds import CASES, case_from_config, record_case
+
+__all__ = ["CASES", "case_from_config", "record_case"]

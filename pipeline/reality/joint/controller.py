@@ -1,0 +1,49 @@
+"""The position controller of a joint, which knows the platform file and never what is concealed."""
+
+import numpy as np
+
+from pipeline.platforms import Joint
+from pipeline.reality.joint.case import JointCase
+from pipeline.reality.rotation import Array
+from pipeline.reality.sampling import quantised
+
+_DAMPING_RATIO = 0.8
+_DIFFERENTIATOR = 400.0  # rad/s, cut-off of the filter that makes a velocity of encoder positions
+
+
+class JointController:
+    """Feedforward by the nominal equations, proportional and derivative feedback of the encoder."""
+
+    def __init__(
+        self, platform: Joint, case: JointCase, position: Array, velocity: Array, step: float
+    ) -> None:
+        """Start at a position and velocity (runs,), to be asked for a command every step, s."""
+        self.platform, self.case = platform, case
+        motor = platform.motor
+        self.constant = motor.torque_constant * motor.gear_ratio if motor else 0.0
+        self.share = 1.0 - np.exp(-_DIFFERENTIATOR * step)
+        self.gain = _DIFFERENTIATOR
+        self.smooth = position - velocity / self.gain
+        self.step = case.sensors.scale * case.sensors.position_step
+
+    def command(self, reference: tuple[Array, Array, Array], position: Array) -> Array:
+        """Return the voltage, V, or effort, N·m or N, (runs,).
+
+        Args:
+            reference: position, velocity and acceleration (runs,).
+            position: with the encoder's noise, (runs,).
+        """
+        platform, bandwidth = self.platform, self.case.bandwidth
+        seen = quantised(position, self.step)
+        self.smooth = self.smooth + self.share * (seen - self.smooth)
+        velocity = self.gain * (seen - self.smooth)
+        target, speed, pace = reference
+        wanted = pace + 2.0 * _DAMPING_RATIO * bandwidth * (speed - velocity)
+        wanted = wanted + bandwidth * bandwidth * (target - seen)
+        effort = platform.inertia * wanted + platform.stiffness * target
+        if platform.gravity_torque:
+            effort = effort + platform.gravity_torque * np.sin(target)
+        if platform.motor is None:
+            return effort
+        voltage = platform.motor.resistance / self.constant * effort + self.constant * speed
+        return np.clip(voltage, -self.case.supply, self.case.supply)

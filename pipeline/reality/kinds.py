@@ -1,0 +1,82 @@
+"""One way to record a concealed case, whatever the kind of machine."""
+
+import dataclasses
+import difflib
+import importlib
+from collections.abc import Mapping
+from typing import Any, get_origin, get_type_hints
+
+from pipeline.errors import InputError
+from pipeline.platforms import Joint, Quadrotor, Swerve
+from pipeline.reality.case import PlantCase
+from pipeline.reality.joint.case import JointCase
+from pipeline.recordings.recording import Recording
+
+Case = PlantCase | JointCase
+
+CASES: dict[str, type[PlantCase] | type[JointCase]] = {"quadrotor": PlantCase, "joint": JointCase}
+"""The case of each kind of platform."""
+
+# Plants are loaded when one is run: whoever asks for a case alone need not wait for them.
+_RECORDERS = {
+    "quadrotor": ("pipeline.reality.fly", "fly"),
+    "joint": ("pipeline.reality.joint.record", "record_joint"),
+}
+
+
+def case_from_config(kind: str, values: Mapping[str, Any], where: str = "record") -> Case:
+    """Build the case of a kind of platform from a mapping, such as the configuration group `record` is.
+
+    Raises:
+        InputError: on an unknown key and on a value of the wrong type.
+    """
+    return _built(CASES[kind], values, where)
+
+
+def _built(cls: type, values: Any, where: str) -> Any:
+    if not isinstance(values, Mapping):
+        raise InputError("a mapping of keys is needed here", where, "see conf/record")
+    hints = get_type_hints(cls)
+    for key in values:
+        if key not in hints:
+            near = difflib.get_close_matches(str(key), hints, n=1)
+            remedy = f"did you mean {near[0]!r}?" if near else f"known keys: {', '.join(hints)}"
+            raise InputError(f"unknown key {key!r}", where, remedy)
+    return cls(**{str(key): _typed(hints[key], value, f"{where}.{key}") for key, value in values.items()})
+
+
+def _typed(hint: Any, value: Any, where: str) -> Any:
+    """Return a value as its field has it; mappings of effects are for the case itself to check."""
+    if dataclasses.is_dataclass(hint):
+        return _built(hint, value, where)  # type: ignore[arg-type]
+    if hint is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    wanted = get_origin(hint) or hint
+    if not isinstance(value, wanted) or (wanted is int and isinstance(value, bool)):
+        raise InputError(f"must be of type {wanted.__name__}, is {value!r}", where, "correct it")
+    return value
+
+
+def record_case(
+    case: Case, platform: Quadrotor | Swerve | Joint, seed: int
+) -> tuple[Recording, dict[str, Any]]:
+    """Record runs of the plant that a case conceals.
+
+    Two cases with one seed are told to do the same, with the same noise: they differ by what they conceal alone.
+
+    Args:
+        case: what is concealed and how it is recorded.
+        platform: what the world is told of the plant.
+        seed: of every random draw.
+
+    Returns:
+        The recording, whose `source` names the hash of the key, and the key.
+
+    Raises:
+        InputError: when case and platform do not fit, or the case cannot be run.
+    """
+    if not isinstance(case, CASES[platform.kind]):
+        remedy = "choose another record=NAME"
+        raise InputError(f"is a case of another machine than a {platform.kind}", "record", remedy)
+    module, function = _RECORDERS[platform.kind]
+    return getattr(importlib.import_module(module), function)(case, platform, seed)
