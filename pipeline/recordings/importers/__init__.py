@@ -6,6 +6,8 @@ from typing import Any
 
 from pipeline.errors import InputError
 from pipeline.recordings.importers import (
+    arm_motion,
+    crazyflie_log,
     nanobench,
     nanodrone,
     pendulum_json,
@@ -22,8 +24,10 @@ IMPORTERS: dict[str, Importer] = {
     "sysid_json": sysid_json.read,
     "nanodrone": nanodrone.read,
     "nanobench": nanobench.read,
+    "crazyflie_log": crazyflie_log.read,
     "pendulum_json": pendulum_json.read,
     "wheel_excitation": wheel_excitation.read,
+    "arm_motion": arm_motion.read,
 }
 
 
