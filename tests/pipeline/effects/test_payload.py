@@ -1,0 +1,106 @@
+"""A slung payload is a pendulum, and pulls back on what carries it."""
+
+import math
+
+import pytest
+import torch
+
+from pipeline.effects import effect_by_key
+from pipeline.physics import rotations
+from pipeline.simulation import FittedEffect, Simulator, rollout
+from pipeline.simulation.motion import motion_of
+from tests.pipeline.effects.responses import constants, smooth_flight
+from tests.pipeline.platforms.machines import QUADROTOR
+
+PAYLOAD = effect_by_key("quadrotor", "slung_payload")
+GRAVITY = QUADROTOR.gravity
+
+
+def swinging(angle: float, length: float, samples: int, time_step: float) -> torch.Tensor:
+    """Return the pull (samples, 3) on a hovering machine whose load is let go at an angle."""
+    upright = torch.zeros(1, samples, 3, dtype=torch.float64)
+    upright[..., 2] = GRAVITY
+    upright[:, 0] = GRAVITY * torch.tensor([-math.sin(angle), 0.0, math.cos(angle)], dtype=torch.float64)
+    signals = {
+        "attitude": torch.tensor([1.0, 0.0, 0.0, 0.0], dtype=torch.float64).expand(1, samples, 4),
+        "velocity": torch.zeros_like(upright),
+        "specific_force": upright,
+    }
+    values = {"mass_ratio": 0.1, "length": length}
+    return PAYLOAD.along_time(signals, values, constants("quadrotor"), time_step)["payload_pull"][0]
+
+
+@pytest.mark.parametrize("length", [0.1, 0.8, 5.0])
+def test_a_small_swing_below_a_hovering_machine_has_the_period_of_a_pendulum(length):
+    period = 2.0 * math.pi * math.sqrt(length / GRAVITY)
+    side = swinging(0.01, length, 2001, period / 400)[:, 0]
+    before = torch.nonzero(side[:-1] * side[1:] < 0).squeeze(1)
+    crossings = (before + side[before] / (side[before] - side[before + 1])) / 400
+    torch.testing.assert_close(torch.diff(crossings), torch.full((9,), 0.5).double(), rtol=2e-4, atol=0.0)
+
+
+def test_the_cable_of_a_wide_swing_pulls_as_its_energy_says():
+    """Released at rest at an angle, a pendulum pulls with g·(3 cos θ − 2 cos θ₀) on its way."""
+    pull = swinging(1.2, 0.8, 4000, 1e-3)[1:]
+    size = pull.norm(dim=-1)
+    cosine = -pull[:, 2] / size
+    torch.testing.assert_close(size, GRAVITY * (3.0 * cosine - 2.0 * math.cos(1.2)), rtol=0.0, atol=2e-2)
+    assert float(size.max()) > 2.2 * GRAVITY
+
+
+def test_a_hanging_load_is_weight():
+    pull = swinging(0.0, 0.8, 50, 0.01)
+    signals = {
+        "attitude": torch.tensor([[1.0, 0.0, 0.0, 0.0]] * 50, dtype=torch.float64),
+        "payload_pull": pull,
+    }
+    wrench = PAYLOAD.wrench(signals, {"mass_ratio": 0.3, "length": 0.8}, constants("quadrotor"))
+    torch.testing.assert_close(wrench["force_z"], torch.full((50,), -0.3 * GRAVITY, dtype=torch.float64))
+    assert not wrench["force_x"].any()
+
+
+def test_a_falling_load_does_not_push():
+    free = torch.zeros(1, 20, 3, dtype=torch.float64)
+    attitude = torch.tensor([1.0, 0.0, 0.0, 0.0], dtype=torch.float64).expand(1, 20, 4)
+    signals = {"attitude": attitude, "velocity": free, "specific_force": free}
+    pull = PAYLOAD.along_time(signals, PAYLOAD.defaults(), constants("quadrotor"), 0.01)["payload_pull"]
+    assert float(pull.abs().max()) < 1e-30
+
+
+def test_velocities_and_an_accelerometer_tell_of_the_same_swing():
+    samples, time_step = 1000, 1e-3
+    signals = smooth_flight(samples, duration=1.0)
+    world = rotations.rotate(signals["attitude"], signals["velocity"])
+    (acceleration,) = torch.gradient(world, spacing=time_step, dim=1)
+    lifted = acceleration + torch.tensor([0.0, 0.0, GRAVITY], dtype=torch.float64)
+    measured = signals | {"specific_force": rotations.rotate_inverse(signals["attitude"], lifted)}
+    numbers = constants("quadrotor")
+    found, expected = (
+        PAYLOAD.along_time(given, PAYLOAD.defaults(), numbers, time_step)["payload_pull"]
+        for given in (measured, signals)
+    )
+    torch.testing.assert_close(found, expected)
+
+
+def test_a_machine_and_its_load_swing_against_each_other():
+    """Free to move, the pair swings faster by √(1 + mass ratio) about its common centre, which thrust carries along.
+
+    The machine is tilted a little and its load hangs straight at first: v = g·tilt·(t + mass ratio/ω · sin ωt). The
+    pull is held through each step, so that the swing comes late by about the step, here a twentieth of a radian.
+    """
+    mass_ratio, tilt, length, time_step = 0.4, 0.01, 0.5, 0.01
+    pace = math.sqrt(GRAVITY / length * (1.0 + mass_ratio))
+    steps = round(2.0 * math.pi / pace / time_step)
+    simulator = Simulator(QUADROTOR, (FittedEffect(PAYLOAD, {"mass_ratio": mass_ratio, "length": length}),))
+    speed = QUADROTOR.hover_rotor_speed * math.sqrt(1.0 + mass_ratio)
+    commands = {"rotor_speed": torch.full((1, steps, 4), speed, dtype=torch.float64)}
+    still = torch.zeros(1, 3, dtype=torch.float64)
+    attitude = rotations.from_rotation_vector(torch.tensor([[0.0, tilt, 0.0]], dtype=torch.float64))
+    initial = motion_of(QUADROTOR).pack(
+        {"position": still, "attitude": attitude, "velocity": still, "body_rate": still}
+    )
+    velocity = rollout(simulator, initial, commands, time_step)[0, :, 7]
+    time = torch.arange(steps + 1, dtype=torch.float64) * time_step
+    swing = velocity / (GRAVITY * tilt) - time
+    amplitude = mass_ratio / pace
+    assert float((swing - amplitude * torch.sin(pace * time)).abs().max()) < 0.1 * amplitude

@@ -1,0 +1,230 @@
+"""Laws of a quadrotor's rotors: how they follow their command, carry angular momentum and meet the air."""
+
+import math
+
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.effects import effect_by_key
+from pipeline.physics import rigid_body, rotations
+from pipeline.physics.integrators import rk4
+from pipeline.simulation import FittedEffect, Simulator
+from tests.pipeline.effects.responses import TIME_STEP, actuated, assert_same, constants
+from tests.pipeline.platforms.machines import QUADROTOR, some_signals
+
+HOVER = QUADROTOR.hover_rotor_speed
+SEED = st.integers(0, 10**6)
+
+
+def of(key: str):
+    return effect_by_key("quadrotor", key)
+
+
+def hovering(samples: int) -> dict[str, torch.Tensor]:
+    """Return one block of a machine that stands in the air."""
+    still = torch.zeros(1, samples, 3, dtype=torch.float64)
+    level = torch.tensor([1.0, 0.0, 0.0, 0.0], dtype=torch.float64).expand(1, samples, 4)
+    speed = torch.full((1, samples, 4), HOVER, dtype=torch.float64)
+    return {"attitude": level, "velocity": still, "body_rate": still, "rotor_speed": speed}
+
+
+@pytest.mark.parametrize("time_constant", [0.002, 0.04, 0.3])
+def test_a_step_of_the_command_is_followed_along_an_exponential(time_constant):
+    command = torch.zeros(1, 50, 4, dtype=torch.float64)
+    command[:, 10:] = 0.5
+    signals = actuated("quadrotor", {"motor_command": command})
+    speed = of("motor_lag").along_time(
+        signals, {"time_constant": time_constant}, constants("quadrotor"), TIME_STEP
+    )["rotor_speed"]
+    edges = torch.arange(41, dtype=torch.float64) * TIME_STEP
+    area = edges + time_constant * torch.exp(-edges / time_constant)  # under 1 − e^(−t/T)
+    mean = 0.5 * QUADROTOR.motor_speed_max * torch.diff(area) / TIME_STEP
+    torch.testing.assert_close(speed[0, 10:, 0], mean, rtol=1e-10, atol=1e-9)
+    assert not speed[:, :10].any()
+
+
+def test_a_motor_lags_a_ramp_by_its_time_constant_and_no_half_sample_more():
+    ramp = torch.arange(200, dtype=torch.float64)[None, :, None].expand(1, 200, 4) * TIME_STEP
+    signals = {"rotor_speed": ramp}
+    lagged = of("motor_lag").along_time(signals, {"time_constant": 0.03}, constants("quadrotor"), TIME_STEP)
+    torch.testing.assert_close((ramp - lagged["rotor_speed"])[:, -20:], torch.full((1, 20, 4), 0.03).double())
+
+
+@given(share=st.floats(0.5, 1.2), sensitivity=st.floats(0.0, 2.0))
+def test_rotor_speed_falls_with_the_voltage(share, sensitivity):
+    signals = {
+        "motor_command": torch.full((4,), 0.5, dtype=torch.float64),
+        "battery_voltage": torch.tensor(share * QUADROTOR.nominal_voltage, dtype=torch.float64),
+    }
+    signals = actuated("quadrotor", signals)
+    out, _ = of("battery_sag").actuate(
+        signals, {"sensitivity": sensitivity}, constants("quadrotor"), None, 1.0
+    )
+    expected = 0.5 * QUADROTOR.motor_speed_max * (1.0 + sensitivity * (share - 1.0))
+    torch.testing.assert_close(out["rotor_speed"], torch.full((4,), expected, dtype=torch.float64))
+
+
+@pytest.mark.parametrize("rotor", [1, 2, 3, 4])
+def test_a_rotor_that_gives_nothing_is_a_rotor_that_stands(rotor):
+    signals = some_signals("quadrotor", (5,), seed=rotor)
+    fault = FittedEffect(of(f"rotor_fault@{rotor}"), {f"loss_{rotor}": 1.0})
+    found = Simulator(QUADROTOR, (fault,)).balance(signals).wrench
+    signals["rotor_speed"][..., rotor - 1] = 0.0
+    assert_same(found, Simulator(QUADROTOR).balance(signals).wrench)
+
+
+@given(seed=SEED)
+def test_a_steady_wind_pushes_the_same_way_in_the_world_whichever_way_the_machine_points(seed):
+    signals = some_signals("quadrotor", (5,), seed)
+    wrench = of("steady_wind").wrench(signals, {"push_x": 0.4, "push_y": -0.7}, constants("quadrotor"))
+    force = torch.stack([wrench[f"force_{axis}"] for axis in "xyz"], dim=-1)
+    world = rotations.rotate(signals["attitude"], force)
+    torch.testing.assert_close(world, torch.tensor([[0.4, -0.7, 0.0]] * 5, dtype=torch.float64))
+
+
+@given(seed=SEED)
+def test_the_gyroscopic_torque_does_no_work(seed):
+    signals = some_signals("quadrotor", (20,), seed)
+    wrench = of("gyroscopic_torque").wrench(signals, {"inertia": 1e-3}, constants("quadrotor"))
+    torque = torch.stack([wrench[f"torque_{axis}"] for axis in "xyz"], dim=-1)
+    power = (torque * signals["body_rate"]).sum(-1)
+    assert (power.abs() <= 1e-12 * torque.norm(dim=-1) * signals["body_rate"].norm(dim=-1) + 1e-15).all()
+
+
+def test_body_and_rotors_in_free_space_keep_their_angular_momentum():
+    """Without air the motors only pass angular momentum between rotors and body."""
+    inertia = 1e-4
+    effects = (of("gyroscopic_torque"), of("rotor_inertia_torque"))
+    numbers = constants("quadrotor") | {"thrust_coefficient": 0.0, "torque_coefficient": 0.0}
+    moments = numbers["inertia"]
+
+    def rotors(time: float) -> dict[str, torch.Tensor]:
+        pace = torch.tensor([5.0, 3.0, 4.0, 7.0], dtype=torch.float64)
+        return {
+            "rotor_speed": 1000.0 + 900.0 * torch.sin(pace * time),
+            "rotor_acceleration": 900.0 * pace * torch.cos(pace * time),
+        }
+
+    def rate_of_change(state: torch.Tensor) -> torch.Tensor:
+        attitude, rate, time = state[:4], state[4:7], float(state[7])
+        signals = {"body_rate": rate, **rotors(time)}
+        torque = torch.zeros(3, dtype=torch.float64)
+        for effect in effects:
+            for channel, value in effect.wrench(signals, {"inertia": inertia}, numbers).items():
+                torque["xyz".index(channel[-1])] += value
+        acceleration = rigid_body.angular_acceleration(rate, torque, moments)
+        return torch.cat([rotations.quaternion_derivative(attitude, rate), acceleration, torch.ones(1)])
+
+    def momentum(state: torch.Tensor) -> torch.Tensor:
+        spin = -(numbers["rotor_directions"] * rotors(float(state[7]))["rotor_speed"]).sum()
+        own = torch.stack([torch.zeros_like(spin), torch.zeros_like(spin), inertia * spin])
+        return rotations.rotate(state[:4], moments * state[4:7] + own)
+
+    state = torch.tensor([1.0, 0.0, 0.0, 0.0, 3.0, -2.0, 1.0, 0.0], dtype=torch.float64)
+    start = momentum(state)
+    for _ in range(150):
+        state = rk4(rate_of_change, state, 2e-3)
+    assert float(rotations.rotation_angle(state[:4], torch.tensor([1.0, 0, 0, 0]).double())) > 0.1
+    torch.testing.assert_close(momentum(state), start, rtol=0.0, atol=1e-7)
+
+
+@pytest.mark.parametrize("rotor", range(4))
+def test_speeding_a_rotor_up_twists_the_body_as_its_air_drag_does(rotor):
+    """The motor pushes the rotor round against both, so the body feels both the same way."""
+    acceleration = torch.zeros(4, dtype=torch.float64)
+    acceleration[rotor] = 100.0
+    torque = of("rotor_inertia_torque").wrench(
+        {"rotor_acceleration": acceleration}, {"inertia": 1e-5}, constants("quadrotor")
+    )["torque_z"]
+    assert float(torque) == pytest.approx(QUADROTOR.rotor_directions[rotor] * 1e-3)
+
+
+@given(climb=st.floats(-3.0, 12.0), sensitivity=st.floats(0.1, 4.0), induced=st.floats(3.0, 15.0))
+def test_the_inflow_of_a_climb_is_that_of_the_closed_form(climb, sensitivity, induced):
+    """Along the axis blade elements and momentum meet in a quadratic equation (Leishman 2006, §2.13 and §3.2)."""
+    signals = {name: series[0] for name, series in hovering(1).items()}
+    signals["velocity"] = torch.tensor([[0.0, 0.0, climb]], dtype=torch.float64)
+    values = {"sensitivity": sensitivity, "induced_velocity": induced}
+    through = _through_the_disc(climb, sensitivity, induced)
+    if through <= 0.1 * induced:  # the wake blows back: no steady inflow along the axis
+        return
+    wrench = of("inflow_ratio").wrench(signals, values, constants("quadrotor"))
+    expected = -QUADROTOR.gravity * sensitivity * (through / induced - 1.0)
+    assert float(wrench["force_z"]) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    assert float(wrench["force_z"]) * climb <= 1e-9
+    assert float(wrench["torque_x"].abs() + wrench["torque_y"].abs()) < 1e-12
+
+
+def _through_the_disc(climb: float, sensitivity: float, induced: float) -> float:
+    linear = sensitivity * induced - climb
+    return 0.5 * (-linear + math.sqrt(linear**2 + 4.0 * (1.0 + sensitivity) * induced**2))
+
+
+def test_level_flight_gains_thrust_up_to_a_rotor_without_induced_velocity():
+    speeds = torch.tensor([0.0, 2.0, 5.0, 10.0, 20.0, 1e4], dtype=torch.float64)
+    signals = {name: series[0].expand(6, -1) for name, series in hovering(1).items()}
+    signals["velocity"] = torch.stack([speeds, 0 * speeds, 0 * speeds], dim=-1)
+    values = {"sensitivity": 1.5, "induced_velocity": 6.0}
+    gain = of("inflow_ratio").wrench(signals, values, constants("quadrotor"))["force_z"]
+    assert float(gain[0]) == pytest.approx(0.0, abs=1e-12)
+    assert (torch.diff(gain) > 0).all()
+    assert float(gain[-1]) == pytest.approx(1.5 * QUADROTOR.gravity, rel=2e-3)
+
+
+def test_discs_in_a_steady_stream_drag_as_rotor_drag_says():
+    signals = hovering(3)
+    signals["velocity"] = torch.tensor([[[4.0, -2.0, 0.0]] * 3], dtype=torch.float64)
+    flapping, numbers = of("tip_path_plane_flapping"), constants("quadrotor")
+    values = {"tilt": 0.02, "time_constant": 0.03, "stiffness": 0.0}
+    found = flapping.wrench(flapping.along_time(signals, values, numbers, TIME_STEP), values, numbers)
+    drag = of("rotor_drag").wrench(signals, {"coefficient": 0.02 * QUADROTOR.gravity}, numbers)
+    assert_same({name: found[name] for name in drag}, drag)
+
+
+def test_discs_keep_their_plane_in_space_while_the_body_turns_and_settle_a_time_constant_behind():
+    signals = hovering(200)
+    rate = torch.zeros(1, 200, 3, dtype=torch.float64)
+    rate[:, 1:, :2] = torch.tensor([0.3, 0.5], dtype=torch.float64)
+    signals["body_rate"] = rate
+    values = {"tilt": 0.02, "time_constant": 0.05, "stiffness": 0.0}
+    tilt = of("tip_path_plane_flapping").along_time(signals, values, constants("quadrotor"), 1e-4)[
+        "disc_tilt"
+    ]
+    turned = 0.5 * (torch.arange(200) - 0.5) * 1e-4
+    assert float(tilt[0, 5, 0]) == pytest.approx(float(turned[5]), rel=0.02)
+    later = of("tip_path_plane_flapping").along_time(signals, values, constants("quadrotor"), 0.01)
+    torch.testing.assert_close(
+        later["disc_tilt"][0, -1], 0.05 * torch.tensor([0.5, -0.3], dtype=torch.float64)
+    )
+
+
+@given(seed=SEED)
+def test_a_tilted_disc_twists_the_body_towards_itself(seed):
+    """The moment is stiffness times tilt, and the sideways thrust of hubs that stand above the centre of mass."""
+    signals = some_signals("quadrotor", (6,), seed)
+    tilt = signals["velocity"][..., :2] * 0.01
+    numbers, values = constants("quadrotor"), {"tilt": 0.0, "time_constant": 0.0, "stiffness": 0.2}
+    wrench = of("tip_path_plane_flapping").wrench({**signals, "disc_tilt": tilt}, values, numbers)
+    thrust = numbers["thrust_coefficient"] * signals["rotor_speed"].square().sum(-1)
+    lever = 0.2 + 0.01 * thrust  # all hubs of this machine are 0.01 m up
+    torch.testing.assert_close(wrench["torque_y"], -lever * tilt[..., 0])
+    torch.testing.assert_close(wrench["torque_x"], lever * tilt[..., 1])
+
+
+@given(seed=SEED)
+def test_learnt_aerodynamics_hold_the_named_laws_that_are_of_their_form(seed):
+    signals, numbers = some_signals("quadrotor", (6,), seed), constants("quadrotor")
+    learnt = of("grey_box_aerodynamics")
+    weight = QUADROTOR.mass * QUADROTOR.gravity
+    values = learnt.neutral() | {
+        "quadratic_lift": 0.02,
+        "thrust_offset_y": -0.004 * weight,
+        "thrust_offset_x": 0.003 * weight,
+    }
+    found = learnt.wrench(signals, values, numbers)
+    lift = of("translational_lift").wrench(signals, {"coefficient": 0.02}, numbers)
+    offset = of("center_of_mass_offset").wrench(signals, {"offset_x": 0.003, "offset_y": 0.004}, numbers)
+    assert_same({name: found[name] for name in ("force_z", "torque_x", "torque_y")}, lift | offset, 1e-9)
+    assert not any(found[name].any() for name in ("force_x", "force_y", "torque_z"))
