@@ -61,6 +61,8 @@ class Effect(ABC):
     acts_on: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     needs: ClassVar[tuple[str, ...]] = ()
+    yields_to: ClassVar[tuple[str, ...]] = ()
+    """Names that are the likelier cause wherever a recording cannot tell this effect from them."""
     formula: ClassVar[str]
     source: ClassVar[str]
     sentence: ClassVar[str]

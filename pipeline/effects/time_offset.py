@@ -17,6 +17,7 @@ class TimeOffset(MeasurementEffect):
     name = "sensor_time_offset"
     acts_on = "measurement"
     parameters = (Parameter("offset", "s", 0.02, -0.1, 0.1),)
+    yields_to = ("command_delay",)
     formula = "recorded(t) = true(t − offset)"
     source = (
         "Furgale, Rehder & Siegwart 2013, Unified temporal and spatial calibration for multi-sensor systems"

@@ -86,15 +86,19 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     effect is added at a time; each that stays must earn it again when the others are there.
     """
     competition = _Competition(simulator, problem, settings)
-    settled: list[Effect] = [
-        e for e in competition.catalogue if isinstance(e, MeasurementEffect | ParameterError)
-    ]
-    competition.run(settled)
+    competition.run(_settled(competition.catalogue))
     competition.run(competition.catalogue)
     competition.condense()
     competition.exchange()
     competition.disown()
     return competition.result()
+
+
+def _settled(catalogue: list[Effect]) -> list[Effect]:
+    """Return what is settled before physics is asked, and what that may be mistaken for."""
+    errors = [e for e in catalogue if isinstance(e, MeasurementEffect | ParameterError)]
+    mistaken = {name for effect in errors for name in effect.yields_to}
+    return errors + [e for e in catalogue if e.name in mistaken]
 
 
 class _Competition:
@@ -113,13 +117,21 @@ class _Competition:
         while len(self.current.simulator.free) < self.settings.most_effects:
             present = {fitted.effect.key for fitted in self.current.simulator.free} | self.dropped
             candidates = [self.candidate(e) for e in contestants if e.key not in present]
-            admitted = [candidate for candidate in candidates if not candidate.refusal]
-            winner = max(admitted, key=lambda candidate: candidate.gain, default=None)
+            winner = self.likeliest([candidate for candidate in candidates if not candidate.refusal])
             self.rounds.append(Round(tuple(candidates), winner))
             if winner is None:
                 return
             self.current = fit(winner.fit.simulator, self.problem)
             self.prune()
+
+    def likeliest(self, admitted: list[Candidate]) -> Candidate | None:
+        """Return the one that gains most, or what it yields to where this recording cannot tell the two apart."""
+        best = max(admitted, key=lambda candidate: candidate.gain, default=None)
+        if best is None:
+            return None
+        usual = [c for c in admitted if c.effect.name in best.effect.yields_to]
+        tied = [c for c in usual if not predicts_better(best, c, self.problem.cluster)]
+        return max(tied, key=lambda candidate: candidate.gain, default=best)
 
     def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
         """Refit with the effect added and compare with the simulator without it."""
