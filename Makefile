@@ -1,22 +1,29 @@
 # Everything a person needs to type. Only Python 3.11+, git and make have to be there.
 #   make run     install what is pinned, reproduce the default branch, say where the page is (BRANCH=NAME for another one)
 #   make test    install if need be, run linters, type checker, import contracts and tests
+#   make prove   the concealed benchmark: SEED=1 CASES=60 (of each kind) KIND=quadrotor,joint,swerve
 # The pins in constraints.txt are made by:
 #   uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --no-header --no-annotate \
 #       --no-emit-index-url -o constraints.txt
 
 PYTHON ?= python3
 BRANCH ?=
+SEED ?= 1
+CASES ?= 60
+KIND ?= quadrotor,joint,swerve
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-.PHONY: run test lint install
+.PHONY: run test prove lint install
 
 run: $(STAMP)
 	@$(BIN)/simgap reproduce $(BRANCH)
 
 test: lint
 	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2
+
+prove: $(STAMP)
+	@$(BIN)/simgap prove seed=$(SEED) prove.cases=$(CASES) 'prove.kinds=[$(KIND)]'
 
 lint: $(STAMP)
 	@$(BIN)/ruff check .

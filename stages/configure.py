@@ -21,6 +21,7 @@ class ConfigureStage(StageConfig):
     model: dict[str, Any] = field(default_factory=dict)
     train: dict[str, Any] = field(default_factory=dict)
     report: dict[str, Any] = field(default_factory=dict)
+    prove: dict[str, Any] = field(default_factory=dict)
 
 
 @stage(ConfigureStage)

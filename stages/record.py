@@ -1,6 +1,8 @@
 """The stage that brings a recording in: published, a person's own, or flown by the concealed plant."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from pipeline.reality.case import PlantCase
@@ -48,6 +50,43 @@ def _flight(config: RecordStage, run: StageRun) -> Any:
     sealed.mkdir()
     (sealed / "key.json").write_text(key_text(key), encoding="utf-8")
     return recording
+
+
+def draw_cases(
+    kind: str,
+    table: Mapping[str, Any],
+    shares: Mapping[str, float],
+    machines: Mapping[str, Mapping[str, Any]],
+    seed: int,
+    count: int,
+) -> list[Any]:
+    """Draw the concealed cases of a benchmark; see `pipeline.reality.concealed`."""
+    from pipeline.reality import concealed
+
+    return concealed.draw_cases(kind, table, shares, machines, seed, count)
+
+
+def record_sealed(case: Any, path: Path, sealed: Path) -> str:
+    """Record a drawn case and write its key where only who scores it looks.
+
+    Args:
+        case: of `draw_cases`.
+        path: of the recording.
+        sealed: of the key.
+
+    Returns:
+        The recording's source, which names the hash of the key.
+    """
+    from pipeline.reality.concealed import record_concealed
+    from pipeline.reality.fly import key_text
+    from pipeline.recordings.recording import write_recording
+
+    recording, key = record_concealed(case)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    sealed.parent.mkdir(parents=True, exist_ok=True)
+    write_recording(recording, path)
+    sealed.write_text(key_text(key), encoding="utf-8")
+    return recording.source
 
 
 if __name__ == "__main__":
