@@ -68,7 +68,8 @@ class Effect(ABC):
     sentence: ClassVar[str]
     excitation: ClassVar[str]
     names_physics: ClassVar[bool] = True
-    """Whether a diagnosis may name it; a bundle of terms that would absorb every other effect may not."""
+    """Whether a diagnosis may name it: not a bundle of terms that would absorb the others, nor a finer law of what
+    another effect names already."""
 
     @property
     def key(self) -> str:

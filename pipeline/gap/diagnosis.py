@@ -16,6 +16,7 @@ from pipeline.gap.probability import Signs, probability_of
 from pipeline.gap.prove import Proof, prove
 from pipeline.gap.regimes import Regime, regimes_of
 from pipeline.gap.residuals import channels_on, noise_of_rows
+from pipeline.gap.rollout_fit import refit_through_rollouts
 from pipeline.gap.scoring import clusters_of, cross_validated, folds_of
 from pipeline.gap.sensors import settle_accelerometer, settle_velocity
 from pipeline.gap.settings import Gap
@@ -51,6 +52,7 @@ class Diagnosis:
         proving: the blocks that it was proved on.
         nominal: the simulator before.
         simulator: the simulator after.
+        through_rollouts: whether its values were fitted through multi-step predictions, else by the equations of motion.
     """
 
     verdict: str
@@ -66,6 +68,7 @@ class Diagnosis:
     proving: Blocks
     nominal: Simulator
     simulator: Simulator
+    through_rollouts: bool
 
     @property
     def probabilities(self) -> dict[str, float]:
@@ -97,7 +100,10 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     problem = Problem(fitted, functions, noise_of_rows(nominal, fitted, functions), cluster)
 
     naming = name(nominal, problem, settings)
-    simulator = naming.fit.simulator
+    refitted, through_rollouts = refit_through_rollouts(
+        naming.fit, problem, settings.fit_horizon, settings.folds
+    )
+    naming, simulator = replace(naming, fit=refitted), refitted.simulator
     problem = replace(problem, noise=noise_of_rows(simulator, fitted, functions))
     channels, regimes = channels_on(nominal, fitted), regimes_on(fitted, simulator)
     mismatches = locate(naming.base.residual, channels, regimes, problem)
@@ -123,6 +129,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         proving=proving,
         nominal=nominal,
         simulator=simulator,
+        through_rollouts=through_rollouts,
     )
 
 

@@ -32,6 +32,16 @@ class Problem:
     noise: Tensor
     cluster: Tensor
 
+    def residual(self, simulator: Simulator) -> Tensor:
+        """Return what a simulator leaves of the equations of motion, (blocks, rows, channels)."""
+        return residual_rows(simulator, self.blocks, self.functions)
+
+    def regressors(self, simulator: Simulator, effect: Effect) -> Tensor | None:
+        """Return the columns of an effect that is linear, (blocks, rows, channels, parameters), else None."""
+        if isinstance(effect, WrenchEffect) and effect.linear:
+            return _regressor_columns(simulator, effect, self)
+        return None
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -87,7 +97,7 @@ def fit(simulator: Simulator, problem: Problem) -> Fit:
     """
     low, high = bounds_of(simulator)
     values = values_of(simulator).clamp(low, high)
-    residual = residual_rows(with_values(simulator, values), problem.blocks, problem.functions)
+    residual = problem.residual(with_values(simulator, values))
     jacobian = jacobian_of(with_values(simulator, values), problem, residual)
     for _ in range(_STEPS):
         scale = channel_scale(residual, problem.noise)
@@ -126,8 +136,9 @@ def jacobian_of(simulator: Simulator, problem: Problem, residual: Tensor) -> Ten
 
 def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, residual: Tensor) -> Tensor:
     """Return the columns of one effect, exactly where it is linear, by a finite difference elsewhere."""
-    if isinstance(effect, WrenchEffect) and effect.linear:
-        return _regressor_columns(simulator, effect, problem)
+    exact = problem.regressors(simulator, effect)
+    if exact is not None:
+        return exact
     owners = [(f.effect.key, parameter) for f in simulator.free for parameter in f.effect.parameters]
     columns = [
         _difference(simulator, problem, residual, column, parameter)
@@ -162,7 +173,7 @@ def _difference(
     if values[column] + step > parameter.high:
         step = -step
     values[column] += step
-    rows = residual_rows(with_values(simulator, values), problem.blocks, problem.functions)
+    rows = problem.residual(with_values(simulator, values))
     return -(rows - residual) / step
 
 
@@ -194,7 +205,7 @@ def _line_search(
     low, high = bounds_of(simulator)
     for halving in range(6):
         tried = (values + change * 0.5**halving).clamp(low, high)
-        rows = residual_rows(with_values(simulator, tried), problem.blocks, problem.functions)
+        rows = problem.residual(with_values(simulator, tried))
         if (rows / scale).square().sum() < cost:
             return tried, rows
     return values, residual

@@ -11,6 +11,7 @@ from pipeline.physics.rotations import rotation_angle
 from pipeline.simulation import Simulator, replay
 from pipeline.simulation.blocks import Blocks
 from pipeline.simulation.motion import motion_of
+from pipeline.simulation.replay import substeps_for
 
 _UNITS = {
     "position": "m",
@@ -54,12 +55,13 @@ def horizon_errors(
     motion = motion_of(nominal.platform)
     signals = {name: blocks.inner(series)[:, : steps + 1] for name, series in blocks.signals.items()}
     recorded = motion.pack(signals)
-    before = replay(nominal, blocks, recorded[:, 0], steps)
-    after = replay(augmented, blocks, recorded[:, 0], steps)
-    noise = _state_noise(blocks, nominal)
+    noise = state_noise(blocks, nominal)
+    finest = max(substeps_for(simulator, blocks, steps, noise) for simulator in (nominal, augmented))
+    before = replay(nominal, blocks, recorded[:, 0], steps, finest)
+    after = replay(augmented, blocks, recorded[:, 0], steps, finest)
     random = torch.Generator().manual_seed(0)
     shaken = motion.normalise(_shaken(recorded[:, 0], noise, random))
-    perturbed = replay(augmented, blocks, shaken, steps)
+    perturbed = replay(augmented, blocks, shaken, steps, finest)
     ends = _shaken(perturbed, noise, random)
     shown = torch.unique(torch.linspace(1, steps, min(steps, _STEPS_SHOWN)).round().long())
     errors = []
@@ -90,7 +92,7 @@ def _unit(simulator: Simulator, quantity: str) -> str:
     return _UNITS[quantity]
 
 
-def _state_noise(blocks: Blocks, simulator: Simulator) -> Tensor:
+def state_noise(blocks: Blocks, simulator: Simulator) -> Tensor:
     """Return the standard deviation of the sensor noise on each component of the state, (n,)."""
     motion = motion_of(simulator.platform)
     state = motion.pack({name: blocks.inner(series) for name, series in blocks.signals.items()})

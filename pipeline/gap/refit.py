@@ -20,7 +20,6 @@ from pipeline.gap.fit import (
     with_errors,
     with_values,
 )
-from pipeline.gap.residuals import residual_rows
 from pipeline.simulation import FittedEffect, Simulator
 
 _STEPS = 3
@@ -81,12 +80,12 @@ def _start(current: Fit, effect: Effect, problem: Problem) -> tuple[Simulator, T
         best = min(simulators, key=lambda tried: _promise(tried, effect, current, few, part))
     if best is simulators[0] and (known or starts[0] == effect.neutral()):
         return best, current.residual
-    return best, residual_rows(best, problem.blocks, problem.functions)
+    return best, problem.residual(best)
 
 
 def _promise(simulator: Simulator, effect: Effect, current: Fit, few: Problem, part: Tensor) -> float:
     """Return the weighted cost that one Newton step from a starting point would leave on some of the blocks."""
-    residual = residual_rows(simulator, few.blocks, few.functions)
+    residual = few.residual(simulator)
     added = effect_jacobian(simulator, effect, few, residual)
     jacobian = torch.cat([current.jacobian[part], added], dim=-1)
     low, high = bounds_of(simulator)
@@ -105,7 +104,7 @@ def _stepped(
     moved = with_values(simulator, after)
     if linear:
         return moved, residual - jacobian @ (after - values)
-    rows = residual_rows(moved, problem.blocks, problem.functions)
+    rows = problem.residual(moved)
     worse = (rows / scale).square().sum() > (residual / scale).square().sum()
     return (simulator, residual) if worse else (moved, rows)
 

@@ -25,6 +25,8 @@ class Gap:
     """Most effects that are named in one diagnosis."""
     horizon: float = 0.5
     """Length of the open-loop predictions that prove the fit, s."""
+    fit_horizon: float = 0.3
+    """Length of the open-loop predictions through which the named effects are fitted together, s."""
     most_blocks: int = 600
     """Most blocks that are used of the fitting runs, drawn evenly; bounds the time of a diagnosis."""
     resamples: int = 400

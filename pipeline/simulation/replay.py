@@ -13,8 +13,11 @@ from pipeline.simulation.motion import motion_of
 from pipeline.simulation.rollout import rollout
 from pipeline.simulation.simulator import Simulator
 
+_FEW = 12  # blocks that tell how fine the steps have to be
+_MOST_SUBSTEPS = 16
 
-def replay(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int) -> Tensor:
+
+def replay(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int, substeps: int = 1) -> Tensor:
     """Roll every block out with its recorded commands, and with what else acted from outside.
 
     Clocks are settled and delays applied on the whole block first, since the margin knows what was commanded before;
@@ -25,6 +28,7 @@ def replay(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int) ->
         blocks: of a recording.
         initial: states at the first sample of each block, (blocks, n).
         steps: at most one less than the samples of a block.
+        substeps: integration steps between two samples.
 
     Returns:
         States (blocks, steps + 1, n).
@@ -37,7 +41,7 @@ def replay(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int) ->
     outside = {name: _over_steps(series, within) for name, series in signals.items() if name not in made}
     outside |= {name: series[:, within] for name, series in held.items()}
     memory = _lived_through(bare, signals, blocks)
-    return rollout(bare, initial, outside, blocks.time_step, memory=memory)
+    return rollout(bare, initial, outside, blocks.time_step, substeps, memory=memory)
 
 
 def _settled(simulator: Simulator, signals: Mapping[str, Tensor], blocks: Blocks) -> dict[str, Tensor]:
@@ -67,6 +71,31 @@ def _lived_through(simulator: Simulator, signals: Mapping[str, Tensor], blocks: 
         now = {name: series[:, sample] for name, series in signals.items()}
         _, memory = held_through(simulator, now, constants, memory, blocks.time_step)
     return memory
+
+
+def substeps_for(simulator: Simulator, blocks: Blocks, steps: int, tolerance: Tensor) -> int:
+    """Return how many integration steps between two samples change nothing that a sensor would notice.
+
+    Friction that holds and stiff contacts need more than one. The number is doubled until twice as many move no
+    component of the state by more than a tolerance, as a root mean square over a few blocks.
+
+    Args:
+        simulator: platform and effects.
+        blocks: of a recording.
+        steps: of the predictions.
+        tolerance: of each component of the state, (n,).
+    """
+    few = blocks.thinned(_FEW)
+    motion = motion_of(simulator.platform)
+    initial = motion.pack({name: few.inner(series)[:, 0] for name, series in few.signals.items()})
+    substeps, coarse = 1, replay(simulator, few, initial, steps)
+    while substeps < _MOST_SUBSTEPS:
+        fine = replay(simulator, few, initial, steps, 2 * substeps)
+        moved = (fine - coarse).square().mean((0, 1)).sqrt()
+        if bool((torch.nan_to_num(moved, nan=torch.inf) <= tolerance).all()):
+            break
+        substeps, coarse = 2 * substeps, fine
+    return substeps
 
 
 def replay_error(simulator: Simulator, blocks: Blocks, duration: float) -> dict[str, float]:

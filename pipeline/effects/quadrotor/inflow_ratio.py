@@ -21,6 +21,7 @@ class InflowRatio(WrenchEffect):
     """Thrust that changes with the air through each disc, where blade elements and momentum agree."""
 
     linear = False
+    names_physics = False
     name = "inflow_ratio"
     kind = "quadrotor"
     acts_on = "force"

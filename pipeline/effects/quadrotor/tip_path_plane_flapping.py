@@ -23,6 +23,7 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
     remembers = True
     linear = False
     order = 3
+    names_physics = False
     name = "tip_path_plane_flapping"
     kind = "quadrotor"
     acts_on = "force"
