@@ -52,7 +52,7 @@ class Diagnosis:
         proving: the blocks that it was proved on.
         nominal: the simulator before.
         simulator: the simulator after.
-        through_rollouts: whether its values were fitted through multi-step predictions, else by the equations of motion.
+        through_rollouts: whether its values come from multi-step predictions, else from the equations of motion.
     """
 
     verdict: str

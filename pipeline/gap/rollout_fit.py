@@ -1,7 +1,7 @@
 """All parameters refitted together through multi-step predictions, the way in which the simulator will be used.
 
-Equations of motion averaged over windows find effects quickly, but noise in what they are evaluated on bends their values
-a little. An open-loop prediction starts from a noisy state too, but integrates from there without looking again.
+Equations of motion averaged over windows find effects quickly, but noise in what they are evaluated on bends their
+values a little. An open-loop prediction starts from a noisy state too, but integrates from there without looking again.
 Source: Bock 1983, Recent advances in parameter identification techniques for ODE (multiple shooting, its segments here
 started from recorded states).
 """
@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from pipeline.effects import Effect
-from pipeline.gap.fit import Fit, Problem, clustered_covariance, fit, jacobian_of, with_errors
+from pipeline.gap.fit import Fit, Problem, fit, jacobian_of
 from pipeline.gap.horizon import state_noise
 from pipeline.gap.scoring import cross_validated, folds_of, log_score
 from pipeline.simulation import FittedEffect, Simulator, replay
