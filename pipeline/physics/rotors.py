@@ -35,6 +35,16 @@ def reaction_torque(speed: PerRotor, coefficient: float | Tensor, directions: Pe
     return coefficient * directions * speed.square()
 
 
+def shaft_power(speed: PerRotor, coefficient: float | Tensor) -> PerRotor:
+    """Return the power that each rotor takes from its shaft, W.
+
+    Args:
+        speed: rotor speed, rad/s.
+        coefficient: reaction torque over squared speed, N·m/(rad/s)².
+    """
+    return coefficient * speed.abs() * speed.square()
+
+
 def wrench(lift: PerRotor, reaction: PerRotor, positions: RotorVectors) -> tuple[Vector, Vector]:
     """Return the force (N) and the torque about the origin (N·m) of all rotors on the body, body frame.
 

@@ -52,3 +52,9 @@ def test_mirroring_the_speeds_mirrors_the_wrench():
 def test_gradients():
     speed = torch.rand(3, 4, dtype=torch.float64, generator=torch.Generator().manual_seed(0))
     assert torch.autograd.gradcheck(wrench_of, speed.requires_grad_())
+
+
+def test_power_is_torque_times_speed_either_way_round():
+    speed = torch.tensor([-800.0, 0.0, 900.0, 2000.0], dtype=torch.float64)
+    torque = rotors.reaction_torque(speed, 3e-8, torch.ones(4, dtype=torch.float64))
+    torch.testing.assert_close(rotors.shaft_power(speed, 3e-8), torque * speed.abs())
