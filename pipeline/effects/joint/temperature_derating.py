@@ -23,7 +23,7 @@ class TemperatureDerating(ActuatorEffect):
     source = (
         "Krishnan 2010, Permanent magnet synchronous and brushless DC motor drives: remanence and temperature"
     )
-    sentence = "The motor loses {coefficient} of its torque per kelvin above {reference} °C; derate it in the simulator."
+    sentence = "The motor loses {coefficient} of its torque per kelvin above {reference} °C; add derating."
     excitation = "the same motion cold and after long hard work"
 
     def actuate(
