@@ -6,7 +6,18 @@ from typing import NoReturn
 
 from pipeline.stage.project import commands, described, nearest
 
-ORDER = ("reproduce", "configure", "record", "clean", "sysid", "train", "build_sim", "diagnose", "report", "prove")
+ORDER = (
+    "reproduce",
+    "configure",
+    "record",
+    "clean",
+    "sysid",
+    "train",
+    "build_sim",
+    "diagnose",
+    "report",
+    "prove",
+)
 
 HELP = {"-h", "--help"}
 

@@ -123,7 +123,8 @@ def parameter_errors(
     """Return relative errors of the concealed effects that were named, by effect and parameter.
 
     Components of one thing (`wind_x`, `wind_y`) count together under what their names share. An error is relative to
-    the distance from the value at which the effect would be absent.
+    the distance from the value at which the effect would be absent. The strength of an effect comes first, as in the
+    diagnosis.
     """
     found = {effect_name(effect, grouped): effect["parameters"] for effect in diagnosis["effects"]}
     errors = {}
@@ -142,8 +143,8 @@ def _errors(
     true: Mapping[str, Mapping[str, Any]], found: Mapping[str, Mapping[str, Any]], neutral: float
 ) -> dict[str, float]:
     groups: dict[str, list[str]] = {}
-    for name in true:
-        if name in found and found[name]["value"] is not None:
+    for name in found:
+        if name in true and found[name]["value"] is not None:
             groups.setdefault(_stem(name, true), []).append(name)
     errors = {}
     for stem, names in groups.items():

@@ -12,7 +12,7 @@ from pipeline.errors import InputError
 from pipeline.platforms import platform_from_config
 from pipeline.reality.agenda import Subject, subjects
 from pipeline.reality.concealment import Table, typical
-from pipeline.reality.draw import draw_conditions, draw_effect, vary_platform
+from pipeline.reality.draw import draw_conditions, draw_effect, merged, vary_platform
 from pipeline.reality.kinds import case_from_config, record_case
 from pipeline.recordings.recording import Recording
 
@@ -93,7 +93,7 @@ def draw_case(
     random = np.random.default_rng(drawn)
     entries = _entries(table, subject)
     machine, platform = vary_platform(_able(machines, entries), table.get("vary", {}), random)
-    record = draw_conditions(table["conditions"], random)
+    record = draw_conditions(merged(table["conditions"], table["machines"][machine]), random)
     for entry in entries.values():
         record |= draw_conditions(entry.get("record", {}), random)
     if subject.category in ("hidden", "ambiguous"):

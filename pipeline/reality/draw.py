@@ -36,6 +36,12 @@ def draw_conditions(table: Mapping[str, Any], random: Random) -> dict[str, Any]:
     return {key: _condition(value, f"conditions.{key}", random) for key, value in table.items()}
 
 
+def merged(conditions: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """Return conditions with those that a machine has of its own, section by section."""
+    both = {key: conditions[key] | own[key] for key in conditions if isinstance(own.get(key), dict)}
+    return {**conditions, **own, **both}
+
+
 def draw_effect(
     quantities: Mapping[str, Quantity], defaults: Mapping[str, float], around: float, random: Random
 ) -> dict[str, float]:
