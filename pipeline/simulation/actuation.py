@@ -9,7 +9,7 @@ from pipeline.effects import ActuatorEffect, CommandEffect
 from pipeline.simulation.simulator import FittedEffect, Simulator
 
 Memory = tuple[Any, ...]
-"""For each effect that remembers: its own memory and what it last put out."""
+"""What each effect that remembers remembers, in the order in which they act."""
 
 
 def command_effects(simulator: Simulator) -> list[FittedEffect]:
@@ -31,8 +31,8 @@ def held_through(
 ) -> tuple[list[dict[str, Tensor]], Memory]:
     """Run the effects that remember through one integration step.
 
-    A command is held through a step and its delay is exact. What an actuator that remembers puts out is its value at
-    the step's end: the mean with the value before acts in the step, which keeps the rule's second order.
+    What such an effect puts out is its mean over the step. Held is what it changes, so that all else (a back-EMF) still
+    follows the motion inside the step.
 
     Args:
         simulator: platform and effects.
@@ -42,7 +42,8 @@ def held_through(
         time_step: of the integration, s.
 
     Returns:
-        What each effect that remembers puts out, in the order in which they act, and the memory after the step.
+        What each effect that remembers adds to each signal, in the order in which they act, and the memory after the
+        step.
     """
     memories: Iterator[Any] = iter(memory)
     held: list[dict[str, Tensor]] = []
@@ -53,12 +54,10 @@ def held_through(
         effect: Any = fitted.effect
         if not effect.remembers:
             return effect.actuate(now, fitted.values, constants, None, time_step)[0]
-        past, before = next(memories, (None, {}))
-        out, kept = effect.actuate(now, fitted.values, constants, past, time_step)
-        after.append((kept, out))
-        exact = not before or isinstance(effect, CommandEffect)
-        held.append(out if exact else {n: 0.5 * (value + before[n]) for n, value in out.items()})
-        return held[-1]
+        out, kept = effect.actuate(now, fitted.values, constants, next(memories, None), time_step)
+        after.append(kept)
+        held.append({n: value - now[n] if n in now else value for n, value in out.items()})
+        return out
 
     for fitted in command_effects(simulator):
         now |= run(fitted)
@@ -83,7 +82,7 @@ def actuated(
     def run(fitted: FittedEffect) -> dict[str, Tensor]:
         effect: Any = fitted.effect
         if effect.remembers:
-            return next(outputs)
+            return {n: now[n] + change if n in now else change for n, change in next(outputs).items()}
         return effect.actuate(now, fitted.values, constants, None, time_step)[0]
 
     for fitted in command_effects(simulator):

@@ -61,11 +61,13 @@ def _integrate(
     time_step: float,
     integrator: str,
 ) -> tuple[Tensor, Memory]:
-    start = {**motion.signals(state), **command}
+    start = {**motion.signals(state, constants), **command}
     held, memory = held_through(simulator, start, constants, memory, time_step)
 
     def wrench(now: Tensor) -> dict[str, Tensor]:
-        signals = actuated(simulator, {**motion.signals(now), **command}, constants, held, time_step)
+        signals = actuated(
+            simulator, {**motion.signals(now, constants), **command}, constants, held, time_step
+        )
         return simulator.wrench(signals, constants)
 
     return INTEGRATORS[integrator](motion, wrench, state, constants, time_step), memory

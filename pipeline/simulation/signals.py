@@ -8,6 +8,7 @@ from torch import Tensor
 from pipeline.errors import InputError
 from pipeline.physics import rotations
 from pipeline.platforms import Joint, Platform, Swerve
+from pipeline.platforms.swerve_kinematics import heading_of
 from pipeline.platforms.swerve_mechanism import chassis_velocity_from_wheels
 
 _AXES = ("x", "y", "z")
@@ -83,6 +84,8 @@ def _swerve(frame: pd.DataFrame, platform: Swerve, held: bool) -> dict[str, Tens
         if all(series is not None for series in measured)
         else chassis_velocity_from_wheels(present["drive_velocity"], present["steer_angle"], platform)
     )
+    time = torch.from_numpy(frame["t"].to_numpy(dtype=np.float64, copy=True))
+    present["heading"] = heading_of(present["chassis_velocity"], time)
     return present
 
 

@@ -9,9 +9,9 @@ from torch import Tensor
 from pipeline.effects import (
     ActuatorEffect,
     CommandEffect,
+    ConstantEffect,
     Effect,
     MeasurementEffect,
-    ParameterError,
     WrenchEffect,
 )
 from pipeline.platforms import Platform
@@ -98,9 +98,9 @@ class Simulator:
         return self.mechanism.inertia(self.mechanism.constants())
 
     def constants(self) -> dict[str, Any]:
-        """Return the constants of the platform with every parameter error applied."""
+        """Return the constants of the platform as the effects change them."""
         constants: dict[str, Any] = {**self.mechanism.constants(), **self.settings}
-        for fitted in self.of_type(ParameterError):
+        for fitted in self.of_type(ConstantEffect):
             constants = fitted.effect.adjust(constants, fitted.values)  # type: ignore[attr-defined]
         return constants
 
