@@ -5,7 +5,6 @@ import functools
 import numpy as np
 import pandas as pd
 import pytest
-import torch
 
 from pipeline.effects import effect_by_key
 from pipeline.gap.diagnosis import Diagnosis, diagnose
@@ -13,8 +12,9 @@ from pipeline.gap.settings import Gap
 from pipeline.platforms import DirectCurrentMotor, Swerve, SwerveAxis
 from pipeline.platforms.swerve import SteerAxis
 from pipeline.recordings.recording import Recording
-from pipeline.simulation import FittedEffect, Simulator, rollout
+from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.motion import motion_of
+from tests.pipeline.simulation.drives import driven
 
 _STEP = 0.01  # s
 _SAMPLES = 1000
@@ -28,44 +28,32 @@ def swerve() -> Swerve:
     return Swerve(54.0, 5.0, corners, 0.0508, SwerveAxis(6.75, motor), SteerAxis(12.8, motor, 0.05))
 
 
-def multisine(random: np.random.Generator, amplitudes: tuple[float, float], fastest: float) -> np.ndarray:
-    time = np.arange(_SAMPLES) * _STEP
-    parts = zip(
-        random.uniform(*amplitudes, 4),
-        random.uniform(0.05, fastest, 4),
-        random.uniform(0, 2 * np.pi, 4),
-        strict=True,
-    )
-    return sum(size * np.sin(2 * np.pi * rate * time + phase) for size, rate, phase in parts)
-
-
-def drive(simulator: Simulator, random: np.random.Generator, run: str) -> pd.DataFrame:
-    """Drive with the same voltage on all wheels while the modules wave; the commands are held between samples."""
-    together = multisine(random, (1.0, 4.0), 0.8)
-    drive_voltage = np.stack([together + random.normal(0, 0.3) for _ in range(4)], axis=1)
-    steer_voltage = np.stack([multisine(random, (0.1, 0.5), 1.5) for _ in range(4)], axis=1)
-    commands = {"drive_voltage": drive_voltage, "steer_voltage": steer_voltage}
-    batch = {name: torch.tensor(value)[None] for name, value in commands.items()}
-    states = rollout(simulator, torch.zeros(1, 11, dtype=torch.float64), batch, _STEP, substeps=4)[0, :-1]
-    signals = motion_of(simulator.platform).signals(states)
+def drives(simulator: Simulator, random: np.random.Generator) -> pd.DataFrame:
+    """Drive to and fro while the modules stand as the motion demands; the commands are held between samples."""
+    states, commands = driven(simulator, _RUNS, _SAMPLES, _STEP, seed=7)
+    signals = motion_of(simulator.platform).signals(states, simulator.constants())
     noise = {"drive_velocity": 0.3, "steer_velocity": 0.01, "steer_angle": 0.001}
-    columns: dict[str, object] = {"run": run, "t": np.arange(_SAMPLES) * _STEP}
-    for wheel in range(4):
-        columns |= {f"{name}_{wheel + 1}": value[:, wheel] for name, value in commands.items()}
-        for name, size in noise.items():
-            measured = signals[name][:, wheel].numpy() + random.normal(0, size, _SAMPLES)
-            columns[f"{name}_{wheel + 1}"] = measured
-    for axis, name in enumerate(_CHASSIS):
-        columns[name] = signals["chassis_velocity"][:, axis].numpy() + random.normal(0, 0.003, _SAMPLES)
-    return pd.DataFrame(columns)
+    frames = []
+    for run in range(_RUNS):
+        columns: dict[str, object] = {"run": f"drive_{run}", "t": np.arange(_SAMPLES) * _STEP}
+        for wheel in range(4):
+            for name in ("drive_voltage", "steer_voltage"):
+                columns[f"{name}_{wheel + 1}"] = commands[name][run, :, wheel].numpy()
+            for name, size in noise.items():
+                measured = signals[name][run, :, wheel].numpy() + random.normal(0, size, _SAMPLES)
+                columns[f"{name}_{wheel + 1}"] = measured
+        for axis, name in enumerate(_CHASSIS):
+            exact = signals["chassis_velocity"][run, :, axis].numpy()
+            columns[name] = exact + random.normal(0, 0.003, _SAMPLES)
+        frames.append(pd.DataFrame(columns))
+    return pd.concat(frames, ignore_index=True)
 
 
 @functools.cache
 def diagnosed(key: str | None, name: str = "", value: float = 0.0) -> Diagnosis:
     effects = () if key is None else (FittedEffect(effect_by_key("swerve", key), {name: value}),)
     simulator = Simulator(swerve(), effects, settings={"sliding_velocity": 0.05})
-    random = np.random.default_rng(7)
-    frame = pd.concat([drive(simulator, random, f"drive_{run}") for run in range(_RUNS)], ignore_index=True)
+    frame = drives(simulator, np.random.default_rng(7))
     split = {f"drive_{run}": "holdout" if run == 0 else "train" for run in range(_RUNS)}
     units = dict.fromkeys(frame.columns[2:], "1")
     recording = Recording(frame, "swerve", units, split=split, cleaned=True)
