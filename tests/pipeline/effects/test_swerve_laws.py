@@ -134,11 +134,8 @@ def test_the_weight_pulls_down_the_same_slope_whichever_way_the_robot_faces(head
     signals = signals_of() | {"heading": torch.tensor(heading, dtype=torch.float64)}
     pull = acting("slope@chassis", {"rise_x": rise[0], "rise_y": rise[1]}, signals)
     x, y = float(pull["drive_x"]), float(pull["drive_y"])
-    world = (
-        x * math.cos(heading) - y * math.sin(heading),
-        x * math.sin(heading) + y * math.cos(heading),
-    )
-    weight = SWERVE.mass * SWERVE.gravity
+    cosine, sine, weight = math.cos(heading), math.sin(heading), SWERVE.mass * SWERVE.gravity
+    world = (x * cosine - y * sine, x * sine + y * cosine)
     assert world == pytest.approx((-weight * rise[0], -weight * rise[1]), abs=1e-9)
 
 
