@@ -57,7 +57,7 @@ class Airframe:
         rotor_speed: Array,
         inflow: Array,
         steps: int = NEWTON_STEPS,
-        heights: Array | None = None,
+        height: Array | None = None,
     ) -> tuple[Array, Array, Array]:
         """Return specific force, torque and induced velocities.
 
@@ -67,7 +67,7 @@ class Airframe:
             rotor_speed: (..., 4) rad/s.
             inflow: the last induced velocities (2, ..., 4), m/s.
             steps: of Newton's rule for the induced velocities.
-            heights: of the rotors over the floor (..., 4), m; None far from it.
+            height: over the floor (...,), m, one for all rotors, whose jets meet there; None far from it.
 
         Returns:
             Specific force (..., 3) m/s² and torque (..., 3) N·m, body frame; induced velocities.
@@ -75,8 +75,8 @@ class Airframe:
         places = self.rotor_positions - self.center
         hubs = velocity[..., None, :] + cross(body_rate[..., None, :], self.arm * places)
         thrust, in_plane, inflow = self.rotor.forces(rotor_speed, hubs, inflow, steps)
-        if heights is not None:
-            thrust = thrust * self._ground_gain(heights, hubs, inflow[0])
+        if height is not None and self.ground_area > 0:
+            thrust = thrust * self._ground_gain(height[..., None], hubs, inflow[0])
         thrust, in_plane = self.lift_share * thrust, self.lift_share[:, None] * in_plane
         forces = np.concatenate((in_plane, thrust[..., None]), axis=-1)  # (..., 4, 3)
         twisting = np.concatenate((self.arm * in_plane, thrust[..., None]), axis=-1)
@@ -88,16 +88,12 @@ class Airframe:
         drag = -0.5 * AIR_DENSITY * self.drag_area * FACES * airspeed * velocity
         return (forces.sum(axis=-2) + drag) / self.mass, torque, inflow
 
-    def rotor_heights(self, height: Array, rotation: Array) -> Array:
-        """Return the heights of the rotors (..., 4), m, of a machine at a height (...,) and attitude."""
-        return height[..., None] + rotation[..., 2, :] @ (self.rotor_positions - self.center).T
-
-    def _ground_gain(self, heights: Array, hubs: Array, induced: Array) -> Array:
+    def _ground_gain(self, height: Array, hubs: Array, induced: Array) -> Array:
         """Return thrust over that far from the floor: Cheeseman & Bennett 1955, equation (7)."""
         crossing = (hubs[..., 0] ** 2 + hubs[..., 1] ** 2) / (induced * induced)
         nearest = np.sqrt(self.ground_area / _GREATEST_GAIN)
-        height = np.maximum(heights, nearest)
-        return 1.0 / (1.0 - self.ground_area / (height * height) / (1.0 + crossing))
+        squared = np.maximum(height, nearest) ** 2
+        return 1.0 / (1.0 - self.ground_area / squared / (1.0 + crossing))
 
     def _hub_moments(self, rotor_speed: Array, hubs: Array, inflow: Array) -> Array | float:
         if self.rotor.hub_stiffness == 0:
@@ -113,11 +109,11 @@ class Airframe:
         return -self.turning_resistance * TURNING_FACES * (1.0 + _TURNING_GROWTH * rate) * body_rate
 
     def settled(
-        self, velocity: Array, body_rate: Array, rotor_speed: Array, heights: Array | None = None
+        self, velocity: Array, body_rate: Array, rotor_speed: Array, height: Array | None = None
     ) -> tuple[Array, Array]:
         """Return specific force and torque, as `wrench`, with the induced velocities settled."""
         inflow = self.rotor.still_inflow(rotor_speed)
-        return self.wrench(velocity, body_rate, rotor_speed, inflow, 30, heights)[:2]
+        return self.wrench(velocity, body_rate, rotor_speed, inflow, 30, height)[:2]
 
     def without(self, effect: str) -> "Airframe":
         """Return the same airframe with one of its forces or torques switched off."""

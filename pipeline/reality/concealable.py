@@ -26,7 +26,7 @@ CONCEALABLE: Table = {
     "ground_effect": {"coefficient": Quantity("m²", 0.06, powers={"reach": 2})},
     "battery_sag": {"sensitivity": Quantity("1", 0.8, high=1.5)},
     "motor_lag": {"time_constant": Quantity("s", 0.03)},
-    "command_delay": {"delay": Quantity("s", 0.02, high=0.2)},
+    "command_delay": {"delay": Quantity("s", 0.02, high=0.1)},
     "rotor_fault": {
         f"loss_{rotor}": Quantity("1", 0.2 if rotor == 1 else 0.0, high=0.6) for rotor in range(1, 5)
     },
@@ -57,7 +57,7 @@ CONCEALABLE: Table = {
 OUTSIDE: Table = {
     "gusts": {"speed": Quantity("m/s", 2.0)},
     "vortex_ring": {"depth": Quantity("1", 0.25, high=0.6)},
-    "shifting_mass": {"travel": Quantity("m", 0.1, powers={"reach": 1}, high=0.1)},
+    "shifting_mass": {"travel": Quantity("m", 0.08, powers={"reach": 1}, high=0.03)},
     "thrust_fade": {"depth": Quantity("1", 0.15, high=0.5)},
     "heading_torque": {"amplitude": Quantity("N·m", 0.01, powers=_TORQUE)},
     "arm_resonance": {

@@ -125,8 +125,7 @@ def _flown(airframe: Airframe, platform: Quadrotor, log: Log) -> Flown:
 
 
 def _settled(airframe: Airframe, flown: Flown, velocity: Array) -> tuple[Array, Array]:
-    heights = airframe.rotor_heights(flown.height, flown.rotation) if airframe.ground_area > 0 else None
-    return airframe.settled(velocity, flown.body_rate, flown.rotor_speed, heights)
+    return airframe.settled(velocity, flown.body_rate, flown.rotor_speed, flown.height)
 
 
 def _rotor_drag(flown: Flown) -> Array:

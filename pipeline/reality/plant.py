@@ -49,11 +49,8 @@ class Plant:
         body_rate = state[:, 10:]
         airspeed = state[:, 3:6] if self.wind is None else state[:, 3:6] - self.wind[index]
         velocity = (airspeed[:, None] @ rotation)[:, 0]
-        heights = None
-        if self.airframe.ground_area > 0:
-            heights = self.airframe.rotor_heights(state[:, 2], rotation)
         force, torque, self.inflow = self.airframe.wrench(
-            velocity, body_rate, speed, self.inflow, heights=heights
+            velocity, body_rate, speed, self.inflow, height=state[:, 2]
         )
         if self.spin is not None:
             torque = torque + self.spin.torque(speed, acceleration, body_rate)

@@ -92,3 +92,54 @@ def test_decoys_change_the_plant_and_not_the_platform(racer):
     still, speed = np.zeros(3), np.full(4, 1000.0)
     lift = airframe.settled(still, still, speed)[0][2]
     assert lift == pytest.approx(4 * 0.9 * racer.thrust_coefficient * 1e6 / (1.2 * racer.mass))
+
+
+def test_near_the_floor_thrust_grows_as_cheeseman_and_bennett_say(racer):
+    airframe = design(racer, PlantCase(effects={"ground_effect": 1e-3}))
+    still, speed = np.zeros((3, 3)), np.full((3, 4), 1200.0)
+    height = np.array([0.15, 0.3, 3.0])
+    near, far = (airframe.settled(still, still, speed, at)[0][:, 2] for at in (height, None))
+    np.testing.assert_allclose(near / far, 1.0 / (1.0 - 1e-3 / height**2))
+    touching = airframe.settled(still, still, speed, np.zeros(3))[0]
+    assert np.isfinite(touching).all()
+    moving = airframe.settled(still + np.array([30.0, 0.0, 0.0]), still, speed, height)[0]
+    assert moving[0, 2] < airframe.settled(still, still, speed, height)[0][0, 2]
+
+
+def test_thrust_beside_the_centre_of_mass_turns_the_machine(racer):
+    offset = {"offset_x": 0.01, "offset_y": -0.02}
+    airframe = design(racer, PlantCase(effects={"center_of_mass_offset": offset}))
+    still, speed = np.zeros(3), np.full(4, 1200.0)
+    thrust = 4 * racer.thrust_coefficient * 1200.0**2
+    np.testing.assert_allclose(
+        airframe.settled(still, still, speed)[1], [0.02 * thrust, 0.01 * thrust, 0.0], atol=1e-12
+    )
+
+
+def test_a_weak_rotor_lifts_and_twists_less(racer):
+    whole, weak = (design(racer, PlantCase(effects=case)) for case in ({}, {"rotor_fault": {"loss_3": 0.25}}))
+    speed = np.array([0.0, 0.0, 1000.0, 0.0]) + 1e-6
+    still = np.zeros(3)
+    for full, less in zip(whole.settled(still, still, speed), weak.settled(still, still, speed), strict=True):
+        np.testing.assert_allclose(less, 0.75 * full, atol=1e-9)
+
+
+def test_flapping_lifts_the_side_that_meets_the_air(racer):
+    airframe = design(racer, PlantCase(effects={"blade_flapping_moment": 0.004}))
+    hover, still = np.full(4, racer.hover_rotor_speed), np.zeros(3)
+    for velocity, expected in (((0.1, 0.0, 0.0), (0.0, -4e-4, 0.0)), ((0.0, 0.1, 0.0), (4e-4, 0.0, 0.0))):
+        force, torque = airframe.settled(np.array(velocity), still, hover)
+        np.testing.assert_allclose(torque, expected, rtol=1e-3, atol=1e-9)
+        np.testing.assert_allclose(force[:2], 0.0, atol=1e-12)
+
+
+def test_air_that_resists_turning_takes_its_energy(racer):
+    airframe = design(racer, PlantCase(effects={"angular_drag": 2e-3}))
+    _, body_rate, _ = some_states()
+    still, even = np.zeros_like(body_rate), np.full((50, 4), 1200.0)
+    torque = airframe.settled(still, body_rate, even)[1]
+    assert ((torque * body_rate).sum(axis=-1) < 0).all()
+    slow = airframe.settled(np.zeros(3), np.array([0.0, 1e-3, 0.0]), np.full(4, 1200.0))[1]
+    assert slow[1] == pytest.approx(-2e-3 * 1e-3, rel=1e-3)
+    without = airframe.without("angular_drag").settled(still, body_rate, even)[1]
+    np.testing.assert_allclose(without, 0.0, atol=1e-12)

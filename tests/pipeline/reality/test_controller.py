@@ -1,6 +1,8 @@
 import numpy as np
+import pytest
 
-from pipeline.reality.controller import Controller
+from pipeline.reality.case import PlantCase
+from pipeline.reality.controller import Controller, Gains, tuned
 
 
 def reference(position=(0.0, 0.0, 0.0), heading=0.0):
@@ -48,3 +50,31 @@ def test_commands_stay_within_what_motors_can_do(racer):
     speeds = command(racer, reference((0.0, 0.0, 1000.0)))
     assert (speeds <= racer.motor_speed_max).all()
     assert (command(racer, reference((0.0, 0.0, -1000.0))) > 0).all()
+
+
+def test_a_trimmed_autopilot_takes_up_what_stays_wrong(racer):
+    gains = tuned(PlantCase(autopilot="trimmed"), racer)
+    controller = Controller(racer, gains, step=0.01)
+    target, (still, zero) = reference((0.0, 0.0, 0.1))[0], reference()[1:]
+    speeds = [
+        controller.command(
+            (target, still, zero), zero[:, :3], zero[:, :3], np.eye(3)[None], zero[:, :3], np.zeros((1, 4))
+        )
+        for _ in range(50)
+    ]
+    gained = [wrench(racer, speed)[0] for speed in speeds]
+    assert (np.diff(gained) > 0).all()
+    rise = racer.mass * 0.01 * gains.position_integral * 0.1
+    np.testing.assert_allclose(np.diff(gained), rise, rtol=1e-6)
+
+
+def test_late_motors_and_heavy_rotors_are_flown_with_care(racer):
+    plain, late, heavy = (
+        tuned(PlantCase(effects=effects, autopilot="trimmed"), racer)
+        for effects in ({}, {"command_delay": 0.05}, {"rotor_inertia_torque": 1e-5})
+    )
+    assert late.body_rate * 0.05 == pytest.approx(0.6)
+    assert plain.body_rate == Gains().body_rate
+    assert plain.yaw_cut_off == np.inf
+    assert heavy.yaw_cut_off == 2 * racer.torque_coefficient * racer.hover_rotor_speed / 1e-5
+    assert tuned(PlantCase(effects={"motor_lag": 0.05}), racer) == Gains()

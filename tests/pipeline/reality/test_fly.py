@@ -54,3 +54,67 @@ def test_one_run_alone_can_be_flown_and_an_unknown_effect_cannot(racer):
     assert recording.runs == ["random_1"]
     with pytest.raises(InputError, match="unknown effect"):
         fly(PlantCase(effects={"flubber": 1.0}), racer, seed=0)
+
+
+EVERYTHING = {
+    "steady_wind": {"wind_x": 3.0, "wind_y": 1.0},
+    "body_drag": 0.03,
+    "center_of_mass_offset": {"offset_x": 0.004},
+    "rotor_fault": {"loss_4": 0.1},
+    "slung_payload": 0.1,
+    "battery_sag": 0.5,
+    "command_delay": 0.01,
+    "motor_lag": 0.02,
+    "rotor_inertia_torque": 8e-6,
+    "gyroscopic_torque": 8e-6,
+    "blade_flapping_moment": 2e-3,
+}
+
+
+def test_everything_at_once_can_be_flown(racer):
+    case = PlantCase(effects=EVERYTHING, outside={"gusts": 1.0, "thrust_fade": 0.1}, runs=3, duration=4.0)
+    recording, key = fly(case, racer, seed=1)
+    assert {entry["name"] for entry in key["effects"]} == set(EVERYTHING)
+    assert [entry["name"] for entry in key["outside"]] == ["gusts", "thrust_fade"]
+    frame = recording.frame
+    assert frame["position_z"].min() > 0.3
+    assert (
+        1.0 - 2.0 * (frame["attitude_x"] ** 2 + frame["attitude_y"] ** 2)
+    ).min() > -0.2  # never on its back
+    again, same = fly(case, racer, seed=1)
+    pd.testing.assert_frame_equal(frame, again.frame)
+    assert same == key
+
+
+STRONG = {
+    "vortex_ring": 0.3,
+    "shifting_mass": 0.01,
+    "heading_torque": 0.01,
+    "arm_resonance": 0.3,
+    "gusts": 2.0,
+}
+
+
+@pytest.mark.parametrize("outside", STRONG)
+def test_twins_of_what_has_no_name_keep_their_paths_and_noise(racer, outside):
+    drag = {"rotor_drag": 0.35}
+    strange, twin = (
+        fly(
+            PlantCase(effects=drag, outside=strength, autopilot="trimmed", runs=3, duration=1.0),
+            racer,
+            seed=2,
+        )
+        for strength in (
+            {outside: {"gusts": 2.0, "heading_torque": 0.01, "shifting_mass": 0.01}.get(outside, 0.05)},
+            {},
+        )
+    )
+    assert strange[0].frame["t"].equals(twin[0].frame["t"])
+    apart = (strange[0].frame["position_x"] - twin[0].frame["position_x"]).abs().max()
+    assert apart < 0.5
+    turned = (strange[0].frame["body_rate_x"] - twin[0].frame["body_rate_x"]).abs().max()
+    assert max(apart, turned) > 0
+    (entry,) = strange[1]["outside"]
+    assert entry["name"] == outside
+    assert {"channel", "depends_on", "parameters"} <= entry.keys()
+    assert twin[1]["outside"] == []

@@ -40,3 +40,32 @@ def test_every_path_stays_above_the_floor(paths):
 def test_the_same_seed_plans_the_same_paths(paths):
     again = plan(CASE, np.random.default_rng(3))
     np.testing.assert_array_equal(again.at(7.0)[0], paths.at(7.0)[0])
+
+
+def flown(**kwargs):
+    paths = plan(PlantCase(runs=5, duration=20.0, **kwargs), np.random.default_rng(3))
+    return paths, paths.at(np.linspace(0.0, 20.0, 2000))
+
+
+def test_over_a_floor_that_is_to_be_felt_paths_come_down_to_it():
+    for effects in ({}, {"ground_effect": 1e-3}):
+        _, (place, speed, quickening) = flown(flights="low", effects=effects)
+        lowest, highest = place[..., 2].min(axis=0), place[..., 2].max(axis=0)
+        assert (lowest > 0.1).all()
+        assert (highest < 0.55).all()
+        assert (highest - lowest).min() > 0.1
+        assert np.linalg.norm(speed[..., :3], axis=-1).max() < 2.0
+        assert np.linalg.norm(quickening[..., :3], axis=-1).max() < 3.0
+
+
+def test_poor_flights_leave_out_what_their_name_says():
+    _, (hovering, still, _) = flown(flights="hover")
+    np.testing.assert_array_equal(still, 0.0)
+    assert (hovering[..., 2] > 1.0).all()
+    _, (line, _, _) = flown(flights="line")
+    np.testing.assert_array_equal(np.ptp(line[..., 1:], axis=0), 0.0)
+    assert (np.ptp(line[..., 0], axis=0) > 1.0).all()
+    paths, (level, _, _) = flown(flights="level")
+    np.testing.assert_array_equal(np.ptp(level[..., 2], axis=0), 0.0)
+    assert (np.ptp(level[..., :2], axis=0).max(axis=-1) > 1.0).all()
+    assert {name.split("_")[0] for name in paths.names} == set(MANOEUVRES)

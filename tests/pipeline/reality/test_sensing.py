@@ -84,3 +84,21 @@ def test_the_battery_sags_and_empties(racer):
     assert 0.9 * racer.nominal_voltage < voltage[-1] < 1.15 * racer.nominal_voltage
     assert voltage[150] < voltage[0]
     assert voltage[199] - voltage[201] > 0.2
+
+
+def test_a_concealed_driver_is_not_recorded(log, racer):
+    frame = recorded(log, racer, hidden=["motor_speed", "battery_voltage"])
+    assert not [column for column in frame if column.startswith(("motor_speed", "battery"))]
+    assert "motor_command_1" in frame
+    whole = recorded(log, racer)
+    assert frame.equals(whole[frame.columns])  # all else is as it was
+
+
+def test_an_estimator_believes_something_near_the_truth(log, racer):
+    frame, truth = recorded(log, racer, estimates=1.0), recorded(log, racer, sensors=Sensors(scale=0.0))
+    error = frame["estimate_velocity_x"] - truth["velocity_x"]
+    assert 0.01 < error.std() < 0.3
+    norm = np.linalg.norm(frame[[f"estimate_attitude_{axis}" for axis in "wxyz"]], axis=1)
+    np.testing.assert_allclose(norm, 1.0)
+    sensed = recorded(log, racer)
+    assert frame[sensed.columns].equals(sensed)
