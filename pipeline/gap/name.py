@@ -111,6 +111,8 @@ class _Competition:
         self.known = {fitted.effect.key: fitted for fitted in simulator.known}
         self.rounds: list[Round] = []
         self.dropped: set[str] = set()
+        self.scanned: set[str] = set()
+        self.shapes: dict[str, dict[str, float]] = {}
 
     def run(self, contestants: list[Effect]) -> None:
         """Add effects until none may be named any more."""
@@ -122,6 +124,7 @@ class _Competition:
             if winner is None:
                 return
             self.current = fit(winner.fit.simulator, self.problem)
+            self.scanned.clear()
             self.prune()
 
     def likeliest(self, admitted: list[Candidate]) -> Candidate | None:
@@ -136,9 +139,21 @@ class _Competition:
     def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
         """Refit with the effect added and compare with the simulator without it."""
         without = without or self.current
-        fitted = extend(without, effect, self.problem)
+        fitted = extend(without, effect, self.problem, self.starts(effect))
+        self.shapes[effect.key] = dict(fitted.simulator.effects[-1].values)
         before, after = cross_validated(without, self.fold), cross_validated(fitted, self.fold)
         return self.judged(effect, without, fitted, before, after)
+
+    def starts(self, effect: Effect) -> list[dict[str, float]]:
+        """Return where a fit starts: the whole scan until something is named, then what the effect looked like last.
+
+        The scan is repeated once for each effect after every change of the simulator that a round decides on.
+        """
+        scan = effect.starts()
+        if len(scan) > 1 and effect.key in self.scanned:
+            return [self.shapes[effect.key], effect.neutral()]
+        self.scanned.add(effect.key)
+        return scan
 
     def judged(self, effect: Effect, without: Fit, fitted: Fit, before: Tensor, after: Tensor) -> Candidate:
         """Measure a candidate and say why it may not be named, if so."""

@@ -1,5 +1,6 @@
 """A fit with one effect more or one less, without fitting the others from scratch."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import torch
@@ -26,13 +27,21 @@ _STEPS = 3
 _SCANNED = 60  # blocks that a scan of starting points looks at
 
 
-def extend(current: Fit, effect: Effect, problem: Problem) -> Fit:
+def extend(
+    current: Fit, effect: Effect, problem: Problem, starts: Sequence[dict[str, float]] | None = None
+) -> Fit:
     """Add an effect to a fit: its own columns are computed, those of the others kept.
 
     An effect that is known already is set free. A linear effect needs no evaluation of the simulator at all, any other
     a handful. The winner of a round is fitted again in full.
+
+    Args:
+        current: without the effect.
+        effect: to be added.
+        problem: what is fitted.
+        starts: values from which to start, the most promising of which is taken; None: the effect's own.
     """
-    simulator, residual = _start(current, effect, problem)
+    simulator, residual = _start(current, effect, problem, starts or effect.starts())
     for _ in range(1 if _is_linear(effect) else _STEPS):
         added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
@@ -63,7 +72,9 @@ def _is_linear(effect: Effect) -> bool:
     return isinstance(effect, WrenchEffect) and effect.linear
 
 
-def _start(current: Fit, effect: Effect, problem: Problem) -> tuple[Simulator, Tensor]:
+def _start(
+    current: Fit, effect: Effect, problem: Problem, starts: Sequence[dict[str, float]]
+) -> tuple[Simulator, Tensor]:
     """Return the simulator at the effect's most promising starting point, and its residual.
 
     A start is worth what one Newton step from it promises: many effects have a size that only a step can tell and a
@@ -71,7 +82,7 @@ def _start(current: Fit, effect: Effect, problem: Problem) -> tuple[Simulator, T
     """
     kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
     known = next((f for f in current.simulator.known if f.effect.key == effect.key), None)
-    starts = [dict(known.values)] if known else effect.starts()
+    starts = [dict(known.values)] if known else starts
     simulators = [current.simulator.with_effects((*kept, FittedEffect(effect, values))) for values in starts]
     best = simulators[0]
     if len(simulators) > 1:

@@ -21,6 +21,9 @@ from pipeline.platforms.mechanisms import mechanism_of
 Signals = Mapping[str, Tensor]
 
 
+_LAST_OF_THE_ACTUATOR = 2  # order of an effect; those behind it do not change what the actuator puts out
+
+
 @dataclass(frozen=True)
 class FittedEffect:
     """An effect with the values it has in one simulator.
@@ -120,7 +123,8 @@ class Simulator:
         if given is None or self.mechanism.actuator_input not in out:
             return self._actuated_along_time(out, constants, time_step, given)
         bare = {name: series for name, series in out.items() if name != given}
-        commanded = self._actuated_along_time(bare, constants, time_step, None)[given]
+        moving = self.with_effects(tuple(f for f in self.effects if not _follows_motion(f)))
+        commanded = moving._actuated_along_time(bare, constants, time_step, None)[given]
         measured = self._actuated_along_time(out, constants, time_step, given)
         return {**measured, f"commanded_{given}": commanded}
 
@@ -149,6 +153,10 @@ class Simulator:
         inertial = mechanism.inertial(signals, constants)
         rate = {name: value + inertial[name] if name in inertial else value for name, value in wrench.items()}
         return Balance(mechanism.momentum(signals, constants), wrench, rate)
+
+
+def _follows_motion(fitted: FittedEffect) -> bool:
+    return getattr(fitted.effect, "order", 0) > _LAST_OF_THE_ACTUATOR
 
 
 def _along_time(
