@@ -1,11 +1,10 @@
-"""The stage that brings a recording in: published, a person's own, or flown by the concealed plant."""
+"""The stage that brings a recording in: published, a person's own, or made by a concealed plant."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline.reality.case import PlantCase
 from pipeline.recordings.dataset import Dataset
 from pipeline.stage import StageConfig, StageRun, stage
 
@@ -16,17 +15,17 @@ class RecordStage(StageConfig):
 
     platform: dict[str, Any] = field(default_factory=dict)
     dataset: Dataset = field(default_factory=Dataset)
-    record: PlantCase = field(default_factory=PlantCase)
+    record: dict[str, Any] = field(default_factory=dict)
 
 
 @stage(RecordStage)
 def record(config: RecordStage, run: StageRun) -> None:
-    """Record: fetch and import a dataset, or fly the concealed plant and seal its answer."""
+    """Record: fetch and import a dataset, or run a concealed plant and seal its answer."""
     from pipeline.recordings.load import load_dataset
     from pipeline.recordings.recording import write_recording
 
-    flown = config.dataset.source == "reality"
-    recording = _flight(config, run) if flown else load_dataset(config.dataset)
+    concealed = config.dataset.source == "reality"
+    recording = _made(config, run) if concealed else load_dataset(config.dataset)
     for warning in recording.warnings:
         run.warn(warning)
     write_recording(recording, run.output / "recording.parquet")
@@ -34,18 +33,15 @@ def record(config: RecordStage, run: StageRun) -> None:
     run.log_metrics({"runs": len(recording.runs), "samples": len(recording.frame)})
 
 
-def _flight(config: RecordStage, run: StageRun) -> Any:
-    """Fly the configured case; its key goes where no other stage looks."""
-    from pipeline.errors import InputError
-    from pipeline.platforms import Quadrotor, platform_from_config
-    from pipeline.reality.fly import fly, key_text
+def _made(config: RecordStage, run: StageRun) -> Any:
+    """Run the configured case of the platform's kind; its key goes where no other stage looks."""
+    from pipeline.platforms import platform_from_config
+    from pipeline.reality import case_from_config, record_case
+    from pipeline.reality.fly import key_text
 
     platform = platform_from_config(config.platform)
-    if not isinstance(platform, Quadrotor):
-        raise InputError(
-            f"the concealed plant is a quadrotor, not a {platform.kind}", "platform", "use racer"
-        )
-    recording, key = fly(config.record, platform, config.seed)
+    case = case_from_config(platform.kind, config.record)
+    recording, key = record_case(case, platform, config.seed)
     sealed = run.output / "key"
     sealed.mkdir()
     (sealed / "key.json").write_text(key_text(key), encoding="utf-8")

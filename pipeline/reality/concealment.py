@@ -23,7 +23,7 @@ class Quantity:
         unit: as the key states it.
         default: a clear strength, in units of the machine's own sizes (see `powers`).
         powers: of the machine's own sizes (its effort, velocity, ...) that the default is multiplied by.
-        neutral: the value at which the effect is absent.
+        neutral: the value at which the effect is absent; infinite for a limit.
         low: the least value that makes sense.
         high: the greatest.
     """
@@ -42,8 +42,10 @@ class Quantity:
             size: what is typical of the machine.
             strength: 1 for the default, 0 for none.
         """
-        scale = math.prod(size[name] ** power for name, power in self.powers.items())
-        return self.neutral + strength * (self.default * scale - self.neutral)
+        default = self.default * math.prod(size[name] ** power for name, power in self.powers.items())
+        if math.isinf(self.neutral):
+            return default / strength if strength else math.inf
+        return self.neutral + strength * (default - self.neutral)
 
 
 Table = Mapping[str, Mapping[str, Quantity]]
@@ -61,7 +63,8 @@ class Concealed:
         self.table = table
         self.values = {
             name: {
-                key: float(given.get(key, quantity.typical(size))) for key, quantity in table[name].items()
+                key: float(given[key]) if key in given else quantity.typical(size)
+                for key, quantity in table[name].items()
             }
             for name, given in chosen.items()
         }
@@ -73,18 +76,26 @@ class Concealed:
         """Return a quantity of an effect, neutral where the effect is not concealed."""
         return self.values[name][quantity] if name in self.values else self.table[name][quantity].neutral
 
+    def group(self, group: str) -> "Concealed":
+        """Return what acts on a group, by names without the group."""
+        names = {name: name.partition("@")[0] for name in self.table if name.partition("@")[2] == group}
+        table = {bare: self.table[name] for name, bare in names.items()}
+        values = {bare: self.values[name] for name, bare in names.items() if name in self.values}
+        return Concealed(values, table, {})
+
     def present(self) -> dict[str, dict[str, float]]:
         """Return the effects whose strength is not neutral, in the order of the table."""
         return {
             name: self.values[name]
             for name, quantities in self.table.items()
-            if name in self.values and _strength(self.values[name], quantities)
+            if name in self.values and _acts(self.values[name], quantities)
         }
 
 
-def _strength(values: Mapping[str, float], quantities: Mapping[str, Quantity]) -> bool:
-    first, quantity = next(iter(quantities.items()))
-    return values[first] != quantity.neutral
+def _acts(values: Mapping[str, float], quantities: Mapping[str, Quantity]) -> bool:
+    """Whether the strength, or another component of it in the same unit, is not neutral."""
+    unit = next(iter(quantities.values())).unit
+    return any(values[key] != entry.neutral for key, entry in quantities.items() if entry.unit == unit)
 
 
 def typical(name: str, table: Table, size: Size, strength: float = 1.0) -> dict[str, float]:
@@ -112,13 +123,13 @@ def check_chosen(chosen: Chosen, table: Table, where: str) -> None:
             if key not in table[name]:
                 raise InputError(f"unknown quantity {key!r}", f"{where}.{name}", _nearest(key, table[name]))
             quantity = table[name][key]
-            if not (math.isfinite(value) and quantity.low <= value <= quantity.high):
+            if not (quantity.low <= value <= quantity.high):
                 span = f"must be from {quantity.low:g} to {quantity.high:g}, is {value}"
                 raise InputError(span, f"{where}.{name}.{key}", "correct it")
 
 
 def _nearest(name: str, known: Mapping[str, Any]) -> str:
-    near = difflib.get_close_matches(str(name), known, n=1)
+    near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.5)
     return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
 
 

@@ -10,17 +10,23 @@ from pipeline.errors import InputError
 from pipeline.platforms import Joint, Quadrotor, Swerve
 from pipeline.reality.case import PlantCase
 from pipeline.reality.joint.case import JointCase
+from pipeline.reality.swerve.case import SwerveCase
 from pipeline.recordings.recording import Recording
 
-Case = PlantCase | JointCase
+Case = PlantCase | JointCase | SwerveCase
 
-CASES: dict[str, type[PlantCase] | type[JointCase]] = {"quadrotor": PlantCase, "joint": JointCase}
+CASES: dict[str, type[PlantCase] | type[JointCase] | type[SwerveCase]] = {
+    "quadrotor": PlantCase,
+    "joint": JointCase,
+    "swerve": SwerveCase,
+}
 """The case of each kind of platform."""
 
 # Plants are loaded when one is run: whoever asks for a case alone need not wait for them.
 _RECORDERS = {
     "quadrotor": ("pipeline.reality.fly", "fly"),
     "joint": ("pipeline.reality.joint.record", "record_joint"),
+    "swerve": ("pipeline.reality.swerve.record", "record_swerve"),
 }
 
 

@@ -8,14 +8,14 @@ import yaml
 
 from pipeline.errors import InputError
 from pipeline.platforms import platform_from_config
-from pipeline.reality.case import PlantCase
 from pipeline.recordings.dataset import Dataset
 from pipeline.recordings.recording import read_recording
 from pipeline.stage import StageRun
+from pipeline.stage.compose import compose
 from stages.record import RecordStage, record
 
 CONF = Path(__file__).parents[2] / "conf"
-SHORT = PlantCase(effects={"rotor_drag": 0.35}, runs=2, duration=0.3)
+SHORT = {"effects": {"rotor_drag": 0.35}, "runs": 2, "duration": 0.3}
 
 
 def platform(name):
@@ -60,11 +60,21 @@ def test_a_recording_of_ones_own_is_taken_as_it_is(flown, tmp_path):
     assert not (output / "key").exists()
 
 
-def test_only_a_quadrotor_is_flown(tmp_path):
-    with pytest.raises(InputError, match="quadrotor, not a joint"):
-        recorded(
-            tmp_path / "x", platform=platform("flywheel"), dataset=Dataset(source="reality"), record=SHORT
-        )
+@pytest.mark.parametrize("name", sorted(path.stem for path in (CONF / "record").glob("*.yaml")))
+def test_every_configured_case_can_be_recorded(name, tmp_path):
+    values = compose([f"record={name}", "record.runs=2", "record.duration=0.5"])["record"]
+    machine = name if (CONF / "platform" / f"{name}.yaml").exists() else "racer"
+    output = recorded(
+        tmp_path / name, platform=platform(machine), dataset=Dataset(source="reality"), record=values
+    )
+    assert len(read_recording(output / "recording.parquet").runs) == 2
+    assert json.loads((output / "key" / "key.json").read_text())["outside"] == []
+
+
+def test_the_case_of_another_machine_is_refused_by_its_key(tmp_path):
+    values = compose(["record=servo"])["record"]
+    with pytest.raises(InputError, match="record: unknown key"):
+        recorded(tmp_path / "x", platform=platform("racer"), dataset=Dataset(source="reality"), record=values)
 
 
 @pytest.mark.parametrize("path", sorted((CONF / "platform").glob("*.yaml")), ids=lambda path: path.stem)

@@ -60,6 +60,7 @@ class Axis:
         strain: of the hysteretic part, (runs,).
         effort: of the motor, (runs,).
         transmitted: what last reached the load, (runs,).
+        external: what else pushes on the load, (runs,).
     """
 
     inertia: Array
@@ -75,6 +76,7 @@ class Axis:
     strain: Array
     effort: Array
     transmitted: Array
+    external: Array
 
     def travel(self, step: float) -> None:
         """Move on by a step; the velocity goes half the way, `push` completes it."""
@@ -103,7 +105,7 @@ class Axis:
     def _accelerations(self, effort: Array, velocity: Array) -> Array:
         self.effort = effort
         moving = velocity[-1]
-        force = self.load.force(self.position[-1], moving, self.strain)
+        force = self.external + self.load.force(self.position[-1], moving, self.strain)
         if self.friction.speed_dependent:
             force = force + self.friction.speed_force(moving)
         if self.friction.dry:
@@ -121,7 +123,7 @@ def axis_of(
 ) -> Axis:
     """Return the axis that a case conceals, at a position and velocity (runs,)."""
     inertia = platform.inertia * effects.get("inertia_error", "ratio")
-    shares, coupling = _bodies(effects, outside, inertia)
+    shares, coupling = bodies(effects, outside, inertia)
     resting = np.zeros(case.runs)
     position, velocity = (np.tile(series, (len(shares), 1)) for series in start)
     return Axis(
@@ -138,11 +140,18 @@ def axis_of(
         strain=resting,
         effort=resting,
         transmitted=resting,
+        external=resting,
     )
 
 
-def _bodies(effects: Concealed, outside: Concealed, inertia: float) -> tuple[Array, Coupling | None]:
-    """Return the shares of the inertia (bodies, 1) and what joins them."""
+def bodies(effects: Concealed, outside: Concealed, inertia: float) -> tuple[Array, Coupling | None]:
+    """Return the shares of the inertia (bodies, 1) and what joins them.
+
+    Args:
+        effects: with `backlash`, perhaps.
+        outside: with `flexible_coupling`, perhaps.
+        inertia: of both, kg·m² or kg.
+    """
     if "backlash" in effects:
         share = effects.get("backlash", "motor_inertia_share")
         gap = effects.get("backlash", "gap")

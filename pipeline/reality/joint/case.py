@@ -1,11 +1,11 @@
 """What a concealed joint is, how it is moved, and how it is recorded."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
 from pipeline.errors import InputError
 from pipeline.platforms import Joint
 from pipeline.reality.concealment import Concealed, check_chosen
+from pipeline.reality.conditions import check_listed, check_logger, check_noise
 from pipeline.reality.joint.effects import CONCEALABLE, NEEDS_MOTOR, OUTSIDE
 
 REFERENCES = ("multisine", "chirp", "steps", "triangle", "creep", "sine", "one_way")
@@ -148,32 +148,3 @@ class JointCase:
         current = effort / constant
         command = platform.motor.resistance * current + constant * size["velocity"]
         return size | {"current": current, "command": command}
-
-
-def check_listed(names: list[str], known: tuple[str, ...], where: str, least: int = 1) -> None:
-    """Refuse a list with a name that is not known, or too short a one."""
-    for name in names:
-        if name not in known:
-            raise InputError(f"unknown entry {name!r}", where, f"known: {', '.join(known)}")
-    if len(names) < least:
-        raise InputError("is empty", where, f"choose from {', '.join(known)}")
-
-
-def check_logger(rate: float, jitter: float, dropped: float, where: str) -> None:
-    """Refuse a logger whose samples would not be in order."""
-    if rate > 1000:
-        raise InputError(f"must be at most 1000, is {rate}", f"{where}.rate", "give Hz")
-    if not 0 <= dropped < 0.9:
-        raise InputError(f"must be from 0 to 0.9, is {dropped}", f"{where}.dropped", "give a share")
-    if not 0 <= jitter * rate < 0.2:
-        raise InputError(
-            f"must be under a fifth of the time step, is {jitter}", f"{where}.jitter", "give seconds"
-        )
-
-
-def check_noise(sensors: object, where: str) -> None:
-    """Refuse negative noise."""
-    values: Mapping[str, float] = {entry.name: getattr(sensors, entry.name) for entry in fields(sensors)}  # type: ignore[arg-type]
-    for name, value in values.items():
-        if value < 0:
-            raise InputError("must not be negative", f"{where}.{name}", "correct it")

@@ -1,5 +1,7 @@
 """What a joint can conceal. Effort means N·m or N, position rad or m, as the machine has it."""
 
+import math
+
 from pipeline.reality.concealment import Quantity
 
 _EFFORT, _POSITION, _VELOCITY = {"effort": 1}, {"position": 1}, {"velocity": 1}
@@ -45,7 +47,7 @@ CONCEALABLE: dict[str, dict[str, Quantity]] = {
     "temperature_derating": {"coefficient": Quantity("1/K", 0.005, high=0.008)},
     "command_delay": {"delay": Quantity("s", 0.02, high=0.1)},
     "motor_inductance": {"time_constant": Quantity("s", 0.008, high=0.1)},
-    "current_limit": {"limit": Quantity("A", 0.5, {"current": 1}, neutral=1e9, low=1e-6)},
+    "current_limit": {"limit": Quantity("A", 0.5, {"current": 1}, neutral=math.inf, low=1e-6)},
     "inertia_error": {"ratio": Quantity("1", 1.3, neutral=1.0, low=0.2, high=5.0)},
     "motor_constant_error": {"ratio": Quantity("1", 1.2, neutral=1.0, low=0.2, high=5.0)},
     "sensor_time_offset": {"offset": Quantity("s", 0.02, low=-0.1, high=0.1)},
@@ -64,7 +66,7 @@ OUTSIDE: dict[str, dict[str, Quantity]] = {
         "damping_ratio": Quantity("1", 0.05, high=1.0),
         "motor_inertia_share": Quantity("1", 0.5, low=0.05, high=0.95),
     },
-    "hard_stop": {"position": Quantity("rad", 0.6, _POSITION, neutral=1e9)},
+    "hard_stop": {"position": Quantity("rad", 0.6, _POSITION, neutral=math.inf)},
     "speed_ripple": {
         "amplitude": Quantity("N·m·s/rad", 0.5, _PER_VELOCITY),
         "cycles": Quantity("1/rad", 3.0, _PER_POSITION, low=1e-6),

@@ -34,6 +34,7 @@ class Friction:
         stiffness: of the bristles, N·m/rad.
         damping: of the bristles, N·m·s/rad.
         least: level below which nothing is held.
+        frequency: of the inertia on the bristles, rad/s.
     """
 
     coulomb: float
@@ -48,6 +49,7 @@ class Friction:
     stiffness: float
     damping: float
     least: float
+    frequency: float
 
     @property
     def dry(self) -> bool:
@@ -90,7 +92,7 @@ class Friction:
     def dry_force(self, deflection: Array, velocity: Array, level: Array) -> Array:
         """Return what the bristles do to the axis, N·m or N."""
         slipping = velocity - self.stiffness * np.abs(velocity) / level * deflection
-        sliding = 2.0 * BRISTLE_FREQUENCY * level / self.stiffness
+        sliding = 2.0 * self.frequency * level / self.stiffness
         damping = self.damping * np.exp(-((velocity / sliding) ** 2))
         return -self.stiffness * deflection - damping * slipping
 
@@ -99,10 +101,24 @@ class Friction:
         return -(self.viscous + self.quadratic * np.abs(velocity)) * velocity
 
 
-def friction_of(effects: Concealed, outside: Concealed, inertia: float, effort: float) -> Friction:
-    """Return the friction that a case conceals on an axis of that inertia and typical effort."""
+def friction_of(
+    effects: Concealed,
+    outside: Concealed,
+    inertia: float,
+    effort: float,
+    frequency: float = BRISTLE_FREQUENCY,
+) -> Friction:
+    """Return the friction that a case conceals.
+
+    Args:
+        effects: of the catalogue.
+        outside: of none.
+        inertia: of the axis, kg·m² or kg.
+        effort: typical, N·m or N.
+        frequency: of the inertia on the bristles, rad/s.
+    """
     spot = tuple(outside.get("tight_spot", key) for key in ("level", "place", "width"))
-    stiffness = inertia * BRISTLE_FREQUENCY**2
+    stiffness = inertia * frequency**2
     return Friction(
         coulomb=effects.get("coulomb_friction", "level"),
         extra=effects.get("stribeck_friction", "extra_level"),
@@ -114,6 +130,7 @@ def friction_of(effects: Concealed, outside: Concealed, inertia: float, effort: 
         spot=(spot[0], spot[1], spot[2]),
         wear=outside.get("wear", "growth"),
         stiffness=stiffness,
-        damping=2.0 * _BRISTLE_DAMPING_RATIO * inertia * BRISTLE_FREQUENCY,
+        damping=2.0 * _BRISTLE_DAMPING_RATIO * inertia * frequency,
         least=_LEAST_LEVEL * effort,
+        frequency=frequency,
     )

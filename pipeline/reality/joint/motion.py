@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.platforms import Joint
 from pipeline.reality.concealment import Concealed
+from pipeline.reality.delay import Commands
 from pipeline.reality.joint.axis import axis_of
 from pipeline.reality.joint.case import JointCase
 from pipeline.reality.joint.controller import JointController
@@ -65,7 +66,7 @@ def move(
     drive = drive_of(effects, platform, case, random)
     axis = axis_of(effects, outside, platform, case, (reference[0][0], reference[1][0]))
     noise = case.sensors.scale * case.sensors.position * random.standard_normal(reference[0].shape)
-    commands = Commands(effects.get("command_delay", "delay"), reference[0].shape, case.held)
+    commands = Commands(effects.get("command_delay", "delay"), STEP, reference[0].shape, case.held)
     every = round(1.0 / (case.rate * STEP)) if case.held else 1
     controller = JointController(platform, case, reference[0][0], reference[1][0], every * STEP)
     rows: list[tuple[Array, ...]] = []
@@ -82,30 +83,3 @@ def move(
         truth = axis.position[-1], axis.velocity[-1], commands.series[count], axis.effort, drive.cold
         rows.append((*truth, drive.current, drive.voltage, drive.winding.temperature))
     return Log(*(np.stack(column) for column in zip(*rows, strict=True)))
-
-
-class Commands:
-    """What was commanded so far, and what of it has arrived."""
-
-    def __init__(self, delay: float, shape: tuple[int, ...], held: bool) -> None:
-        """Keep a series of that shape (steps, runs); what arrives is `delay` s old."""
-        self.late = delay / STEP
-        self.series = np.zeros(shape)
-        self.held = held
-
-    def note(self, count: int, command: Array) -> None:
-        """Note the command of a step."""
-        self.series[count] = command
-
-    def keep(self, count: int) -> None:
-        """Repeat the command of the step before."""
-        self.series[count] = self.series[count - 1]
-
-    def at(self, count: int) -> Array:
-        """Return the command that arrives at a step: held until the next one, or in between."""
-        place = max(count - self.late, 0.0)
-        whole = int(place)
-        share = place - whole
-        if self.held or share == 0.0:
-            return self.series[whole]
-        return (1.0 - share) * self.series[whole] + share * self.series[whole + 1]

@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
+from pipeline.reality.delay import Commands
 from pipeline.reality.joint.case import JointCase
 from pipeline.reality.joint.drive import drive_of
-from pipeline.reality.joint.motion import STEP, Commands
+from pipeline.reality.joint.motion import STEP
 from pipeline.reality.joint.supply import AMBIENT
 
 STILL = np.zeros(1)
@@ -76,7 +77,7 @@ def test_only_a_drive_that_passes_the_sag_on_gives_less_effort(servo):
 
 @pytest.mark.parametrize(("held", "arrived"), [(False, 5.5), (True, 5.0)])
 def test_commands_arrive_late(held, arrived):
-    commands = Commands(delay=4.5e-3, shape=(20, 1), held=held)
+    commands = Commands(delay=4.5e-3, step=STEP, shape=(20, 1), held=held)
     for count in range(11):
         commands.note(count, np.array([float(count)]))
     assert commands.at(10)[0] == pytest.approx(arrived)
