@@ -31,6 +31,10 @@ from pipeline.simulation.blocks import Blocks
 _BEYOND_NOISE = (
     4.0  # times the noise's energy: coloured noise may pass for more than the white noise it is measured by
 )
+_LEAST_CHANGES = (
+    0.05  # of the changes of a velocity from sample to sample are no larger than one step of its sensor
+)
+_MOST_CHANGES = 10_000_000  # that a quantile is taken of
 _CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
 
 
@@ -172,11 +176,12 @@ def _resolved(nominal: Simulator, blocks: Blocks) -> Simulator:
     if sliding is None or "sliding_velocity" in nominal.settings:
         return nominal
     velocity = blocks.inner(blocks.signals[sliding])
-    usual = float(velocity.square().mean().sqrt())
-    jitter = float(velocity.diff(dim=1).square().median().sqrt())
-    return replace(
-        nominal, settings={**nominal.settings, "sliding_velocity": max(0.01 * usual, jitter, 1e-6)}
-    )
+    usual, changes = float(velocity.square().mean().sqrt()), velocity.diff(dim=1).abs()
+    jitter = float(changes.square().median().sqrt())
+    moved = changes[changes > 1e-9 * max(usual, 1e-12)]
+    quantum = float(moved.quantile(_LEAST_CHANGES)) if 0 < len(moved) < _MOST_CHANGES else 0.0
+    resolution = max(0.01 * usual, jitter, quantum, 1e-6)
+    return replace(nominal, settings={**nominal.settings, "sliding_velocity": resolution})
 
 
 def regimes_on(blocks: Blocks, simulator: Simulator) -> list[Regime]:

@@ -101,6 +101,10 @@ def _settled(catalogue: list[Effect]) -> list[Effect]:
     return errors + [e for e in catalogue if e.name in mistaken]
 
 
+def _is_preferred(effect: Effect, other: Effect) -> bool:
+    return effect.name in other.yields_to or len(effect.parameters) < len(other.parameters)
+
+
 class _Competition:
     def __init__(self, simulator: Simulator, problem: Problem, settings: Gap) -> None:
         self.problem, self.settings = problem, settings
@@ -128,11 +132,11 @@ class _Competition:
             self.prune()
 
     def likeliest(self, admitted: list[Candidate]) -> Candidate | None:
-        """Return the one that gains most, or what it yields to where this recording cannot tell the two apart."""
+        """Return the one that gains most, or a simpler or likelier cause where nothing tells the two apart."""
         best = max(admitted, key=lambda candidate: candidate.gain, default=None)
         if best is None:
             return None
-        usual = [c for c in admitted if c.effect.name in best.effect.yields_to]
+        usual = [c for c in admitted if _is_preferred(c.effect, best.effect)]
         tied = [c for c in usual if not predicts_better(best, c, self.problem.cluster)]
         return max(tied, key=lambda candidate: candidate.gain, default=best)
 

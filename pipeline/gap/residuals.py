@@ -12,6 +12,7 @@ from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
 
 _FIFTH_DIFFERENCE = torch.tensor([1.0, -5.0, 10.0, -10.0, 5.0, -1.0], dtype=torch.float64)
+_ROUNDING = 1e-9  # of the mean square: a signal that rests leaves no more
 _MEDIAN_OF_SQUARE = 0.4549364  # median of a squared standard normal
 
 
@@ -119,5 +120,5 @@ def sample_noise(series: Tensor) -> Tensor:
     kernel = _FIFTH_DIFFERENCE.to(series)
     squared = torch.nn.functional.conv1d(series[:, None], kernel[None, None]).square() / kernel.square().sum()
     # The median forgives steps of a command and spikes; a quantised signal that rests has none, hence the mean.
-    median = squared.median() / _MEDIAN_OF_SQUARE
-    return median if median > 0 else squared.mean()
+    median, mean = squared.median() / _MEDIAN_OF_SQUARE, squared.mean()
+    return median if median > _ROUNDING * mean else mean

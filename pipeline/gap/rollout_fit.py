@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from pipeline.effects import Effect
-from pipeline.gap.fit import Fit, Problem, fit, jacobian_of
+from pipeline.gap.fit import Fit, Problem, fit, jacobian_of, parameters_of
 from pipeline.gap.horizon import state_noise
 from pipeline.gap.scoring import cross_validated, folds_of, log_score
 from pipeline.simulation import FittedEffect, Simulator, replay
@@ -107,8 +107,10 @@ def _better(refitted: Fit, before: Tensor, rollouts: RolloutProblem, folds: int)
 
 def _agree(found: Fit, values: Tensor, std: Tensor) -> bool:
     weak = found.covariance.diagonal().clamp_min(0.0).sqrt()
+    neutral = torch.tensor([p.neutral for p in parameters_of(found.simulator)], dtype=torch.float64)
     allowed = _FAR * (weak.square() + std.square()).sqrt() + _LEAST_MOVE * found.values.abs()
-    return bool(((values - found.values).abs() <= allowed).all())
+    vanished = (values == neutral) & (found.values != neutral)
+    return bool(((values - found.values).abs() <= allowed).all()) and not bool(vanished.any())
 
 
 def _with(simulator: Simulator, values: Tensor, std: Tensor) -> Simulator:

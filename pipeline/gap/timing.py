@@ -1,6 +1,7 @@
 """Whether a recorded command is held until the next sample or was measured at its own, before any physics is asked."""
 
 import torch
+from scipy import stats
 from torch import Tensor
 
 from pipeline.gap.settings import Gap
@@ -9,7 +10,7 @@ from pipeline.platforms import Platform
 from pipeline.recordings.recording import Recording
 from pipeline.simulation.blocks import Blocks, cut_blocks
 
-_CLEARLY = 0.5  # of the error of held commands: no more may be left for them to have been measured instead
+_CHANCE = 1e-3  # of commands that were held to look measured
 
 _AXES = {"joint": ("velocity", "position"), "swerve": ("steer_velocity", "steer_angle")}
 _COMMANDS = {"joint": ("effort", "voltage"), "swerve": ("steer_voltage",), "quadrotor": ("motor_command",)}
@@ -30,10 +31,18 @@ def cut_settled_blocks(recording: Recording, platform: Platform, settings: Gap) 
     measured = cut_blocks(recording, platform, *lengths, held=False)
     unexplained = _unexplained_rotors if recording.kind == "quadrotor" else _unexplained_axis
     errors = [unexplained(blocks, recording.kind, settings.test_width) for blocks in (held, measured)]
-    return measured if errors[1] < _CLEARLY * errors[0] else held
+    return measured if _is_less(errors[1], errors[0]) else held
 
 
-def _unexplained_axis(blocks: Blocks, kind: str, width: float) -> float:
+def _is_less(first: Tensor, second: Tensor) -> bool:
+    """Return whether errors (blocks,) are less than others beyond chance (one-sided paired t test over blocks)."""
+    if len(first) < 2 or torch.equal(first, second):
+        return False
+    test = stats.ttest_rel(second.numpy(), first.numpy(), alternative="greater")
+    return bool(test.pvalue < _CHANCE)
+
+
+def _unexplained_axis(blocks: Blocks, kind: str, width: float) -> Tensor:
     """Return the mean square of the acceleration that a regression on everything recorded of the axis leaves."""
     functions = window_functions(blocks.samples, width, blocks.time_step)
     signals = {name: blocks.inner(series) for name, series in blocks.signals.items()}
@@ -41,30 +50,31 @@ def _unexplained_axis(blocks: Blocks, kind: str, width: float) -> float:
     commands = [_per_axis(signals[name]) for name in _COMMANDS[kind] if name in signals]
     slow = 0.05 * speed.square().mean().sqrt().clamp_min(1e-12)
     terms = [*commands, speed, torch.tanh(speed / slow), place, torch.sin(place), torch.ones_like(speed)]
-    return _left([mean_of(functions, term) for term in terms], mean_rate_of(functions, speed))
+    return _left([mean_of(functions, term) for term in terms], mean_rate_of(functions, speed), len(blocks))
 
 
-def _unexplained_rotors(blocks: Blocks, kind: str, width: float) -> float:
+def _unexplained_rotors(blocks: Blocks, kind: str, width: float) -> Tensor:
     """Return what the commands leave of the rotors' speeds, or of the turning where no speed is recorded."""
     functions = window_functions(blocks.samples, width, blocks.time_step)
     command = blocks.inner(blocks.signals["motor_command"])
     if "rotor_speed" in blocks.signals:
         speed = _per_axis(blocks.inner(blocks.signals["rotor_speed"]))
         terms = [_per_axis(command), torch.ones_like(speed)]
-        return _left([mean_of(functions, term) for term in terms], mean_of(functions, speed))
+        return _left([mean_of(functions, term) for term in terms], mean_of(functions, speed), len(blocks))
     rate = blocks.inner(blocks.signals["body_rate"])
     squares = [mean_of(functions, command[..., rotor] ** 2) for rotor in range(command.shape[-1])]
     turning = [mean_rate_of(functions, rate[..., axis]) for axis in range(2)]
     scale = [axis.square().mean().clamp_min(1e-24) for axis in turning]
-    return sum(_left(squares, axis) / float(size) for axis, size in zip(turning, scale, strict=True))
+    left = [_left(squares, axis, len(blocks)) / size for axis, size in zip(turning, scale, strict=True)]
+    return torch.stack(left).sum(0)
 
 
-def _left(terms: list[Tensor], target: Tensor) -> float:
-    """Return the mean square that a regression on the terms leaves of a target."""
+def _left(terms: list[Tensor], target: Tensor, blocks: int) -> Tensor:
+    """Return the mean square that a regression on the terms leaves of a target in each block, (blocks,)."""
     matrix = torch.stack([term.flatten() for term in terms], dim=1)
     goal = target.flatten()
     weights = torch.linalg.lstsq(matrix, goal[:, None]).solution[:, 0]
-    return float((goal - matrix @ weights).square().mean())
+    return (goal - matrix @ weights).square().reshape(blocks, -1).mean(1)
 
 
 def _per_axis(series: Tensor) -> Tensor:

@@ -21,6 +21,7 @@ class AsymmetricFriction(WrenchEffect):
     acts_on = "torque"
     parameters = (Parameter("difference", "N·m", 0.05, -1e4, 1e4),)
     needs = ("velocity", "effort")
+    yields_to = ("coulomb_friction", "constant_load")
     formula = "torque = −difference where sign(velocity) = sign(difference), else 0; at standstill it holds that way"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
     sentence = (

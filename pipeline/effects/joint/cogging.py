@@ -25,6 +25,7 @@ class Cogging(WrenchEffect):
         Parameter("cycles", "1/rad", 12.0, 0.1, 1e5, neutral=1.0),
     )
     needs = ("position",)
+    yields_to = ("constant_load",)
     formula = "torque = sine · sin(cycles · position) + cosine · cos(cycles · position)"
     source = "Hendershot & Miller 2010, Design of brushless permanent-magnet machines: cogging torque"
     sentence = (

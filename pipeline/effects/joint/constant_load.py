@@ -15,6 +15,7 @@ class ConstantLoad(WrenchEffect):
     acts_on = "torque"
     parameters = (Parameter("load", "N·m", 0.1, -1e4, 1e4),)
     needs = ("position",)
+    yields_to = ("coulomb_friction",)
     formula = "torque = load"
     source = "Newton's second law"
     sentence = (

@@ -17,6 +17,7 @@ class DeadZone(CommandEffect):
     kind = "joint"
     acts_on = "command"
     parameters = (Parameter("width", "V", 0.5, 0.0, 1e4),)
+    yields_to = ("coulomb_friction",)
     formula = "command_effective = sign(command) · max(|command| − width, 0)"
     source = "Tao & Kokotović 1994, Adaptive control of plants with unknown dead-zones (IEEE Trans. Autom. Control 39)"
     sentence = "The drive ignores commands below {width} {width_unit}; add a dead zone to the simulator."

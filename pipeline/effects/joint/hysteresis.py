@@ -28,6 +28,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         Parameter("displacement", "rad", 0.05, 1e-5, 10.0, neutral=0.1),
     )
     needs = ("position",)
+    yields_to = ("coulomb_friction",)
     formula = "torque = −level · z, dz/dt = (velocity − |velocity| · z) / displacement"
     source = "Dahl 1976, Solid friction damping of mechanical vibrations (AIAA J. 14), with exponent 1"
     sentence = (

@@ -16,6 +16,7 @@ class LoadDependentFriction(WrenchEffect):
     acts_on = "torque"
     parameters = (Parameter("ratio", "1", 0.2, 0.0, 1.0),)
     needs = ("velocity", "effort")
+    yields_to = ("coulomb_friction",)
     formula = "torque = −ratio · |effort| · sign(velocity); at standstill it holds, up to ratio · |effort|"
     source = (
         "Duclusaud et al. 2024, Extended friction models for the physics simulation of servo actuators "

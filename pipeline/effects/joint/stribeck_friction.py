@@ -21,6 +21,7 @@ class StribeckFriction(WrenchEffect):
         Parameter("velocity", "rad/s", 0.5, 1e-4, 1e3, neutral=1.0),
     )
     needs = ("velocity", "effort")
+    yields_to = ("coulomb_friction",)
     formula = (
         "torque = −extra_level · exp(−(v / velocity)²) · sign(v); at standstill it holds, up to extra_level"
     )
