@@ -17,6 +17,7 @@ ORDER = (
     "diagnose",
     "report",
     "prove",
+    "effects",
 )
 
 HELP = {"-h", "--help"}

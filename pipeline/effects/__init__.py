@@ -1,6 +1,6 @@
 """Floor 3: the catalogue of physics that the tool can name, one file per effect."""
 
-from pipeline.effects.catalogue import effect_by_key, effects_of
+from pipeline.effects.catalogue import effect_by_key, effects_of, kinds
 from pipeline.effects.effect import (
     ActuatorEffect,
     CommandEffect,
@@ -23,4 +23,5 @@ __all__ = [
     "WrenchEffect",
     "effect_by_key",
     "effects_of",
+    "kinds",
 ]

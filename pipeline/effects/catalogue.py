@@ -9,11 +9,20 @@ import pkgutil
 from pipeline.effects.effect import Effect
 from pipeline.errors import InputError
 
+_PACKAGE = "pipeline.effects"
+
+
+@functools.cache
+def kinds() -> tuple[str, ...]:
+    """Return the kinds of platform that have a folder of effects, in alphabetical order."""
+    package = importlib.import_module(_PACKAGE)
+    return tuple(sorted(entry.name for entry in pkgutil.iter_modules(package.__path__) if entry.ispkg))
+
 
 @functools.cache
 def effects_of(kind: str) -> tuple[Effect, ...]:
     """Return every effect of a platform kind, in alphabetical order of its key."""
-    package = importlib.import_module(f"pipeline.effects.{kind}")
+    package = importlib.import_module(f"{_PACKAGE}.{kind}")
     effects = []
     for module_info in pkgutil.iter_modules(package.__path__):
         module = importlib.import_module(f"{package.__name__}.{module_info.name}")

@@ -12,6 +12,8 @@ import pytest
 from pipeline.stage.project import STAGES, commands, described
 from stages.__main__ import ORDER, main
 
+NO_STAGES = {"reproduce", "effects"}
+
 
 def simgap(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
     program = str(Path(sys.executable).parent / "simgap")
@@ -36,7 +38,9 @@ def test_help_names_the_stages_in_their_order() -> None:
     assert {path.stem for path in STAGES.glob("[a-z]*.py")} == set(commands())
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["diagnose", "--help"], ["train", "-m", "-h"]])
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["diagnose", "--help"], ["train", "-m", "-h"], ["effects", "-h"]]
+)
 def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
     code = (
         f"import sys\nfrom stages.__main__ import main\ntry:\n    main({arguments})\n"
@@ -47,14 +51,15 @@ def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
 
 
-@pytest.mark.parametrize("name", sorted(set(commands()) - {"reproduce"}))
+@pytest.mark.parametrize("name", sorted(set(commands()) - NO_STAGES))
 def test_help_of_a_stage_is_read_from_its_file(name: str) -> None:
     stage = getattr(importlib.import_module(f"stages.{name}"), name)
     assert described(name) == (stage.__doc__, [field.name for field in fields(stage.config_class)])
 
 
-def test_what_is_no_stage_explains_itself() -> None:
-    assert described("reproduce") is None
+@pytest.mark.parametrize("name", sorted(NO_STAGES))
+def test_what_is_no_stage_explains_itself(name: str) -> None:
+    assert described(name) is None
 
 
 def test_an_unknown_command_is_answered_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:

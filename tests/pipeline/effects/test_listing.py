@@ -1,0 +1,70 @@
+"""What is said about an effect is what the effect says of itself."""
+
+import pytest
+
+from pipeline.effects import effect_by_key, effects_of, kinds
+from pipeline.effects.listing import description, facts, listing, meaning, shown_parameters
+from pipeline.effects.page import catalogue_page
+from tests.pipeline.platforms.machines import EVERY_EFFECT, MACHINES, identity
+
+EFFECT = pytest.mark.parametrize("effect", EVERY_EFFECT, ids=identity)
+
+
+def test_every_kind_of_machine_has_a_folder():
+    assert kinds() == tuple(sorted(MACHINES))
+
+
+@EFFECT
+def test_an_effect_is_what_it_is_in_one_sentence(effect):
+    sentence = meaning(effect)
+    assert sentence.endswith(".")
+    assert ". " not in sentence
+    assert "|" not in sentence
+    assert sentence[0].isupper()
+
+
+@EFFECT
+def test_everything_about_an_effect_is_described(effect):
+    text = " ".join(description(effect).split())
+    for part in (effect.key, effect.acts_on, effect.formula, effect.source, effect.excitation, *effect.needs):
+        assert " ".join(part.split()) in text
+    for parameter in effect.parameters:
+        numbers = (
+            f"{parameter.default:g} {parameter.unit} by default, {parameter.low:g} to {parameter.high:g}"
+        )
+        assert f"{parameter.name} = {numbers}; {parameter.neutral:g} does nothing" in text
+    stated = effect.statement(effect.defaults())
+    assert (stated in text) == effect.names_physics
+
+
+@EFFECT
+def test_the_page_has_everything_about_an_effect(effect):
+    section = catalogue_page().partition(f"### {effect.kind} {effect.key}\n")[2].partition("\n##")[0]
+    assert meaning(effect) in section
+    for _, text in facts(effect):
+        assert text in section
+    for p in effect.parameters:
+        assert (
+            f"| `{p.name}` | {p.unit} | {p.default:g} | {p.low:g} | {p.high:g} | {p.neutral:g} |" in section
+        )
+
+
+@pytest.mark.parametrize("kind", list(MACHINES))
+def test_a_listing_has_two_lines_for_each_effect(kind):
+    effects = effects_of(kind)
+    lines = [line for line in listing(kind, effects).splitlines()[1:] if line]
+    assert len(lines) == 2 * len(effects)
+    for effect, first, second in zip(effects, lines[::2], lines[1::2], strict=True):
+        assert first.split()[:2] == [effect.key, effect.acts_on]
+        assert first.endswith(", ".join(shown_parameters(effect)))
+        assert second.strip() == meaning(effect)
+
+
+def test_of_many_parameters_the_first_ones_are_listed():
+    shown = shown_parameters(effect_by_key("quadrotor", "grey_box_aerodynamics"))
+    assert shown == ["linear_x_drag (1/s)", "quadratic_x_drag (1/m)", "… 27 in all"]
+
+
+def test_what_yields_to_another_name_says_so():
+    said = dict(facts(effect_by_key("joint", "sensor_time_offset")))["Diagnosis"]
+    assert said.endswith("Where nothing tells them apart, command_delay is named instead.")
