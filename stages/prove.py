@@ -58,7 +58,7 @@ def prove(config: ProveStage, run: StageRun) -> None:
         facts = {"name": name, "case": task.case.plain, "key": None} | answer
         if "source" in answer:
             facts["key"] = open_key(task.sealed, answer["source"])
-            facts["score"] = score_case(facts["key"], answer.get("diagnosis"))
+            facts["score"] = score_case(facts["key"], answer.get("diagnosis"), task.case.wanted)
         results.append(facts)
     write_whole(results, run.output / "results.json")
     text = results_text(results, _command(config))

@@ -34,12 +34,15 @@ def open_key(path: Path, source: str) -> dict[str, Any]:
     return json.loads(text)
 
 
-def score_case(key: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> dict[str, Any]:
+def score_case(
+    key: Mapping[str, Any], diagnosis: Mapping[str, Any] | None, wanted: Sequence[str] = ()
+) -> dict[str, Any]:
     """Return how right a diagnosis is.
 
     Args:
         key: what was concealed.
         diagnosis: the document; None where the diagnosis failed.
+        wanted: what the case is about, where more is concealed because it would not show alone: has to be named too.
 
     Returns:
         `concealed` and `named`: names, the latter with probabilities, most probable first; `outcome`: of `OUTCOMES`, or
@@ -65,10 +68,11 @@ def score_case(key: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> d
     grouped = any("acts_on" in effect for effect in key["effects"])
     named = [(effect_name(effect, grouped), effect["probability"]) for effect in diagnosis["effects"]]
     believed = {name for name, probability in named if probability >= BELIEVED}
+    outcome = outcome_of(concealed, [name for name, _ in named], diagnosis, grouped)
     return {
         "concealed": concealed,
         "named": [[name, probability] for name, probability in named],
-        "outcome": outcome_of(concealed, [name for name, _ in named], diagnosis, grouped),
+        "outcome": "wrong" if outcome == "right" and not set(wanted) <= believed else outcome,
         "found": sum(name in believed for name in concealed) / len(concealed) if concealed else None,
         "stated": [[probability, name in concealed] for name, probability in named],
         "errors": parameter_errors(key, diagnosis, grouped),

@@ -1,7 +1,7 @@
 """From the subject of a case to a case that can be recorded, and the machine that the person is told of."""
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import islice
 from typing import Any
@@ -48,6 +48,13 @@ class ConcealedCase:
     seed: int
 
     @property
+    def wanted(self) -> tuple[str, ...]:
+        """The one effect that the case is about, if it is about one: it has to be named even where it is not alone."""
+        return (
+            self.subject.names if len(self.subject.names) == 1 and self.subject.category != "outside" else ()
+        )
+
+    @property
     def plain(self) -> dict[str, Any]:
         """Everything about it as mappings, lists, texts and numbers."""
         return asdict(self)
@@ -91,25 +98,20 @@ def draw_case(
     """Draw machine, conditions and magnitudes of one case."""
     own, drawn = np.random.SeedSequence([seed, KINDS.index(kind), number]).generate_state(2).tolist()
     random = np.random.default_rng(drawn)
-    entries = _entries(table, subject)
+    parts = _parts(table, subject)
+    entries = [table[part.section][part.name] for part in parts]
+    if subject.category in ("hidden", "ambiguous"):
+        entries.append(table[subject.category][subject.condition])
     machine, platform = vary_platform(_able(machines, entries), table.get("vary", {}), random)
     record = draw_conditions(merged(table["conditions"], table["machines"][machine]), random)
-    for entry in entries.values():
+    for entry in entries:
         record |= draw_conditions(entry.get("record", {}), random)
-    if subject.category in ("hidden", "ambiguous"):
-        record |= draw_conditions(table[subject.category][subject.condition].get("record", {}), random)
-    section = "outside" if subject.category == "outside" else "effects"
-    known = _known(kind, section)
     size = _size(kind, record, platform)
-    record[section] = {
-        name: draw_effect(
-            known[name],
-            typical(name, known, size, float(entry[subject.strength])),
-            float(table.get("around", 0.0)),
-            random,
-        )
-        for name, entry in entries.items()
-    }
+    around = float(table.get("around", 0.0))
+    for part in parts:
+        known = _known(kind, part.section)
+        values = typical(part.name, known, size, _strength(table, part, machine))
+        record.setdefault(part.section, {})[part.name] = draw_effect(known[part.name], values, around, random)
     return ConcealedCase(kind, number, subject, machine, platform, record, own)
 
 
@@ -119,19 +121,37 @@ def record_concealed(case: ConcealedCase) -> tuple[Recording, dict[str, Any]]:
     return record_case(case_from_config(case.kind, case.record), platform, case.seed)
 
 
-def _entries(table: Mapping[str, Any], subject: Subject) -> dict[str, Mapping[str, Any]]:
-    strengths = table["outside"] if subject.category == "outside" else table["effects"]
-    return {name: strengths[name] for name in subject.names}
+@dataclass(frozen=True)
+class _Part:
+    """One thing that a case conceals: its section and name in the table, and how strong it is."""
+
+    section: str
+    name: str
+    strength: str
+
+
+def _parts(table: Mapping[str, Any], subject: Subject) -> list[_Part]:
+    """Return what a subject conceals, with what has to be there for it to show (`beside`)."""
+    section = "outside" if subject.category == "outside" else "effects"
+    own = [_Part(section, name, subject.strength) for name in subject.names]
+    beside = [name for part in own for name in table[section][part.name].get("beside", ())]
+    return own + [_Part("effects", name, "clear") for name in beside if name not in subject.names]
+
+
+def _strength(table: Mapping[str, Any], part: _Part, machine: str) -> float:
+    """Return the strength in multiples of the default: one for all machines, or by machine."""
+    given = table[part.section][part.name][part.strength]
+    return float(given[machine] if isinstance(given, Mapping) else given)
 
 
 def _able(
-    machines: Mapping[str, Mapping[str, Any]], entries: Mapping[str, Mapping[str, Any]]
+    machines: Mapping[str, Mapping[str, Any]], entries: Sequence[Mapping[str, Any]]
 ) -> dict[str, Mapping[str, Any]]:
-    """Return the machines that can conceal all of the entries."""
-    lists = [entry["machines"] for entry in entries.values() if "machines" in entry]
+    """Return the machines that can do all that the entries ask for."""
+    lists = [entry["machines"] for entry in entries if "machines" in entry]
     able = {name: told for name, told in machines.items() if all(name in names for names in lists)}
     if not able:
-        raise InputError(f"no machine has all of {', '.join(entries)}", "prove", "keep them `apart`")
+        raise InputError(f"no machine is in all of {lists}", "prove", "keep such effects `apart`")
     return able
 
 
