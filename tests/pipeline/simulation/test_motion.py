@@ -7,7 +7,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.effects import effects_of
+from pipeline.effects import MeasurementEffect, effects_of
 from pipeline.physics import rigid_body, rotations
 from pipeline.platforms import Joint, JointMotor
 from pipeline.platforms.swerve_mechanism import chassis_velocity_from_wheels
@@ -164,19 +164,20 @@ def test_a_state_holds_the_signals_that_it_was_made_of(kind):
 def test_the_rate_of_momentum_is_what_acts_with_all_effects_and_turning_frames(kind):
     """Along any motion, and by the very balance that the diagnosis tests."""
     effects = tuple(
-        FittedEffect(effect, effect.defaults()) for effect in effects_of(kind) if not delays(effect)
+        FittedEffect(effect, effect.defaults()) for effect in effects_of(kind) if not remembers(effect)
     )
     simulator, motion, tiny = Simulator(MACHINES[kind], effects), motion_of(MACHINES[kind]), 1e-5
     signals = some_signals(kind, (8,), seed=3)
     names = {
-        "quadrotor": ["rotor_speed"],
-        "swerve": ["drive_voltage", "steer_voltage"],
-        "joint": ["voltage"],
+        "quadrotor": ["rotor_speed", "battery_voltage"],
+        "swerve": ["drive_voltage", "steer_voltage", "battery_voltage"],
+        "joint": ["voltage", "battery_voltage", "temperature"],
     }[kind]
     commands = {name: signals[name][:, None].repeat_interleave(2, dim=1) for name in names}
     states = rollout(simulator, motion.pack(signals), commands, tiny)
     along = simulator.along_time(
-        motion.signals(states) | {n: signals[n][:, None].expand(-1, 3, *signals[n].shape[1:]) for n in names},
+        motion.signals(states, simulator.constants())
+        | {n: signals[n][:, None].expand(-1, 3, *signals[n].shape[1:]) for n in names},
         tiny,
     )
     balance = simulator.balance(along)
@@ -186,5 +187,6 @@ def test_the_rate_of_momentum_is_what_acts_with_all_effects_and_turning_frames(k
         torch.testing.assert_close(found, balance.rate[name][:, 1], rtol=1e-4, atol=1e-5 * size, msg=name)
 
 
-def delays(effect) -> bool:
-    return effect.name in ("command_delay", "sensor_time_offset")
+def remembers(effect) -> bool:
+    """Whether what acts depends on more than the instant."""
+    return isinstance(effect, MeasurementEffect) or getattr(effect, "remembers", False)
