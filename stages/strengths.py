@@ -100,7 +100,7 @@ def _recorded(task: Task, strength: float, folder: Path) -> tuple[Any, dict[str,
 
     table = getattr(task.config.prove, task.kind)
     entry = table[task.section][task.effect] | {"clear": strength, "faint": strength}
-    alone = {"effects": {}, "outside": {}} | {task.section: {task.effect: entry}}
+    alone: dict[str, Any] = {"effects": {}, "outside": {}} | {task.section: {task.effect: entry}}
     alone |= {"machines": {task.machine: table["machines"][task.machine]}, "conditions": table["conditions"]}
     machines = {task.machine: compose([f"platform={task.machine}"])["platform"]}
     shares = {"clear": 1.0, "decoy": 1.0, "outside": 1.0}

@@ -16,7 +16,7 @@ class Share:
         total: cases there are.
     """
 
-    count: float
+    count: int | float
     total: int
 
     @property

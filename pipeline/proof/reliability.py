@@ -79,7 +79,7 @@ def reliability_figure(stated: Sequence[tuple[float, bool]]) -> str:
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 
-def _ticks(bottom: float) -> list[str]:
+def _ticks(bottom: int) -> list[str]:
     parts = []
     for tenth in range(0, 11, 2):
         x, y = _LEFT + _SIZE * tenth / 10, bottom - _SIZE * tenth / 10
