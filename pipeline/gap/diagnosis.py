@@ -6,23 +6,22 @@ from dataclasses import dataclass, replace
 import torch
 
 from pipeline.effects import MeasurementEffect, ParameterError
-from pipeline.errors import InputError
+from pipeline.effects.delay import CommandDelay
 from pipeline.gap.fit import Problem, columns_of
 from pipeline.gap.horizon import HorizonError, horizon_errors
 from pipeline.gap.locate import Mismatch, locate
 from pipeline.gap.model import Drift, drifts_of, unsteadiness_of
 from pipeline.gap.name import Naming, name
+from pipeline.gap.preparation import Prepared, prepare
 from pipeline.gap.probability import Signs, probability_of
 from pipeline.gap.prove import Proof, prove
 from pipeline.gap.regimes import Regime, regimes_of
 from pipeline.gap.residuals import channels_on, noise_of_rows
 from pipeline.gap.rollout_fit import refit_through_rollouts
-from pipeline.gap.scoring import clusters_of, cross_validated, folds_of
-from pipeline.gap.sensors import settle_accelerometer, settle_velocity
+from pipeline.gap.scoring import cross_validated, folds_of
 from pipeline.gap.settings import Gap
-from pipeline.gap.timing import cut_settled_blocks
+from pipeline.gap.timing import HELD_KINDS
 from pipeline.gap.unnamed import Unnamed, find_unnamed
-from pipeline.physics.weak_form import window_functions
 from pipeline.platforms.mechanism import Channel
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
@@ -31,11 +30,7 @@ from pipeline.simulation.blocks import Blocks
 _BEYOND_NOISE = (
     4.0  # times the noise's energy: coloured noise may pass for more than the white noise it is measured by
 )
-_LEAST_CHANGES = (
-    0.05  # of the changes of a velocity from sample to sample are no larger than one step of its sensor
-)
-_MOST_CHANGES = 10_000_000  # that a quantile is taken of
-_CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
+_NEARLY = 0.3  # of half a sample
 
 
 @dataclass(frozen=True)
@@ -96,14 +91,14 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     Raises:
         InputError: when the recording is too short or of another kind than the platform.
     """
-    blocks, remarks = _blocks(recording, nominal, settings)
-    fitted, proving, held_out = _divide(blocks, recording.split, settings)
-    nominal = _resolved(nominal, fitted)
-    functions = window_functions(fitted.samples, settings.test_width, fitted.time_step)
-    cluster = clusters_of(fitted, _CLUSTER_DURATION)
-    problem = Problem(fitted, functions, noise_of_rows(nominal, fitted, functions), cluster)
-
-    naming = name(nominal, problem, settings)
+    prepared, naming = _named(recording, nominal, settings)
+    nominal, problem, proving = prepared.nominal, prepared.problem, prepared.proving
+    fitted, functions, cluster, held_out = (
+        problem.blocks,
+        problem.functions,
+        problem.cluster,
+        prepared.held_out,
+    )
     refitted, through_rollouts = refit_through_rollouts(
         naming.fit, problem, settings.fit_horizon, settings.folds
     )
@@ -121,7 +116,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     proof = prove(nominal, simulator, proving, functions, counted, held_out, settings.resamples)
     return Diagnosis(
         verdict=_verdict(naming, bool(unnamed) or any(m.excess > _BEYOND_NOISE for m in mismatches)),
-        warnings=(*recording.warnings, *remarks, *_doubts(naming, drifts, held_out)),
+        warnings=(*recording.warnings, *prepared.remarks, *_doubts(naming, drifts, held_out)),
         mismatches=mismatches,
         naming=naming,
         signs=_signs(naming, drifts, problem, unnamed, channels),
@@ -137,51 +132,31 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     )
 
 
-def _blocks(recording: Recording, nominal: Simulator, settings: Gap) -> tuple[Blocks, list[str]]:
-    blocks = cut_settled_blocks(recording, nominal.platform, settings)
-    remarks: list[str] = []
-    if recording.kind == "quadrotor":
-        blocks, remarks = settle_accelerometer(blocks, nominal.platform.gravity, settings.test_width)
-    if recording.kind == "joint":
-        blocks, remarks = settle_velocity(blocks, settings.test_width)
-    return _with_clock_deviation(blocks, recording.clock_offset), remarks
+def _named(recording: Recording, nominal: Simulator, settings: Gap) -> tuple[Prepared, Naming]:
+    """Name what is missing, with the commands where they act.
+
+    A delay or an offset of half a sample is no physics: it says that commands were measured where they were taken as
+    held, or the other way round. The other reading is taken where it does without.
+    """
+    prepared = prepare(recording, nominal, settings)
+    naming = name(prepared.nominal, prepared.problem, settings)
+    if recording.kind not in HELD_KINDS or not _is_late_by_half_a_sample(naming, prepared):
+        return prepared, naming
+    other = prepare(recording, nominal, settings, held=not prepared.problem.blocks.held)
+    renamed = name(other.nominal, other.problem, settings)
+    return (prepared, naming) if _is_late_by_half_a_sample(renamed, other) else (other, renamed)
 
 
-def _with_clock_deviation(blocks: Blocks, offsets: dict[str, float]) -> Blocks:
-    """Add how much each run's clock offset differs from the mean of those that cleaning could tell."""
-    known = [offsets[run] for run in blocks.runs if run in offsets]
-    if not known:
-        return blocks
-    mean = sum(known) / len(known)
-    deviation = torch.tensor([offsets.get(run, mean) - mean for run in blocks.runs], dtype=torch.float64)
-    length = next(iter(blocks.signals.values())).shape[1]
-    series = deviation[blocks.run][:, None].expand(-1, length)
-    return replace(blocks, signals={**blocks.signals, "clock_deviation": series})
-
-
-def _divide(blocks: Blocks, split: dict[str, str], settings: Gap) -> tuple[Blocks, Blocks, bool]:
-    """Return the blocks to fit, those to prove on, and whether the latter are held out."""
-    kept = [run for run in blocks.runs if split.get(run, "train") != "holdout"]
-    held = [run for run in blocks.runs if split.get(run) == "holdout"]
-    fitted, proving = blocks.of_runs(kept), blocks.of_runs(held)
-    if not len(fitted):
-        raise InputError("no run is left to fit", "dataset.split", "hold out fewer runs")
-    fitted = fitted.thinned(settings.most_blocks)
-    return (fitted, proving.thinned(settings.most_blocks), True) if len(proving) else (fitted, fitted, False)
-
-
-def _resolved(nominal: Simulator, blocks: Blocks) -> Simulator:
-    """Set the speed below which the recording cannot tell the direction of motion."""
-    sliding = {"joint": "velocity", "swerve": "steer_velocity"}.get(nominal.platform.kind)
-    if sliding is None or "sliding_velocity" in nominal.settings:
-        return nominal
-    velocity = blocks.inner(blocks.signals[sliding])
-    usual, changes = float(velocity.square().mean().sqrt()), velocity.diff(dim=1).abs()
-    jitter = float(changes.square().median().sqrt())
-    moved = changes[changes > 1e-9 * max(usual, 1e-12)]
-    quantum = float(moved.quantile(_LEAST_CHANGES)) if 0 < len(moved) < _MOST_CHANGES else 0.0
-    resolution = max(0.01 * usual, jitter, quantum, 1e-6)
-    return replace(nominal, settings={**nominal.settings, "sliding_velocity": resolution})
+def _is_late_by_half_a_sample(naming: Naming, prepared: Prepared) -> bool:
+    half = 0.5 * prepared.problem.blocks.time_step
+    late = -half if prepared.problem.blocks.held else half
+    shifts = [
+        fitted.values[parameter.name]
+        for fitted in naming.fit.simulator.free
+        for parameter in fitted.effect.parameters
+        if isinstance(fitted.effect, MeasurementEffect | CommandDelay) and parameter.unit == "s"
+    ]
+    return any(abs(shift - late) < _NEARLY * half for shift in shifts)
 
 
 def regimes_on(blocks: Blocks, simulator: Simulator) -> list[Regime]:

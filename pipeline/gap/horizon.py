@@ -20,6 +20,7 @@ _UNITS = {
     "body_rate": "rad/s",
     "chassis_velocity": "m/s and rad/s",
     "steer_angle": "rad",
+    "heading": "rad",
     "steer_velocity": "rad/s",
 }
 _STEPS_SHOWN = 25

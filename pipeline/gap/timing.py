@@ -13,25 +13,33 @@ from pipeline.simulation.blocks import Blocks, cut_blocks
 _CHANCE = 1e-3  # of commands that were held to look measured
 
 _AXES = {"joint": ("velocity", "position"), "swerve": ("steer_velocity", "steer_angle")}
-_COMMANDS = {"joint": ("effort", "voltage"), "swerve": ("steer_voltage",), "quadrotor": ("motor_command",)}
+_COMMANDS = {"joint": ("effort", "voltage"), "swerve": ("steer_voltage",)}
+HELD_KINDS = frozenset(_AXES)
+"""Kinds of machine whose controllers are about as fast as their logs."""
 
 
-def cut_settled_blocks(recording: Recording, platform: Platform, settings: Gap) -> Blocks:
+def cut_settled_blocks(
+    recording: Recording, platform: Platform, settings: Gap, held: bool | None = None
+) -> Blocks:
     """Cut a recording with its commands where they act: half a sample matters to friction and inertia.
 
-    A controller holds each command until its next sample; a measured effort or voltage belongs to its own instant, and
-    so does the command of a controller that is much faster than the log. Which of the two was recorded shows in how
-    well command, velocity, its sign and position together explain the acceleration, whatever the physics; commands are
-    taken as held unless the other is clearly better.
+    The controller of a joint or of a drive holds each command until its next sample; a measured effort or voltage
+    belongs to its own instant. Which of the two was recorded shows in how well command, velocity, its sign and position
+    together explain the acceleration, whatever the physics; commands are taken as held unless the other is clearly
+    better. The controller of a multirotor is many times faster than its log: its commands belong to their instants.
+
+    Args:
+        recording: cleaned.
+        platform: whose signals are read.
+        settings: of the gap engine.
+        held: whether commands are held between samples; None: what the recording looks like.
     """
     lengths = settings.block_duration, settings.margin
-    held = cut_blocks(recording, platform, *lengths)
-    if not any(name in held.signals for name in _COMMANDS[recording.kind]):
-        return held
-    measured = cut_blocks(recording, platform, *lengths, held=False)
-    unexplained = _unexplained_rotors if recording.kind == "quadrotor" else _unexplained_axis
-    errors = [unexplained(blocks, recording.kind, settings.test_width) for blocks in (held, measured)]
-    return measured if _is_less(errors[1], errors[0]) else held
+    if held is not None or recording.kind not in HELD_KINDS:
+        return cut_blocks(recording, platform, *lengths, held=bool(held))
+    steady, measured = (cut_blocks(recording, platform, *lengths, held=each) for each in (True, False))
+    errors = [_unexplained(blocks, recording.kind, settings.test_width) for blocks in (steady, measured)]
+    return measured if _is_less(errors[1], errors[0]) else steady
 
 
 def _is_less(first: Tensor, second: Tensor) -> bool:
@@ -42,7 +50,7 @@ def _is_less(first: Tensor, second: Tensor) -> bool:
     return bool(test.pvalue < _CHANCE)
 
 
-def _unexplained_axis(blocks: Blocks, kind: str, width: float) -> Tensor:
+def _unexplained(blocks: Blocks, kind: str, width: float) -> Tensor:
     """Return the mean square of the acceleration that a regression on everything recorded of the axis leaves."""
     functions = window_functions(blocks.samples, width, blocks.time_step)
     signals = {name: blocks.inner(series) for name, series in blocks.signals.items()}
@@ -51,22 +59,6 @@ def _unexplained_axis(blocks: Blocks, kind: str, width: float) -> Tensor:
     slow = 0.05 * speed.square().mean().sqrt().clamp_min(1e-12)
     terms = [*commands, speed, torch.tanh(speed / slow), place, torch.sin(place), torch.ones_like(speed)]
     return _left([mean_of(functions, term) for term in terms], mean_rate_of(functions, speed), len(blocks))
-
-
-def _unexplained_rotors(blocks: Blocks, kind: str, width: float) -> Tensor:
-    """Return what the commands leave of the rotors' speeds, or of the turning where no speed is recorded."""
-    functions = window_functions(blocks.samples, width, blocks.time_step)
-    command = blocks.inner(blocks.signals["motor_command"])
-    if "rotor_speed" in blocks.signals:
-        speed = _per_axis(blocks.inner(blocks.signals["rotor_speed"]))
-        terms = [_per_axis(command), torch.ones_like(speed)]
-        return _left([mean_of(functions, term) for term in terms], mean_of(functions, speed), len(blocks))
-    rate = blocks.inner(blocks.signals["body_rate"])
-    squares = [mean_of(functions, command[..., rotor] ** 2) for rotor in range(command.shape[-1])]
-    turning = [mean_rate_of(functions, rate[..., axis]) for axis in range(2)]
-    scale = [axis.square().mean().clamp_min(1e-24) for axis in turning]
-    left = [_left(squares, axis, len(blocks)) / size for axis, size in zip(turning, scale, strict=True)]
-    return torch.stack(left).sum(0)
 
 
 def _left(terms: list[Tensor], target: Tensor, blocks: int) -> Tensor:
