@@ -1,6 +1,7 @@
 """Commands too small for a joint's drive to act on.
 
-It acts on the voltage where there is one, else on the effort; the width is in that command's unit.
+It acts on the voltage where there is one, else on the effort. Its width is an effort in either case: that of the motor
+at standstill.
 """
 
 from typing import Any
@@ -16,11 +17,16 @@ class DeadZone(CommandEffect):
     name = "dead_zone"
     kind = "joint"
     acts_on = "command"
-    parameters = (Parameter("width", "V", 0.5, 0.0, 1e4),)
-    yields_to = ("coulomb_friction",)
-    formula = "command_effective = sign(command) · max(|command| − width, 0)"
+    parameters = (Parameter("width", "N·m", 0.1, 0.0, 1e4),)
+    formula = (
+        "command_effective = sign(command) · max(|command| − width / gain, 0), gain = torque_constant · gear_ratio / "
+        "resistance for a voltage, 1 for an effort"
+    )
     source = "Tao & Kokotović 1994, Adaptive control of plants with unknown dead-zones (IEEE Trans. Autom. Control 39)"
-    sentence = "The drive ignores commands below {width} {width_unit}; add a dead zone to the simulator."
+    sentence = (
+        "The drive ignores commands that would give less than {width} {width_unit} at standstill; add a dead zone to "
+        "the simulator."
+    )
     excitation = (
         "slow command ramps through zero in both directions, on an axis that is also pushed otherwise"
     )
@@ -30,5 +36,12 @@ class DeadZone(CommandEffect):
     ) -> tuple[dict[str, Tensor], Any]:
         """Return the command less what the dead zone takes of it."""
         name = "voltage" if "voltage" in signals else "effort"
-        command, width = signals[name], values["width"]
+        command, width = signals[name], values["width"] / _gain(name, constants)
         return {name: command - command.clamp(-width, width)}, None
+
+
+def _gain(command: str, constants: Values) -> Any:
+    """Return the motor's effort at standstill per unit of a command."""
+    if command == "effort":
+        return 1.0
+    return constants["torque_constant"] * constants["gear_ratio"] / constants["resistance"]

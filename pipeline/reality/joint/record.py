@@ -29,5 +29,5 @@ def record_joint(case: JointCase, platform: Joint, seed: int) -> tuple[Recording
     log = move(effects, outside, platform, case, reference, np.random.default_rng([seed, 1]))
     offset = effects.get("sensor_time_offset", "offset")
     frame = record(log, platform, case, offset, names(case), [seed, 2])
-    key = answer_key(effects, outside, Answered(platform, case, log))
+    key = answer_key(outside, Answered(effects, platform, case, log))
     return sealed(frame, "joint", key, sliding=case.sliding), key

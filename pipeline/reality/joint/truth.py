@@ -23,16 +23,24 @@ Stated = dict[str, tuple[float, str]]
 
 @dataclass(frozen=True)
 class Answered:
-    """What the answer may need to know of a case that was run."""
+    """What the answer may need to know of a case that was run.
 
+    Attributes:
+        effects: what it conceals of the catalogue.
+        platform: the nominal machine.
+        case: as it was run.
+        log: what happened.
+    """
+
+    effects: Concealed
     platform: Joint
     case: JointCase
     log: Log
 
 
-def answer_key(effects: Concealed, outside: Concealed, answered: Answered) -> dict[str, Any]:
+def answer_key(outside: Concealed, answered: Answered) -> dict[str, Any]:
     """Return the key of a case; effects at their neutral strength are absent."""
-    sliding = answered.case.sliding
+    effects, sliding = answered.effects, answered.case.sliding
     return {
         "schema": KEY_SCHEMA,
         "effects": [
@@ -64,7 +72,13 @@ def in_metres(unit: str) -> str:
 
 
 def _dead_zone(values: dict[str, float], answered: Answered) -> Stated:
-    return {"width": (values["width"], "V" if answered.platform.motor else "N·m")}
+    """Return the effort at standstill of the greatest command that does nothing."""
+    motor = answered.platform.motor
+    if motor is None:
+        return {"width": (values["width"], "N·m")}
+    ratio = answered.effects.get("motor_constant_error", "ratio")
+    per_volt = ratio * motor.torque_constant * motor.gear_ratio / motor.resistance
+    return {"width": (per_volt * values["width"], "N·m")}
 
 
 def _cogging(values: dict[str, float], answered: Answered) -> Stated:

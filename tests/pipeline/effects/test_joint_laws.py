@@ -152,12 +152,28 @@ def test_hysteresis_depends_on_the_way_and_not_on_the_speed():
 
 
 @given(command=st.floats(-20.0, 20.0), width=st.floats(0.0, 10.0))
-@pytest.mark.parametrize("name", ["voltage", "effort"])
-def test_a_dead_zone_passes_nothing_inside_and_less_outside(name, command, width):
-    effect = effect_by_key("joint", "dead_zone")
-    found, _ = effect.actuate({name: numbers(command)}, {"width": width}, constants("joint"), None, 0.01)
+def test_a_dead_zone_passes_nothing_inside_and_less_outside(command, width):
+    effect, numbers_of_motor = effect_by_key("joint", "dead_zone"), constants("joint")
     expected = math.copysign(max(abs(command) - width, 0.0), command)
-    assert float(found[name]) == pytest.approx(expected, abs=1e-12)
+    found, _ = effect.actuate({"effort": numbers(command)}, {"width": width}, numbers_of_motor, None, 0.01)
+    assert float(found["effort"]) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize(("volts", "left"), [(9.0, 6.0), (3.1, 0.1), (2.9, 0.0), (-4.0, -1.0)])
+def test_a_dead_zone_is_as_wide_as_the_effort_that_its_voltage_gives_at_standstill(volts, left):
+    """3 V at 0.6 N·m/A and 2 Ω are 0.9 N·m."""
+    signals = {"voltage": numbers(volts), "position": numbers(0.0), "velocity": numbers(0.0)}
+    dead = Simulator(JOINT, (FittedEffect(effect_by_key("joint", "dead_zone"), {"width": 0.9}),))
+    found = dead.along_time({name: series[None] for name, series in signals.items()}, 0.01)
+    assert found["voltage"].item() == pytest.approx(left, abs=1e-12)
+    assert found["effort"].item() == pytest.approx(left * 0.3, abs=1e-12)
+
+
+@pytest.mark.parametrize(("position_unit", "unit"), [("rad", "N·m"), ("m", "N")])
+def test_a_dead_zone_is_stated_as_an_effort_whatever_the_command_is(position_unit, unit):
+    effect = effect_by_key("joint", "dead_zone")
+    assert effect.units(position_unit) == {"width": unit}
+    assert f"less than 0.9 {unit} at standstill" in effect.statement({"width": 0.9}, position_unit)
 
 
 def test_a_sagging_supply_gives_the_effort_of_the_voltage_that_it_leaves():

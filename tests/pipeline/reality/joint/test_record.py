@@ -93,6 +93,16 @@ def test_the_key_speaks_the_language_of_the_catalogue(servo, name):
         assert parameter.low <= stated["value"] <= parameter.high
 
 
+@pytest.mark.parametrize("ratio", [1.0, 1.2])
+def test_a_dead_zone_is_stated_as_the_effort_of_the_motor_that_is_there(servo, ratio):
+    effects = {"dead_zone": {"width": 0.5}, "motor_constant_error": {"ratio": ratio}}
+    _, key = record_case(JointCase(effects=effects, **SHORT), servo, seed=1)
+    stated = {entry["name"]: entry["parameters"] for entry in key["effects"]}["dead_zone"]["width"]
+    motor = servo.motor
+    torque = ratio * motor.torque_constant * motor.gear_ratio * 0.5 / motor.resistance
+    assert stated == {"value": pytest.approx(torque), "unit": "N·m"}
+
+
 def test_what_is_outside_has_no_name_in_the_catalogue(servo):
     assert not set(OUTSIDE) & {effect.name for effect in effects_of("joint")}
     _, key = record_case(JointCase(outside={"tight_spot": {}}, **SHORT), servo, seed=1)
