@@ -5,7 +5,7 @@ from pipeline.reality.concealment import Concealed
 from pipeline.reality.joint.effects import CONCEALABLE, OUTSIDE
 from pipeline.reality.joint.friction import friction_of
 
-SIZE = {"effort": 1.0, "position": 1.0, "velocity": 1.0, "current": 1.0, "command": 1.0}
+SIZE = {"effort": 1.0, "position": 1.0, "velocity": 1.0, "current": 1.0}
 STEP = 1e-3
 STILL = np.zeros(1)
 
