@@ -8,6 +8,7 @@ from typing import Any
 from pipeline.artifacts import PROJECT_ROOT
 from pipeline.proof import measures
 from pipeline.proof.intervals import Share, quantile
+from pipeline.proof.published import published_rows
 from pipeline.proof.reliability import reliability_figure
 
 DOCS = PROJECT_ROOT / "docs"
@@ -22,9 +23,21 @@ def results_text(results: Sequence[measures.Result], command: str) -> str:
         results: of all cases.
         command: that made them.
     """
+    parts = [f"`{command}` on {_processor()}."]
+    concealed = [result for result in results if "case" in result]
+    published = [result for result in results if "branch" in result]
+    if concealed:
+        parts += _concealed(concealed)
+    if published:
+        head = ["recording", "known", "named", "gap closed", "taken out and found first again", "seconds"]
+        parts += ["Published recordings, whose answer is known:", _table(head, published_rows(published))]
+    return "\n\n".join(parts) + "\n"
+
+
+def _concealed(results: Sequence[measures.Result]) -> list[str]:
     kinds = list(dict.fromkeys(result["case"]["kind"] for result in results))
-    parts = [
-        f"`{command}` on {_processor()}: {len(results)} cases.",
+    return [
+        f"{len(results)} concealed cases.",
         _table(["measured", "bar", "", *kinds], _bar_rows(results, kinds)),
         _table(["also", "", *kinds], _other_rows(results, kinds)),
         "Every effect: how often it is named first, the median error of its strength, the median of the gap closed.",
@@ -32,12 +45,12 @@ def results_text(results: Sequence[measures.Result], command: str) -> str:
         "What was taken for what, the most frequent first:",
         _table(["concealed", "named first", "cases"], [list(map(str, row)) for row in _worst(results)]),
     ]
-    return "\n\n".join(parts) + "\n"
 
 
 def write_docs(results: Sequence[measures.Result], command: str) -> None:
     """Write the page and its figure into the documentation."""
-    (DOCS / FIGURE).write_text(reliability_figure(measures.stated(results)), encoding="utf-8")
+    stated = measures.stated([result for result in results if "case" in result])
+    (DOCS / FIGURE).write_text(reliability_figure(stated), encoding="utf-8")
     text = f"# Proof\n\n{results_text(results, command)}\n![Stated probabilities against what is there]({FIGURE})\n"
     (DOCS / "proof.md").write_text(text, encoding="utf-8")
 

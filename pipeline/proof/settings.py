@@ -35,6 +35,8 @@ class Proof:
     """What is drawn for a joint."""
     swerve: dict[str, Any] = field(default_factory=dict)
     """What is drawn for a swerve drive."""
+    real: dict[str, Any] = field(default_factory=dict)
+    """What is known of published recordings, by branch."""
 
 
 def table_of(settings: Proof, kind: str) -> Mapping[str, Any]:

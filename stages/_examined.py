@@ -1,0 +1,155 @@
+"""What the benchmark does with one case, in a process of its own: record, clean, build the simulator, diagnose."""
+
+import json
+import shutil
+import time
+import traceback
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from pipeline.gap.settings import Gap
+from pipeline.proof.settings import Proof
+from pipeline.recordings.cleaning.settings import Cleaning
+from pipeline.recordings.dataset import Dataset
+from pipeline.simulation.settings import SimulatorSettings
+from pipeline.stage import Stage, StageConfig, StageRun
+
+
+@dataclass
+class ProveStage(StageConfig):
+    """What the benchmark reads of the configuration."""
+
+    dataset: Dataset = field(default_factory=Dataset)
+    clean: Cleaning = field(default_factory=Cleaning)
+    simulator: SimulatorSettings = field(default_factory=SimulatorSettings)
+    gap: Gap = field(default_factory=Gap)
+    prove: Proof = field(default_factory=Proof)
+
+
+@dataclass(frozen=True)
+class Concealed:
+    """A concealed case with all that its examination needs, as it travels to a process.
+
+    Attributes:
+        case: that is recorded and diagnosed.
+        config: of the stages.
+        sealed: where its key is written.
+    """
+
+    case: Any
+    config: ProveStage
+    sealed: Path
+
+    @property
+    def identity(self) -> Any:
+        """What the answer depends on besides the code."""
+        settings = {
+            key: asdict(getattr(self.config, key)) for key in ("dataset", "clean", "simulator", "gap")
+        }
+        return [self.case.plain, settings]
+
+
+@dataclass(frozen=True)
+class Published:
+    """A real recording with a known answer.
+
+    Attributes:
+        branch: of the pipeline.
+        values: its composed configuration.
+        ablate: effects to take out of the simulator that fits, each of which has to be found again.
+        keep: whether recordings and reports are kept.
+    """
+
+    branch: str
+    values: dict[str, Any]
+    ablate: tuple[str, ...]
+    keep: bool
+
+    @property
+    def identity(self) -> Any:
+        """What the answer depends on besides the code."""
+        sections = ("platform", "dataset", "clean", "simulator", "gap")
+        return [self.branch, self.ablate, {key: self.values[key] for key in sections}]
+
+
+def examine(task: Concealed | Published, folder: Path) -> dict[str, Any]:
+    """Do a task in an empty folder; what goes wrong is part of the answer."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    answer: dict[str, Any] = {}
+    keep = task.config.prove.keep if isinstance(task, Concealed) else task.keep
+    with (folder / "log.txt").open("w") as log, redirect_stdout(log), redirect_stderr(log):
+        try:
+            if isinstance(task, Concealed):
+                _examine_concealed(task, folder, answer)
+            else:
+                _examine_published(task, folder, answer)
+        except Exception as error:
+            answer["failed"] = f"{type(error).__name__}: {error}"
+            answer["traceback"] = traceback.format_exc()
+    if not keep:
+        for entry in filter(Path.is_dir, folder.iterdir()):
+            shutil.rmtree(entry)
+    return answer
+
+
+def _examine_concealed(task: Concealed, folder: Path, answer: dict[str, Any]) -> None:
+    """Record a case, seal its key, and diagnose the recording from what the person is told."""
+    from stages.record import record_sealed
+
+    start = time.perf_counter()
+    answer["source"] = record_sealed(task.case, folder / "record" / "recording.parquet", task.sealed)
+    answer["seconds_recording"] = time.perf_counter() - start
+    sections = ("dataset", "clean", "simulator", "gap")
+    values = {key: asdict(getattr(task.config, key)) for key in sections}
+    values |= {"platform": task.case.platform, "seed": task.case.seed}
+    answer |= _timed(partial(_diagnosed, values, folder, ("clean", "build_sim", "diagnose")))
+
+
+def _examine_published(task: Published, folder: Path, answer: dict[str, Any]) -> None:
+    """Diagnose a published recording; then take named effects out of what fits, one at a time, and diagnose again."""
+    _diagnosed(task.values, folder, ("record", "clean"))
+    answer |= _timed(partial(_diagnosed, task.values, folder, ("build_sim", "diagnose")))
+    named = {effect["name"]: effect for effect in answer["diagnosis"]["effects"]}
+    known = task.values["simulator"]["effects"] or {}
+    answer["ablated"] = {}
+    for name in filter(named.__contains__, task.ablate):
+        others = {other: _values(effect) for other, effect in named.items() if other != name}
+        given = {key: value for key, value in known.items() if key != name}
+        simulator = task.values["simulator"] | {"effects": given | others}
+        place = folder / f"without_{name}"
+        shutil.copytree(folder / "clean", place / "clean")
+        values = task.values | {"simulator": simulator}
+        answer["ablated"][name] = _timed(partial(_diagnosed, values, place, ("build_sim", "diagnose")))
+
+
+def _values(effect: dict[str, Any]) -> dict[str, float]:
+    return {name: parameter["value"] for name, parameter in effect["parameters"].items()}
+
+
+def _timed(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    wall, busy = time.perf_counter(), time.process_time()
+    done = work()
+    return done | {"seconds": time.perf_counter() - wall, "seconds_busy": time.process_time() - busy}
+
+
+def _diagnosed(values: dict[str, Any], folder: Path, commands: tuple[str, ...]) -> dict[str, Any]:
+    """Run stages on a folder of artifacts and return what the diagnosis says, if there is one."""
+    from importlib import import_module
+
+    from pipeline.stage.compose import typed
+
+    places = {"name": folder.name, "artifacts": str(folder), "output": None, "recording": None}
+    for name in commands:
+        command: Stage[Any] = getattr(import_module(f"stages.{name}"), name)
+        output = folder / name
+        output.mkdir(parents=True)
+        command(typed(command.config_class, values | places), StageRun(output))
+    found = folder / "diagnose"
+    files = {"diagnosis": found / "diagnosis.json"}
+    files |= {name: found / "evidence" / f"{name}.json" for name in ("signs", "competition")}
+    return {key: json.loads(path.read_text(encoding="utf-8")) for key, path in files.items() if path.exists()}

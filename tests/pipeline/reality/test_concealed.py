@@ -1,0 +1,93 @@
+"""Cases of the benchmark as they are drawn from the tables of `conf/prove`."""
+
+import hashlib
+
+import pytest
+
+from pipeline.errors import InputError
+from pipeline.platforms import platform_from_config
+from pipeline.reality import case_from_config
+from pipeline.reality.agenda import CATEGORIES
+from pipeline.reality.concealed import KINDS, draw_cases, record_concealed
+from pipeline.reality.fly import key_text
+from pipeline.stage.compose import compose
+
+PROVE = compose([])["prove"]
+MACHINES = {
+    kind: {name: compose([f"platform={name}"])["platform"] for name in PROVE[kind]["machines"]}
+    for kind in KINDS
+}
+
+
+def drawn(kind, count, seed=5, **shares):
+    return draw_cases(kind, PROVE[kind], shares or PROVE["shares"], MACHINES[kind], seed, count)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_drawn_case_can_be_recorded_on_the_machine_it_tells_of(kind):
+    cases = drawn(kind, 150)
+    assert {case.subject.category for case in cases} == set(CATEGORIES)
+    for case in cases:
+        assert platform_from_config(case.platform).kind == kind
+        case_from_config(kind, case.record).check()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_cases_are_reproducible_and_differ_from_each_other(kind):
+    assert drawn(kind, 40)[:15] == drawn(kind, 15)
+    assert len({case.seed for case in drawn(kind, 40)}) == 40
+    assert drawn(kind, 5, seed=6) != drawn(kind, 5, seed=5)
+
+
+def test_every_effect_of_the_tables_can_be_drawn_alone():
+    for kind in KINDS:
+        table = PROVE[kind]["effects"]
+        errors = [name for name in table if name.partition("@")[0].endswith("_error")]
+        alone = drawn(kind, len(table) - len(errors), clear=1.0)
+        assert {case.subject.names[0] for case in alone} == set(table) - set(errors)
+        for case in alone:
+            assert set(case.record["effects"]) >= set(case.subject.names)
+
+
+def test_a_null_conceals_nothing():
+    for case in drawn("joint", 4, nothing=1.0):
+        assert "effects" not in case.record
+        assert "outside" not in case.record
+
+
+def test_what_shows_only_beside_another_is_drawn_with_it():
+    (case,) = [case for case in drawn("quadrotor", 21, clear=1.0) if case.subject.names == ("steady_wind",)][
+        :1
+    ]
+    assert set(case.record["effects"]) == {"steady_wind", "body_drag"}
+    assert case.wanted == ("steady_wind",)
+
+
+def test_a_concealed_driver_is_not_recorded():
+    for case in drawn("quadrotor", 6, hidden=1.0):
+        assert case.record["hidden"]
+
+
+def test_effects_that_no_machine_has_together_are_refused():
+    table = PROVE["joint"] | {
+        "effects": {
+            "coulomb_friction": {"clear": 1.0, "machines": ["servo"]},
+            "viscous_friction": {"clear": 1.0, "machines": ["pendulum"]},
+        }
+    }
+    with pytest.raises(InputError, match="keep such effects `apart`"):
+        draw_cases("joint", table, {"pair": 1.0}, MACHINES["joint"], 1, 1)
+
+
+def test_a_kind_that_there_is_not_is_refused():
+    with pytest.raises(InputError, match="unknown kind 'boat'"):
+        draw_cases("boat", PROVE["joint"], PROVE["shares"], {}, 1, 1)
+
+
+def test_a_recording_names_the_hash_of_its_key_and_nothing_else_of_it():
+    table = PROVE["joint"] | {"conditions": PROVE["joint"]["conditions"] | {"runs": 2, "duration": 1.0}}
+    (case,) = draw_cases("joint", table, {"clear": 1.0}, MACHINES["joint"], 1, 1)
+    recording, key = record_concealed(case)
+    assert [effect["name"] for effect in key["effects"]] == list(case.subject.names)
+    assert hashlib.sha256(key_text(key).encode()).hexdigest() in recording.source
+    assert case.subject.names[0] not in recording.source
