@@ -67,9 +67,10 @@ def _motion(
 def _input(
     log: Log, run: int, times: Array, platform: Joint, case: JointCase, noise: np.random.Generator
 ) -> dict[str, Array]:
-    """Return the command as it was given."""
-    read = held_at if case.held else at
-    command = read(log.command[:, run], times, STEP, SETTLING)
+    """Return the command as it was given; where it is held, its controller logs it at its own tick."""
+    ticks = np.arange(len(times)) / case.rate
+    series = log.command[:, run]
+    command = held_at(series, ticks, STEP, SETTLING) if case.held else at(series, times, STEP, SETTLING)
     if platform.motor is not None:
         return {"voltage": quantised(command, case.sensors.scale * case.sensors.voltage_step)}
     return {"effort": command + case.sensors.scale * case.sensors.effort * noise.standard_normal(len(times))}
