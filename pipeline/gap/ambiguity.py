@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -37,18 +38,24 @@ class Rivalry:
 def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> list[Candidate]:
     """Return the others that predict about as well in the named effect's place.
 
-    An other is a rival when it gains at least half as much and the difference to the winner, taken over clusters of
+    An other is a rival when it explains at least half as much and the difference to the winner, taken over clusters of
     correlated residuals, is within chance (one-sided t test).
     """
-    return [o for o in others if o.gain > _HALF * winner.gain and not predicts_better(winner, o, cluster)]
+    return [o for o in others if o.share > _HALF * winner.share and not predicts_better(winner, o, cluster)]
 
 
-def rivalry_of(winner: Candidate, rivals: list[Candidate]) -> Rivalry | None:
-    """Weigh a named effect against its rivals by what each gains; None where there are none."""
+def rivalry_of(winner: Candidate, rivals: list[Candidate], clusters: int) -> Rivalry | None:
+    """Weigh a named effect against its rivals by how each predicts and how many parameters it takes; None without any.
+
+    All are weighed on the winner's count of independent rows, since they explain the same residual.
+    """
     if not rivals:
         return None
-    gains = torch.tensor([winner.gain, *(rival.gain for rival in rivals)], dtype=torch.float64)
-    weight = float(torch.softmax(gains, dim=0)[0])
+    penalty = 0.5 * math.log(max(clusters, 2))
+    evidence = [
+        total_score(c) / winner.design_effect - penalty * len(c.effect.parameters) for c in (winner, *rivals)
+    ]
+    weight = float(torch.softmax(torch.tensor(evidence, dtype=torch.float64), dim=0)[0])
     return Rivalry(winner.effect, tuple(rival.effect for rival in rivals), weight)
 
 

@@ -39,6 +39,7 @@ class Candidate:
         share: of the excess over the noise floor, in the channel that gains most.
         share_interval: 95 % interval of the share, over clusters of correlated residuals.
         p_value: of the effect's parameters differing from doing nothing.
+        design_effect: how many correlated rows count as one.
         refusal: why it may not be named; empty where it may.
     """
 
@@ -49,6 +50,7 @@ class Candidate:
     share: float
     share_interval: tuple[float, float]
     p_value: float
+    design_effect: float
     refusal: str = ""
 
 
@@ -133,12 +135,12 @@ class _Competition:
 
     def likeliest(self, admitted: list[Candidate]) -> Candidate | None:
         """Return the one that gains most, or a simpler or likelier cause where nothing tells the two apart."""
-        best = max(admitted, key=lambda candidate: candidate.gain, default=None)
+        best = max(admitted, key=total_score, default=None)
         if best is None:
             return None
         usual = [c for c in admitted if _is_preferred(c.effect, best.effect)]
         tied = [c for c in usual if not predicts_better(best, c, self.problem.cluster)]
-        return max(tied, key=lambda candidate: candidate.gain, default=best)
+        return max(tied, key=total_score, default=best)
 
     def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
         """Refit with the effect added and compare with the simulator without it."""
@@ -166,8 +168,9 @@ class _Competition:
         significance = significance_of(fitted, columns, neutral, self.clusters)
         gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
         share, interval, energy = self.explained(before, after)
+        design_effect = significance.design_effect
         candidate = Candidate(
-            effect, fitted, after, gain / significance.design_effect, share, interval, significance.p_value
+            effect, fitted, after, gain / design_effect, share, interval, significance.p_value, design_effect
         )
         return replace(candidate, refusal=self.refusal(candidate, energy))
 
@@ -260,7 +263,7 @@ class _Competition:
         present = {fitted.effect.key for fitted in self.current.simulator.free}
         candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in present)
         admitted = [candidate for candidate in candidates if not candidate.refusal]
-        winner = max(admitted, key=lambda candidate: total_score(candidate), default=None)
+        winner = max(admitted, key=total_score, default=None)
         if winner is None or not predicts_better(winner, own, self.problem.cluster):
             return None
         return total_score(winner) - total_score(own), candidates, winner
@@ -298,14 +301,14 @@ class _Competition:
         close = [e for e in self.close_to(winner.effect) if e.key not in present]
         others = [self.candidate(effect, without) for effect in close]
         rivals = rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
-        return rivalry_of(winner, [rival for rival in rivals if self.is_needless(rival)])
+        return rivalry_of(winner, [rival for rival in rivals if self.is_needless(rival)], self.clusters)
 
     def close_to(self, winner: Effect) -> list[Effect]:
         """Return the effects that came close to a winner in the round it won: only they can stand in for it."""
         for turn in reversed(self.rounds):
             if turn.winner is not None and turn.winner.effect.key == winner.key:
-                least = 0.5 * turn.winner.gain
-                return [c.effect for c in turn.candidates if c.gain > least]
+                least = 0.5 * turn.winner.share
+                return [c.effect for c in turn.candidates if c.share > least]
         return self.catalogue
 
     def is_needless(self, rival: Candidate) -> bool:
