@@ -29,7 +29,6 @@ class Task:
     kind: str
     effect: str
     machine: str
-    section: str
 
 
 @stage(StrengthsStage)
@@ -40,7 +39,7 @@ def strengths(config: StrengthsStage, run: StageRun) -> None:
     from pipeline.proof.settings import hash_of_code
     from pipeline.proof.strengths import strengths_text
 
-    tasks = {f"{t.kind}-{t.section}-{t.effect}-{t.machine}": t for t in _tasks(config)}
+    tasks = {f"{t.kind}-{t.effect}-{t.machine}": t for t in _tasks(config)}
     folder = Path(config.artifacts) / "shown"
 
     def identity(task: Task) -> str:
@@ -48,8 +47,7 @@ def strengths(config: StrengthsStage, run: StageRun) -> None:
 
     results = run_cases(tasks, measure, folder, config.prove.jobs, identity)
     entries = [
-        {"kind": task.kind, "section": task.section, "effect": task.effect, "machine": task.machine}
-        | results[name]
+        {"kind": task.kind, "effect": task.effect, "machine": task.machine} | results[name]
         for name, task in tasks.items()
     ]
     write_whole(entries, run.output / "strengths.json")
@@ -57,65 +55,91 @@ def strengths(config: StrengthsStage, run: StageRun) -> None:
 
 
 def measure(task: Task, folder: Path) -> dict[str, Any]:
-    """Return the energy over the noise's, in the channel where it shows most, by strength."""
-    entry = getattr(task.config.prove, task.kind)[task.section][task.effect]
-    silent = _energies(task, 0.0, None, folder)
-    energies = {}
-    for strength in sorted({1.0, *(float(entry[key]) for key in ("clear", "faint") if key in entry)}):
-        added = _energies(task, strength, silent["noise"], folder)["energy"] - silent["energy"]
-        energies[f"{strength:g}"] = float(added.max())
-    return {"energies": energies}
+    """Return by strength the energies over the noise's: what the effect explains, and what is left with it known."""
+    entry = getattr(task.config.prove, task.kind)["effects"][task.effect]
+    strengths = sorted(
+        {1.0, *(float(value) for key in ("clear", "faint") for value in _each(entry.get(key)))}
+    )
+    return {"energies": {f"{strength:g}": _energies(task, strength, folder) for strength in strengths}}
 
 
-def _energies(task: Task, strength: float, noise: Any, folder: Path) -> dict[str, Any]:
-    """Return the residual's energy per channel over the noise's, and the noise."""
+def _each(value: Any) -> list[float]:
+    return [] if value is None else list(value.values()) if isinstance(value, dict) else [value]
+
+
+def _energies(task: Task, strength: float, folder: Path) -> dict[str, float]:
+    """Return the residual's energy over the noise's that the effect explains where it explains most, and what it leaves.
+
+    One recording, two simulators: one that knows all that is concealed, one that lacks the effect alone.
+    """
     import torch
 
+    from pipeline.gap.preparation import prepare
     from pipeline.gap.residuals import noise_of_rows, residual_rows
-    from pipeline.gap.timing import cut_settled_blocks
-    from pipeline.physics.weak_form import window_functions
     from pipeline.recordings.cleaning import clean_with_coverage
     from pipeline.simulation.build import build_simulator
     from pipeline.simulation.settings import SimulatorSettings
 
     torch.set_num_threads(1)
-    recording, told = _recorded(task, strength, folder)
+    recording, told, effects = _recorded(task, strength, folder)
     config = task.config
     cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, config.seed).recording
     nominal = build_simulator(told, SimulatorSettings(), cleaned.units)
-    blocks = cut_settled_blocks(cleaned, nominal.platform, config.gap)
-    functions = window_functions(blocks.samples, config.gap.test_width, blocks.time_step)
-    noise = noise_of_rows(nominal, blocks, functions) if noise is None else noise
-    return {
-        "noise": noise,
-        "energy": (residual_rows(nominal, blocks, functions) / noise).square().mean((0, 1)),
-    }
+    prepared = prepare(cleaned, nominal, config.gap)
+    blocks, functions = prepared.problem.blocks, prepared.problem.functions
+    without = {key: values for key, values in effects.items() if key != task.effect}
+    simulators = [
+        replace(
+            build_simulator(told, SimulatorSettings(effects=known), cleaned.units),
+            settings=prepared.nominal.settings,
+        )
+        for known in (effects, without)
+    ]
+    noise = noise_of_rows(simulators[0], blocks, functions)
+    complete, lacking = (
+        (residual_rows(s, blocks, functions) / noise).square().mean((0, 1)) for s in simulators
+    )
+    place = int((lacking - complete).argmax())
+    return {"explained": float((lacking - complete)[place]), "left": float(complete[place])}
 
 
-def _recorded(task: Task, strength: float, folder: Path) -> tuple[Any, dict[str, Any]]:
-    """Record one effect alone at a strength, on the machine as its file has it; return what the person is told too."""
+def _recorded(task: Task, strength: float, folder: Path) -> tuple[Any, dict[str, Any], dict[str, Any]]:
+    """Record one effect alone at a strength, on the machine as its file has it.
+
+    Returns:
+        The recording, what the person is told of the machine, and what the catalogue's effects of the key amount to.
+    """
+    import json
+
+    from pipeline.proof.score import effect_name
     from pipeline.recordings.recording import read_recording
     from pipeline.stage.compose import compose
     from stages.record import draw_cases, record_sealed
 
     table = getattr(task.config.prove, task.kind)
-    entry = table[task.section][task.effect] | {"clear": strength, "faint": strength}
-    alone: dict[str, Any] = {"effects": {}, "outside": {}} | {task.section: {task.effect: entry}}
+    entry = table["effects"][task.effect] | {"clear": strength, "faint": strength}
+    beside = {name: table["effects"][name] for name in entry.get("beside", ())}
+    alone: dict[str, Any] = {"effects": {task.effect: entry} | beside}
     alone |= {"machines": {task.machine: table["machines"][task.machine]}, "conditions": table["conditions"]}
     machines = {task.machine: compose([f"platform={task.machine}"])["platform"]}
-    shares = {"clear": 1.0, "decoy": 1.0, "outside": 1.0}
-    (case,) = draw_cases(task.kind, alone, shares, machines, task.config.seed, 1)
+    shares = {"clear": 1.0, "decoy": 1.0}
+    cases = draw_cases(task.kind, alone, shares, machines, task.config.seed, len(alone["effects"]))
+    case = next(case for case in cases if case.subject.names == (task.effect,))
     record_sealed(case, folder / "recording.parquet", folder / "key.json")
-    return read_recording(folder / "recording.parquet"), case.platform
+    key = json.loads((folder / "key.json").read_text(encoding="utf-8"))
+    effects = {
+        effect_name(effect): {name: entry["value"] for name, entry in effect["parameters"].items()}
+        for effect in key["effects"]
+    }
+    return read_recording(folder / "recording.parquet"), case.platform, effects
 
 
 def _tasks(config: StrengthsStage) -> list[Task]:
     slim = replace(config, output=None)
     return [
-        Task(slim, kind, effect, machine, section)
+        Task(slim, kind, effect, machine)
         for kind in config.prove.kinds
-        for section in ("effects", "outside")
-        for effect, entry in getattr(config.prove, kind)[section].items()
+        for effect, entry in getattr(config.prove, kind)["effects"].items()
         for machine in entry.get("machines", getattr(config.prove, kind)["machines"])
     ]
 

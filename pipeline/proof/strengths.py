@@ -1,4 +1,4 @@
-"""How strongly concealed effects show, as a table, and the strengths at which they would be near the noise."""
+"""How strongly concealed effects show, and the strengths at which they would be near the noise."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,30 +9,23 @@ FAINT = 1.0
 
 
 def strengths_text(entries: Sequence[Mapping[str, Any]]) -> str:
-    """Return a line per effect: energies by strength, machine by machine, and the strength that would be faint.
-
-    The energy that an effect adds to the residual grows with about the square of its strength, so that the faint
-    strength follows from the weakest that was measured. Over machines, the geometric mean counts.
-    """
+    """Return a line per effect and machine: by strength the energy explained and what is left, then what is faint."""
     lines = []
-    for kind, effect in dict.fromkeys((entry["kind"], entry["effect"]) for entry in entries):
-        mine = [e for e in entries if (e["kind"], e["effect"]) == (kind, effect)]
-        strengths = sorted({float(s) for entry in mine for s in entry["energies"]})
-        cells = [f"{s:g}: {_listed([e['energies'].get(f'{s:g}') for e in mine])}" for s in strengths]
-        lines.append(f"{kind} {effect}  faint at {faint_strength(mine):.2g}  ({'; '.join(cells)})")
+    for entry in entries:
+        cells = [f"{s}: {e['explained']:.2g} ({e['left']:.2g} left)" for s, e in entry["energies"].items()]
+        faint = f"faint at {faint_strength(entry):.2g}"
+        lines.append(f"{entry['kind']} {entry['effect']} {entry['machine']}: {', '.join([*cells, faint])}")
     return "\n".join(lines)
 
 
-def faint_strength(entries: Sequence[Mapping[str, Any]]) -> float:
-    """Return the strength whose energy would be `FAINT` times the noise's; not a number where nothing shows."""
-    estimates = []
-    for entry in entries:
-        showing = [(float(s), energy) for s, energy in entry["energies"].items() if energy > 0]
-        if showing:
-            strength, energy = min(showing, key=lambda pair: abs(math.log(pair[1] / FAINT)))
-            estimates.append(math.log(strength * math.sqrt(FAINT / energy)))
-    return math.exp(sum(estimates) / len(estimates)) if estimates else math.nan
+def faint_strength(entry: Mapping[str, Any]) -> float:
+    """Return the strength whose energy would be `FAINT` times the noise's; not a number where nothing shows.
 
-
-def _listed(energies: Sequence[float | None]) -> str:
-    return " ".join("–" if energy is None else f"{energy:.2g}" for energy in energies)
+    The energy that an effect adds to the residual grows with about the square of its strength: the measurement that is
+    nearest to faint counts.
+    """
+    showing = [(float(s), e["explained"]) for s, e in entry["energies"].items() if e["explained"] > 0]
+    if not showing:
+        return math.nan
+    strength, energy = min(showing, key=lambda pair: abs(math.log(pair[1] / FAINT)))
+    return strength * math.sqrt(FAINT / energy)
