@@ -68,7 +68,7 @@ def _each(value: Any) -> list[float]:
 
 
 def _energies(task: Task, strength: float, folder: Path) -> dict[str, float]:
-    """Return the residual's energy over the noise's that the effect explains where it explains most, and what it leaves.
+    """Return the energy over the noise's that the effect explains where it explains most, and what it leaves there.
 
     One recording, two simulators: one that knows all that is concealed, one that lacks the effect alone.
     """
