@@ -22,7 +22,7 @@ CONCEALABLE: dict[str, dict[str, Quantity]] = {
         "gap": Quantity("rad", 0.03, _POSITION),
         "motor_inertia_share": Quantity("1", 0.4, low=0.05, high=0.95),
     },
-    "dead_zone": {"width": Quantity("N·m", 0.3, _EFFORT)},
+    "dead_zone": {"width": Quantity("N·m", 0.12, {"command": 1})},  # here in the unit of the command
     "cogging": {
         "amplitude": Quantity("N·m", 0.12, _EFFORT),
         "cycles": Quantity("1/rad", 12.0, _PER_POSITION, low=1e-6),

@@ -26,7 +26,7 @@ class SwerveSensors:
         steer_angle_step: rad, of an absolute encoder of 12 bits.
         chassis_velocity: m/s.
         chassis_rate: rad/s.
-        voltage_step: of the recorded voltages, V.
+        voltage_step: of the recorded voltages, V, which motor controllers report in whole millivolts.
         battery_voltage: V.
         current: A.
     """
@@ -38,7 +38,7 @@ class SwerveSensors:
     steer_angle_step: float = 1.534e-3
     chassis_velocity: float = 0.01
     chassis_rate: float = 0.005
-    voltage_step: float = 0.01
+    voltage_step: float = 0.001
     battery_voltage: float = 0.02
     current: float = 0.3
 
