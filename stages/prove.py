@@ -10,6 +10,8 @@ from stages._examined import Concealed, ProveStage, Published, examine
 @stage(ProveStage)
 def prove(config: ProveStage, run: StageRun) -> None:
     """Draw concealed cases, diagnose them, and score the answers against their sealed keys."""
+    from pipeline.errors import InputError
+    from pipeline.proof.calibration import is_for_calibration
     from pipeline.proof.page import results_text, write_docs
     from pipeline.proof.running import run_cases, write_whole
 
@@ -21,6 +23,8 @@ def prove(config: ProveStage, run: StageRun) -> None:
     (run.output / "proof.md").write_text(text, encoding="utf-8")
     print(text)
     if config.prove.write_docs:
+        if is_for_calibration(config.seed):
+            raise InputError(f"{config.seed} is a seed for calibration", "seed", "score with another")
         write_docs(results, _command(config))
 
 
@@ -60,7 +64,7 @@ def _scored(
     if isinstance(task, Published):
         known = config.prove.real[task.branch]
         return {"name": name, "branch": task.branch, "score": score_published(known, answer)} | answer
-    facts: dict[str, Any] = {"name": name, "case": task.case.plain} | answer
+    facts: dict[str, Any] = {"name": name, "seed": config.seed, "case": task.case.plain} | answer
     if "source" in answer:
         facts["key"] = open_key(task.sealed, answer["source"])
         facts["score"] = score_case(facts["key"], answer.get("diagnosis"), task.case.wanted)

@@ -2,8 +2,22 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 from pipeline.gap.model import steadiness
+
+CALIBRATION = Path(__file__).with_name("calibration.yaml")
+"""Where the coefficients of the features are."""
+
+DIRECTIONS = {
+    "evidence": 1,
+    "unsteadiness": -1,
+    "captured": 1,
+    "excess": -1,
+    "remainder": -1,
+    "weight": 1,
+}
+"""Whether more of a feature speaks for the effect (+1) or against it (−1)."""
 
 _PRIOR = 0.1
 _MOST = 0.995
@@ -40,6 +54,18 @@ class Signs:
         Source: Kass & Raftery 1995, Bayes factors (JASA 90), eq. 9.
         """
         return self.gain - 0.5 * self.parameters * math.log(max(self.clusters, 2))
+
+    @property
+    def features(self) -> dict[str, float]:
+        """The signs on scales on which their differences count alike, by the names of `DIRECTIONS`."""
+        return {
+            "evidence": math.asinh(self.log_bayes_factor),
+            "unsteadiness": math.log1p(self.unsteadiness),
+            "captured": min(max(self.captured, 0.0), 1.0),
+            "excess": math.log10(max(self.excess, 1.0)),
+            "remainder": self.remainder**2,
+            "weight": math.log(max(self.weight, 1e-6)),
+        }
 
 
 def presence_of(signs: Signs) -> float:

@@ -27,6 +27,10 @@ class Proof:
     """Whether recordings and reports of the cases are kept."""
     write_docs: bool = False
     """Whether docs/proof.md is written."""
+    results: list[str] = field(default_factory=list)
+    """Results of benchmarks that probabilities are calibrated on."""
+    write_calibration: bool = False
+    """Whether the coefficients take the place of those that the diagnosis reads."""
     shares: dict[str, float] = field(default_factory=dict)
     """Of the categories of cases."""
     quadrotor: dict[str, Any] = field(default_factory=dict)

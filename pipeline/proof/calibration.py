@@ -1,0 +1,128 @@
+"""What stated probabilities are made of, fitted to how often names were right: a logistic regression on the signs."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.errors import InputError
+from pipeline.gap.probability import DIRECTIONS, Signs
+from pipeline.proof.reliability import brier_score, calibration_error
+
+SEEDS = range(10_000, 20_000)
+"""Seeds of benchmarks that probabilities are fitted to; those of every other benchmark are for scoring."""
+
+_LEAST_STATEMENTS = 40
+_PENALTY = 1.0  # one observation's worth of doubt about every standardised coefficient
+_FOLDS = 5
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One effect that a diagnosis named.
+
+    Attributes:
+        case: that it was named in.
+        features: by name, of `Signs.features`.
+        true: whether it is there.
+    """
+
+    case: str
+    features: dict[str, float]
+    true: bool
+
+
+def is_for_calibration(seed: int) -> bool:
+    """Whether benchmarks of a seed fit probabilities; else they score them."""
+    return seed in SEEDS
+
+
+def statements_of(results: Sequence[Mapping[str, Any]]) -> list[Statement]:
+    """Return every named effect with its signs and whether it was concealed.
+
+    Raises:
+        InputError: when a result belongs to a seed that is for scoring.
+    """
+    statements = []
+    for result in results:
+        if not is_for_calibration(result["seed"]):
+            where = f"{SEEDS.start} to {SEEDS.stop - 1}"
+            raise InputError(
+                f"seed {result['seed']} is for scoring", result["name"], f"use seeds from {where}"
+            )
+        concealed = set(result.get("score", {}).get("concealed", ()))
+        grouped = any("@" in name for name in concealed)
+        for key, signs in (result.get("signs") or {}).items():
+            name = key if grouped else key.partition("@")[0]
+            statements.append(Statement(result["name"], Signs(**signs).features, name in concealed))
+    return statements
+
+
+def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
+    """Fit the logistic regression and say how well it keeps its word on cases that it was not fitted on.
+
+    A feature whose coefficient comes out against its direction is left out: more evidence never lowers a probability.
+
+    Returns:
+        `intercept`, `coefficients` by feature, `statements`, `true`, and cross-validated over cases: `brier_score` and
+        `expected_calibration_error`.
+
+    Raises:
+        InputError: when there are too few statements, or all are alike.
+    """
+    right = sum(statement.true for statement in statements)
+    if len(statements) < _LEAST_STATEMENTS or right in (0, len(statements)):
+        what = f"{len(statements)} statements, {right} of them true, are too few"
+        raise InputError(what, "prove.results", "run more cases with calibration seeds")
+    intercept, coefficients = _fitted(statements)
+    kept = [(p, s.true) for p, s in zip(_cross_validated(statements), statements, strict=True)]
+    return {
+        "intercept": intercept,
+        "coefficients": coefficients,
+        "statements": len(statements),
+        "true": right,
+        "brier_score": brier_score(kept),
+        "expected_calibration_error": calibration_error(kept),
+    }
+
+
+def _fitted(statements: Sequence[Statement]) -> tuple[float, dict[str, float]]:
+    """Return intercept and coefficients, in the features' own units."""
+    from sklearn.linear_model import LogisticRegression
+
+    true = np.array([statement.true for statement in statements])
+    names = list(DIRECTIONS)
+    while True:
+        matrix = _matrix(statements, names)
+        centre, spread = matrix.mean(0), np.maximum(matrix.std(0), 1e-9)
+        model = LogisticRegression(C=1.0 / _PENALTY, max_iter=1000).fit((matrix - centre) / spread, true)
+        slopes = model.coef_[0] / spread
+        wrong = [name for name, slope in zip(names, slopes, strict=True) if slope * DIRECTIONS[name] < 0]
+        if not wrong:
+            break
+        names = [name for name in names if name not in wrong]
+    found = dict(zip(names, slopes.tolist(), strict=True))
+    intercept = float(model.intercept_[0] - slopes @ centre)
+    return intercept, {name: found.get(name, 0.0) for name in DIRECTIONS}
+
+
+def _matrix(statements: Sequence[Statement], names: Sequence[str]) -> NDArray[np.float64]:
+    return np.array([[statement.features[name] for name in names] for statement in statements])
+
+
+def _cross_validated(statements: Sequence[Statement]) -> list[float]:
+    """Return each statement's probability from a fit without its case and others."""
+    cases = sorted({statement.case for statement in statements})
+    fold = {case: number % _FOLDS for number, case in enumerate(cases)}
+    stated = [0.0] * len(statements)
+    for part in range(_FOLDS):
+        others = [statement for statement in statements if fold[statement.case] != part]
+        intercept, coefficients = _fitted(others)
+        for place, statement in enumerate(statements):
+            if fold[statement.case] == part:
+                odds = intercept + sum(coefficients[name] * statement.features[name] for name in coefficients)
+                stated[place] = 1.0 / (1.0 + math.exp(-max(min(odds, 50.0), -50.0)))
+    return stated

@@ -1,0 +1,48 @@
+"""From benchmarks on calibration seeds to the coefficients that stated probabilities are made with."""
+
+import json
+from dataclasses import dataclass, field
+
+from pipeline.proof.settings import Proof
+from pipeline.stage import StageConfig, StageRun, stage
+
+
+@dataclass
+class CalibrateStage(StageConfig):
+    """What calibration reads of the configuration."""
+
+    prove: Proof = field(default_factory=Proof)
+
+
+@stage(CalibrateStage)
+def calibrate(config: CalibrateStage, run: StageRun) -> None:
+    """Fit stated probabilities to how often names were right, on benchmarks that score nothing."""
+    import yaml
+
+    from pipeline.errors import InputError
+    from pipeline.gap.probability import CALIBRATION
+    from pipeline.proof.calibration import fit_calibration, statements_of
+
+    if not config.prove.results:
+        raise InputError("no results are given", "prove.results", "give [FILE, ...] of simgap prove")
+    results = [
+        result
+        for path in config.prove.results
+        for result in json.loads(run.input(path).read_text(encoding="utf-8"))
+        if "case" in result
+    ]
+    content = {
+        "made_by": f"simgap calibrate on {len(results)} cases",
+        "seeds": sorted({result["seed"] for result in results}),
+        "kinds": sorted({result["case"]["kind"] for result in results}),
+        **fit_calibration(statements_of(results)),
+    }
+    text = yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
+    (run.output / CALIBRATION.name).write_text(text, encoding="utf-8")
+    if config.prove.write_calibration:
+        CALIBRATION.write_text(text, encoding="utf-8")
+    print(text, end="")
+
+
+if __name__ == "__main__":
+    calibrate.main()
