@@ -66,7 +66,7 @@ def result(seed=SEED, concealed=("rotor_drag",), **signs):
         "name": "quadrotor-0",
         "seed": seed,
         "score": {"concealed": list(concealed)},
-        "signs": {name: bare for name in signs},
+        "signs": dict.fromkeys(signs, bare),
     }
 
 
