@@ -7,6 +7,7 @@ from torch import Tensor
 
 from pipeline.effects import ActuatorEffect, Parameter
 from pipeline.effects.effect import Signals, Values
+from pipeline.effects.lag import lag_step
 from pipeline.physics import batteries, rotors
 from pipeline.physics.motors import first_order_lag
 from pipeline.physics.speed_controllers import SpeedMap, calibrated_speed_map, steady_speed
@@ -54,7 +55,7 @@ class Powertrain(ActuatorEffect):
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:
-        """Return rotor speed and battery voltage at the end of the step; the memory holds those and the charge."""
+        """Return the mean rotor speed over the step and the voltage it had; the memory holds what is at its end."""
         throttle = signals["motor_command"]
         before = _rested(throttle, values) if memory is None else memory
         source = _open_circuit(before["charge"], values) - before["relaxation"]
@@ -62,14 +63,14 @@ class Powertrain(ActuatorEffect):
         current = batteries.current_for_power(power / values["efficiency"], source, values["resistance"])
         voltage = source - values["resistance"] * current
         target = steady_speed(throttle, voltage, _speed_map(values))
-        speed = first_order_lag(before["speed"], target, values["time_constant"], time_step)
+        mean, speed = lag_step(before["speed"], target, values["time_constant"], time_step)
         drop = values["relaxation_resistance"] * current
         after = {
             "speed": speed,
             "charge": batteries.charge_step(before["charge"], current, values["capacity"], time_step),
             "relaxation": first_order_lag(before["relaxation"], drop, values["relaxation_time"], time_step),
         }
-        return {"rotor_speed": speed, "battery_voltage": voltage}, after
+        return {"rotor_speed": mean, "battery_voltage": voltage}, after
 
 
 def powertrain_values(platform: Quadrotor, efficiency: float = 0.75, time_constant: float = 0.033) -> dict:

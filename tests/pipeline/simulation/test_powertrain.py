@@ -45,10 +45,19 @@ def test_hover_and_full_throttle_are_the_platforms():
 def test_speed_follows_a_step_of_the_throttle_with_the_time_constant():
     throttle = torch.full((51, 1, 4), 1.0, dtype=torch.float64)
     throttle[0] = HOVER
-    out, _ = driven(stiff(time_constant=0.05), throttle)[-1]
+    _, memory = driven(stiff(time_constant=0.05), throttle)[-1]
     start, end = QUADROTOR.hover_rotor_speed, QUADROTOR.motor_speed_max
     exact = end + (start - end) * math.exp(-50 * DT / 0.05)
-    assert out["rotor_speed"][0].tolist() == pytest.approx([exact] * 4, rel=1e-9)
+    assert memory["speed"][0].tolist() == pytest.approx([exact] * 4, rel=1e-9)
+
+
+def test_what_acts_is_the_mean_speed_over_the_step():
+    throttle = torch.full((2, 1, 4), 1.0, dtype=torch.float64)
+    throttle[0] = HOVER
+    start, end = QUADROTOR.hover_rotor_speed, QUADROTOR.motor_speed_max
+    out, _ = driven(stiff(time_constant=0.05), throttle)[-1]
+    share = (1.0 - math.exp(-DT / 0.05)) * 0.05 / DT
+    assert out["rotor_speed"][0].tolist() == pytest.approx([end + share * (start - end)] * 4, rel=1e-9)
 
 
 def test_the_battery_gives_what_the_motors_take_and_what_it_heats_itself_with():

@@ -1,0 +1,94 @@
+"""A step as one compiled loop over the batch."""
+
+from collections.abc import Callable
+from typing import Any
+
+import torch
+import torch._inductor
+from torch import Tensor
+from torch.utils import _pytree as tree
+
+from pipeline.errors import InputError
+from pipeline.simulation.fused.trace import component_graph
+
+Function = Callable[[Tensor, Tensor, Any], tuple[Tensor, Any]]
+"""From state (batch, n), action (batch, k) and memory to state and memory."""
+
+# The whole step is one kernel: splitting it gains nothing, and intermediate results would leave the registers.
+_OPTIONS: dict[str, Any] = {"max_fusion_size": 1_000_000}
+
+
+class FusedStep:
+    """The same step as an eager function, in one pass over memory.
+
+    State and memory are rows (components, batch), so that neighbours in memory are the same component of neighbouring
+    machines. It is compiled anew for each size of batch, and keeps no gradients: the eager function is for that. What
+    differs from machine to machine may travel in the memory.
+    """
+
+    def __init__(
+        self, function: Function, state: Tensor, action: Tensor, memory: Any, repeats: int = 1
+    ) -> None:
+        """Write the step down for one machine.
+
+        Args:
+            function: the eager step; each machine's result may depend on that machine alone.
+            state: an example (batch, n), in the precision and on the device to run in.
+            action: an example (batch, k).
+            memory: what the eager function returned with a state: tensors, the batch leading.
+            repeats: how often the step is taken in a call, with the action held.
+
+        Raises:
+            InputError: when the step does what cannot be fused.
+        """
+        leaves, self._tree = tree.tree_flatten(memory)
+        if not all(isinstance(leaf, Tensor) and leaf.shape[:1] == state.shape[:1] for leaf in leaves):
+            raise InputError(
+                "is not all tensors with the batch leading", "memory", "run one eager step first"
+            )
+        self._shapes = [tuple(tensor.shape[1:]) for tensor in (state, *leaves)]
+        self._repeats = repeats
+        self._runs: dict[int, Callable[[Tensor, Tensor], Tensor]] = {}
+
+        def flat(*tensors: Tensor) -> list[Tensor]:
+            kept = tree.tree_unflatten(list(tensors[1:-1]), self._tree)
+            after, remembered = function(tensors[0], tensors[-1], kept)
+            return [after, *tree.tree_leaves(remembered)]
+
+        # Constants are folded in double precision.
+        groups = [[_one(tensor) for tensor in group] for group in ((state, *leaves), (action,))]
+        self._graph = component_graph(flat, groups, state.dtype)
+
+    def pack(self, state: Tensor, memory: Any) -> Tensor:
+        """Return state and memory as rows (components, batch)."""
+        tensors = [state, *tree.tree_leaves(memory)]
+        return torch.cat([tensor.reshape(len(state), -1).T for tensor in tensors]).contiguous()
+
+    def unpack(self, rows: Tensor) -> tuple[Tensor, Any]:
+        """Return the state (batch, n) and the memory that rows hold."""
+        parts = rows.split([torch.Size(shape).numel() for shape in self._shapes])
+        state, *leaves = (
+            part.T.reshape(rows.shape[1], *shape) for part, shape in zip(parts, self._shapes, strict=True)
+        )
+        return state, tree.tree_unflatten(leaves, self._tree)
+
+    @torch.no_grad()
+    def __call__(self, rows: Tensor, action: Tensor) -> Tensor:
+        """Return the rows after the step was taken `repeats` times.
+
+        Args:
+            rows: of `pack`.
+            action: (k, batch), contiguous as the rows are.
+        """
+        batch = rows.shape[1]
+        if batch not in self._runs:
+            compiled = torch._inductor.compile(self._graph, [rows, action], options=_OPTIONS)
+            self._runs[batch] = compiled  # type: ignore[assignment]
+        run = self._runs[batch]
+        for _ in range(self._repeats):
+            rows = run(rows, action)
+        return rows
+
+
+def _one(tensor: Tensor) -> Tensor:
+    return tensor[:1].detach().cpu().double()
