@@ -15,6 +15,18 @@ BELIEVED = 0.5
 OUTCOMES = ("right", "ambiguous", "wrong", "unnamed", "missed", "failed")
 """What became of a case that conceals an effect; see `outcome_of`."""
 
+_FAILED: dict[str, Any] = {
+    "named": [],
+    "outcome": "failed",
+    "found": 0.0,
+    "stated": [],
+    "errors": {},
+    "gap_closed": None,
+    "verdict": None,
+    "verdict_right": False,
+    "unnamed": 0,
+}
+
 
 def open_key(path: Path, source: str) -> dict[str, Any]:
     """Open a sealed key whose hash was written into the recording before the diagnosis ran.
@@ -42,7 +54,7 @@ def score_case(
     Args:
         key: what was concealed.
         diagnosis: the document; None where the diagnosis failed.
-        wanted: what the case is about, where more is concealed because it would not show alone: has to be named too.
+        wanted: what the case is about, where more is concealed because it would not show alone; has to be named.
 
     Returns:
         `concealed` and `named`: names, the latter with probabilities, most probable first; `outcome`: of `OUTCOMES`, or
@@ -52,29 +64,17 @@ def score_case(
     """
     concealed = [effect_name(effect) for effect in key["effects"]]
     if diagnosis is None:
-        return {
-            "concealed": concealed,
-            "named": [],
-            "outcome": "failed",
-            "found": 0.0,
-            "stated": [],
-            "errors": {},
-        } | {
-            "gap_closed": None,
-            "verdict": None,
-            "verdict_right": False,
-            "unnamed": 0,
-        }
+        return _FAILED | {"concealed": concealed}
     grouped = any("acts_on" in effect for effect in key["effects"])
-    named = [(effect_name(effect, grouped), effect["probability"]) for effect in diagnosis["effects"]]
-    believed = {name for name, probability in named if probability >= BELIEVED}
-    outcome = outcome_of(concealed, [name for name, _ in named], diagnosis, grouped)
+    named = {effect_name(effect, grouped): effect["probability"] for effect in diagnosis["effects"]}
+    found = [named.get(name, 0.0) >= BELIEVED for name in concealed]
+    outcome = outcome_of(concealed, list(named), diagnosis, grouped)
     return {
         "concealed": concealed,
-        "named": [[name, probability] for name, probability in named],
-        "outcome": "wrong" if outcome == "right" and not set(wanted) <= believed else outcome,
-        "found": sum(name in believed for name in concealed) / len(concealed) if concealed else None,
-        "stated": [[probability, name in concealed] for name, probability in named],
+        "named": [[name, probability] for name, probability in named.items()],
+        "outcome": "wrong" if outcome == "right" and not set(wanted) <= set(named) else outcome,
+        "found": sum(found) / len(found) if found else None,
+        "stated": [[probability, name in concealed] for name, probability in named.items()],
         "errors": parameter_errors(key, diagnosis, grouped),
         "gap_closed": diagnosis["fit"]["gap_closed"],
         "verdict": diagnosis["verdict"],
