@@ -61,9 +61,10 @@ class _Grid:
 def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
     """Bring a run to one time step and interpolate what is missing.
 
-    Measurements are interpolated linearly, attitudes by slerp, the inputs of swerve and joint keep the
-    earlier value. Recorded samples that are on time stay untouched. Nothing is extrapolated, and nothing is
-    interpolated between samples farther apart than the limits of `settings`.
+    Measurements are interpolated linearly, attitudes by slerp; of the inputs of swerve and joint that command is taken
+    which acts for most of the coming step, and in a gap the earlier one. Recorded samples that are on time stay
+    untouched. Nothing is extrapolated, and nothing is interpolated between samples farther apart than the limits of
+    `settings`.
     """
     grid = _grid(run, time_step, settings.jitter)
     result = RunUnderCleaning(
@@ -153,6 +154,8 @@ def _fill(
     between = (times[left] <= grid.time) & (times[right] >= grid.time) & (stretch[left] == stretch[right])
     between &= (stretch[left] == grid.stretch) & (apart <= limit + tolerance) & ~exact
     share = (grid.time - times[left])[between] / apart[between]
+    if columns[0] in INPUTS[run.kind]:
+        share = _acting(share, (times[right] - grid.time)[between], run.time_step)
     new = np.full((len(grid.time), len(places)), np.nan)
     new[exact] = values[left[exact]]
     new[between] = _between(run.kind, columns, values[left[between]], values[right[between]], share)
@@ -161,13 +164,22 @@ def _fill(
     _note_filled(run, result, grid, columns, between & (distance > _NEAR * run.time_step))
 
 
+def _acting(share: np.ndarray, ahead: np.ndarray, own_step: float) -> np.ndarray:
+    """Return 1 where the next command acts for most of the coming step, else 0: the earlier one does.
+
+    Args:
+        share: of the way from the earlier command to the next.
+        ahead: time until the next command, s.
+        own_step: of the recording, s.
+    """
+    return ((share > 0.5) & (ahead <= _NEAR * own_step)).astype(np.float64)
+
+
 def _between(
     kind: str, columns: list[str], left: np.ndarray, right: np.ndarray, share: np.ndarray
 ) -> np.ndarray:
     if columns in QUATERNIONS:
         return slerp(left, right, share)
-    if columns[0] in INPUTS[kind]:
-        return left
     way = right - left
     if columns[0] in ANGLES:
         way = np.remainder(way + np.pi, 2 * np.pi) - np.pi

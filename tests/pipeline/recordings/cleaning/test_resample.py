@@ -117,3 +117,20 @@ def test_the_typical_step_ignores_gaps_and_rounding():
     time = 1.7e9 + np.concatenate([np.arange(500), 900 + np.arange(500)]) * 0.005
     assert typical_step(time) == pytest.approx(0.005, rel=1e-4)
     assert typical_step(np.arange(1000) * 0.01) == 0.01
+
+
+@given(seed=st.integers(0, 1000))
+def test_a_held_command_keeps_its_step_when_the_logger_jitters(seed):
+    """Each command is logged a little before or after its tick, and belongs to that tick all the same."""
+    from tests.pipeline.recordings.cleaning.conftest import joint_frame, run_of
+
+    frame = joint_frame()
+    random = np.random.default_rng(seed)
+    frame["voltage"] = random.normal(size=len(frame))
+    step = frame["t"].iloc[1] - frame["t"].iloc[0]
+    late = random.uniform(-0.2, 0.2, len(frame)) * step
+    late[[0, -1]] = 0.0
+    jittered = frame.assign(t=frame["t"] + late)
+    result = resampled(run_of(jittered, "joint"))
+    assert len(result.time) == len(frame)
+    np.testing.assert_array_equal(result.channel("voltage")[:, 0], frame["voltage"])
