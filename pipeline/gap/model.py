@@ -12,6 +12,7 @@ from pipeline.gap.fit import Fit, columns_of
 from pipeline.simulation.blocks import Blocks
 
 _DRIFT_CHANCE = 1e-3
+_LEAST_DISTANCE = 0.2  # of a value: nearer to doing nothing, a ratio of one is no measure of its drift
 _TOLERATED_DRIFT = (
     0.25  # of the value: runs of one machine differ by this much without another cause behind it
 )
@@ -23,7 +24,8 @@ class Drift:
 
     Attributes:
         parameter: its name.
-        spread: standard deviation between runs beyond what its errors explain, over the value.
+        spread: standard deviation between runs beyond what its errors explain, over how far the value is from doing
+            nothing, or over a part of the value where that is more.
         p_value: of the runs agreeing (Cochran's Q).
     """
 
@@ -50,7 +52,8 @@ def drifts_of(fit: Fit, effect: Effect, blocks: Blocks, cluster: torch.Tensor) -
     for position, parameter in enumerate(effect.parameters):
         pairs = [(values[position], errors[position]) for values, errors in estimates if errors[position] > 0]
         if len(pairs) >= 3:
-            distance = abs(float(fit.values[columns[position]]) - parameter.neutral)
+            value = float(fit.values[columns[position]])
+            distance = max(abs(value - parameter.neutral), _LEAST_DISTANCE * abs(value))
             drifts.append(_heterogeneity(parameter.name, pairs, distance))
     return drifts
 

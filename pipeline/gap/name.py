@@ -129,9 +129,13 @@ class _Competition:
             self.rounds.append(Round(tuple(candidates), winner))
             if winner is None:
                 return
-            self.current = fit(winner.fit.simulator, self.problem)
-            self.scanned.clear()
-            self.prune()
+            self.take(winner)
+
+    def take(self, winner: Candidate) -> None:
+        """Fit the simulator with a winner again, and drop what it makes needless."""
+        self.current = fit(winner.fit.simulator, self.problem)
+        self.scanned.clear()
+        self.prune()
 
     def likeliest(self, admitted: list[Candidate]) -> Candidate | None:
         """Return the one that gains most, or a simpler or likelier cause where nothing tells the two apart."""
@@ -235,8 +239,7 @@ class _Competition:
         candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in kept)
         winner = next(candidate for candidate in candidates if candidate.effect.key == effect.key)
         self.rounds.append(Round(candidates, winner))
-        self.current = fit(winner.fit.simulator, self.problem)
-        self.prune()
+        self.take(winner)
         self.run(self.catalogue)
 
     def exchange(self) -> None:
@@ -253,8 +256,7 @@ class _Competition:
             _, candidates, winner = max(better, key=lambda swap: swap[0])
             self.rounds.append(Round(candidates, winner))
             self.dropped.discard(winner.effect.key)
-            self.current = fit(winner.fit.simulator, self.problem)
-            self.prune()
+            self.take(winner)
             self.run(self.catalogue)
 
     def better_than(self, effect: Effect) -> tuple[float, tuple[Candidate, ...], Candidate] | None:
