@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from typing import Any
 
+import torch
 from torch import Tensor
 
 from pipeline.platforms import Quadrotor
 from pipeline.simulation.controllers import Betaflight
+from pipeline.simulation.knn_residual import HeldResidual, NearestNeighbours, residual_features
 from pipeline.simulation.motion import QuadrotorMotion
 from pipeline.simulation.powertrain import Powertrain, powertrain_values
 from pipeline.simulation.rollout import step
@@ -28,6 +30,7 @@ class Flight:
         period: between two actions, s.
         substeps: inner steps in a period.
         integrator: of the inner steps, see `pipeline.simulation.rollout.step`.
+        residual: what the physics leaves over, looked up once in a period and held through it.
     """
 
     simulator: Simulator
@@ -35,35 +38,51 @@ class Flight:
     period: float = 0.01
     substeps: int = 5
     integrator: str = "rk4"
+    residual: NearestNeighbours | None = None
 
     def step(self, state: Tensor, action: Tensor, memory: Memory | None = None) -> tuple[Tensor, Memory]:
         """Advance a batch by one action.
 
         Args:
-            state: (..., 13), see `pipeline.simulation.motion.QuadrotorMotion`.
-            action: collective thrust over mass and body rates, (..., 4) m/s² and rad/s, held through the period.
+            state: (batch, 13), see `pipeline.simulation.motion.QuadrotorMotion`.
+            action: collective thrust over mass and body rates, (batch, 4) m/s² and rad/s, held through the period.
             memory: of the period before; None before the first.
 
         Returns:
             The state at the period's end and the memory for the next.
         """
+        acting = self.acting(state, action)
+        for _ in range(self.substeps):
+            state, memory = self.inner_step(state, acting, memory)
+        assert memory is not None
+        return state, memory
+
+    def acting(self, state: Tensor, action: Tensor) -> Tensor:
+        """Return the action, followed by the residual force and torque where there is a residual, (batch, 4 or 10)."""
+        if self.residual is None:
+            return action
+        signals = QuadrotorMotion().signals(state)
+        features = residual_features(signals["velocity"], signals["body_rate"], action)
+        return torch.cat([action, self.residual(features)], dim=-1)
+
+    def inner_step(self, state: Tensor, acting: Tensor, memory: Memory | None) -> tuple[Tensor, Memory]:
+        """Advance a batch by one inner step with what `acting` returned at the start of the period."""
         regulating, effects = memory or (None, ())
         inner = self.period / self.substeps
-        for _ in range(self.substeps):
-            throttle, regulating = self.controller.command(state[..., _RATE], action, regulating, inner)
-            state, effects = step(
-                self.simulator,
-                state,
-                {"motor_command": throttle},
-                inner,
-                effects,
-                integrator=self.integrator,
-            )
+        throttle, regulating = self.controller.command(state[..., _RATE], acting[..., :4], regulating, inner)
+        command = {"motor_command": throttle}
+        if self.residual is not None:
+            command["residual"] = acting[..., 4:]
+        state, effects = step(self.simulator, state, command, inner, effects, integrator=self.integrator)
         return state, (regulating, effects)
 
 
 def racing_flight(
-    platform: Quadrotor, effects: tuple[FittedEffect, ...] = (), time_constant: float = 0.033, **options: Any
+    platform: Quadrotor,
+    effects: tuple[FittedEffect, ...] = (),
+    time_constant: float = 0.033,
+    residual: NearestNeighbours | None = None,
+    **options: Any,
 ) -> Flight:
     """Return a quadrotor with powertrain and rate controller.
 
@@ -71,8 +90,10 @@ def racing_flight(
         platform: the racer, or any other quadrotor.
         effects: further physics, for example of the catalogue.
         time_constant: of the motors, s, for which the controller is tuned.
+        residual: force (m/s²) and torque (N·m) by `residual_features`.
         options: `period`, `substeps` and `integrator` of the flight.
     """
     drive = FittedEffect(Powertrain(), powertrain_values(platform, time_constant=time_constant), known=True)
     controller = Betaflight.tuned(platform, time_constant)
-    return Flight(Simulator(platform, (drive, *effects)), controller, **options)
+    held = () if residual is None else (FittedEffect(HeldResidual(), {}, known=True),)
+    return Flight(Simulator(platform, (drive, *effects, *held)), controller, residual=residual, **options)

@@ -1,0 +1,104 @@
+"""What is left of force and torque after the physics, looked up among recorded residuals.
+
+Kaufmann et al. 2023, "Champion-level drone racing using deep reinforcement learning", Nature 620, Methods: the residual
+at a state is the mean of those at the k = 5 nearest of about a thousand recorded states.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import torch
+from torch import Tensor
+
+from pipeline.effects import WrenchEffect
+from pipeline.effects.effect import Signals, Values
+from pipeline.errors import InputError
+
+_AT_ONCE = 512  # queries whose distances to all samples stay in the cache of a processor
+
+
+class HeldResidual(WrenchEffect):
+    """A force and a torque that are held through a control period, as the simulator is given them."""
+
+    linear = False
+    name = "held_residual"
+    kind = "quadrotor"
+    acts_on = "force"
+    parameters = ()
+    needs = ("residual",)
+    formula = "a = a_physics + residual_force, τ = τ_physics + residual_torque"
+    source = "Kaufmann et al. 2023, Champion-level drone racing using deep reinforcement learning, Methods"
+    sentence = "What the physics leaves over is looked up among recorded residuals."
+    excitation = "the flights that the policy will fly"
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return specific force, m/s², and torque, N·m."""
+        residual = signals["residual"]
+        names = [f"{group}_{axis}" for group in ("force", "torque") for axis in "xyz"]
+        return {name: residual[..., index] for index, name in enumerate(names)}
+
+
+@dataclass(frozen=True)
+class NearestNeighbours:
+    """The mean of what was recorded at the nearest samples.
+
+    Attributes:
+        inputs: (samples, features); each feature is measured in its standard deviation over the samples.
+        outputs: (samples, channels).
+        count: of neighbours.
+    """
+
+    inputs: Tensor
+    outputs: Tensor
+    count: int = 5
+
+    def __post_init__(self) -> None:
+        """Refuse what holds no neighbours.
+
+        Raises:
+            InputError: when there are fewer samples than neighbours, or a feature that never changes.
+        """
+        if len(self.inputs) < self.count or len(self.inputs) != len(self.outputs):
+            raise InputError(
+                "too few samples, or not one output for each", "residual", f"record at least {self.count}"
+            )
+        if not bool((self.inputs.std(0) > 0).all()):
+            raise InputError("a feature never changes", "residual", "leave it out")
+
+    @cached_property
+    def _unit(self) -> tuple[Tensor, Tensor]:
+        return self.inputs.mean(0), self.inputs.std(0)
+
+    @cached_property
+    def _samples(self) -> tuple[Tensor, Tensor]:
+        middle, size = self._unit
+        scaled = (self.inputs - middle) / size
+        return -0.5 * scaled.square().sum(1), scaled.T.contiguous()
+
+    def __call__(self, queries: Tensor) -> Tensor:
+        """Return the mean outputs at the nearest samples, (batch, channels).
+
+        Args:
+            queries: (batch, features).
+        """
+        middle, size = self._unit
+        parts = ((queries - middle) / size).split(_AT_ONCE if queries.device.type == "cpu" else len(queries))
+        return torch.cat([self._mean_of_nearest(part) for part in parts])
+
+    def _mean_of_nearest(self, scaled: Tensor) -> Tensor:
+        halves, samples = self._samples
+        # The nearest sample s of a query q has the greatest q·s − s²/2, since q² is the same for all.
+        nearness = torch.addmm(halves, scaled, samples)
+        nearest = nearness.topk(self.count, dim=1, sorted=False).indices
+        return self.outputs[nearest].mean(1)
+
+
+def residual_features(velocity: Tensor, body_rate: Tensor, action: Tensor) -> Tensor:
+    """Return what the residual of a quadrotor is looked up by, (..., 7).
+
+    Args:
+        velocity: body frame, (..., 3) m/s.
+        body_rate: (..., 3) rad/s.
+        action: collective thrust over mass, and body rates, (..., 4).
+    """
+    return torch.cat([velocity, body_rate, action[..., :1]], dim=-1)
