@@ -14,7 +14,7 @@ from pipeline.gap.scoring import log_score
 
 if TYPE_CHECKING:
     from pipeline.effects import Effect
-    from pipeline.gap.name import Candidate
+    from pipeline.gap.candidate import Candidate
 
 _CHANCE = 0.05
 _HALF = 0.5

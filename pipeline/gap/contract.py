@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.gap.ambiguity import Rivalry
+from pipeline.gap.candidate import Candidate
 from pipeline.gap.diagnosis import Diagnosis
-from pipeline.gap.name import Candidate
 from pipeline.simulation import FittedEffect
 
 SCHEMA = "simgap.diagnosis/1"

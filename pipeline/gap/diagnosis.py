@@ -3,11 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import torch
-
 from pipeline.effects import MeasurementEffect, ParameterError
 from pipeline.effects.delay import CommandDelay
-from pipeline.gap.fit import Problem, columns_of
+from pipeline.gap.fit import Problem, channels_of, excess_beside
 from pipeline.gap.horizon import HorizonError, horizon_errors
 from pipeline.gap.locate import Mismatch, locate
 from pipeline.gap.model import Drift, drifts_of, unsteadiness_of
@@ -168,13 +166,8 @@ def regimes_on(blocks: Blocks, simulator: Simulator) -> list[Regime]:
 
 def _counted(naming: Naming, mismatches: Sequence[Mismatch], channels: Sequence[Channel]) -> list[Channel]:
     """Return the channels that enter the metric: those that the named effects act on, else where it fails."""
-    touched = torch.zeros(len(channels), dtype=torch.bool)
-    for candidate in naming.named:
-        columns = columns_of(naming.fit, candidate.effect)
-        touched |= naming.fit.jacobian[..., columns].abs().amax((0, 1, 3)) > 0
-    counted = [channel for channel, hit in zip(channels, touched.tolist(), strict=True) if hit] or list(
-        channels
-    )
+    touched = {index for candidate in naming.named for index in channels_of(naming.fit, candidate.effect)}
+    counted = [channels[index] for index in sorted(touched)] or list(channels)
     failing = {mismatch.channel.name for mismatch in mismatches}
     return [channel for channel in counted if channel.name in failing] or counted
 
@@ -201,19 +194,17 @@ def _signs(
     """
     weight = {rivalry.winner.key: rivalry.weight for rivalry in naming.rivalries}
     left = {remainder.channel.name: remainder.share for remainder in unnamed}
-    excess = naming.fit.residual.square().mean((0, 1)) / problem.noise.square()
     signs = {}
     for c in naming.named:
-        touched = naming.fit.jacobian[..., columns_of(naming.fit, c.effect)].abs().amax((0, 1, 3)) > 0
-        own = [i for i, hit in enumerate(touched.tolist()) if hit]
+        own = [channels[i].name for i in channels_of(naming.fit, c.effect)]
         signs[c.effect.key] = Signs(
             gain=c.gain,
             parameters=len(c.effect.parameters),
             clusters=int(problem.cluster.max()) + 1,
             unsteadiness=unsteadiness_of(drifts[c.effect.key]),
             captured=c.share,
-            excess=max(float(excess[i]) for i in own),
-            remainder=max(left.get(channels[i].name, 0.0) for i in own),
+            excess=excess_beside(naming.fit, c.effect, problem.noise),
+            remainder=max((left.get(channel, 0.0) for channel in own), default=0.0),
             weight=weight.get(c.effect.key, 1.0),
         )
     return signs

@@ -9,9 +9,9 @@ import pandas as pd
 import torch
 from torch import Tensor
 
+from pipeline.gap.candidate import Candidate
 from pipeline.gap.contract import write_json
 from pipeline.gap.diagnosis import Diagnosis, regimes_on
-from pipeline.gap.name import Candidate
 from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
 from pipeline.gap.residuals import channel_series, residual_rows
 from pipeline.gap.scoring import clusters_of

@@ -78,6 +78,18 @@ def columns_of(fit: Fit, effect: Effect) -> list[int]:
     return [column for column, owner in enumerate(owners) if owner == effect.key]
 
 
+def channels_of(fit: Fit, effect: Effect) -> list[int]:
+    """Return the channels that an effect of a fit acts on."""
+    touched = fit.jacobian[..., columns_of(fit, effect)].abs().amax((0, 1, 3)) > 0
+    return [index for index, hit in enumerate(touched.tolist()) if hit]
+
+
+def excess_beside(fit: Fit, effect: Effect, noise: Tensor) -> float:
+    """Return the energy that is left beside an effect over the noise's, in the worst of its own channels."""
+    excess = fit.residual.square().mean((0, 1)) / noise.square()
+    return max((float(excess[channel]) for channel in channels_of(fit, effect)), default=1.0)
+
+
 def with_values(simulator: Simulator, values: Tensor) -> Simulator:
     """Return the simulator with the parameters of its free effects replaced, in order."""
     remaining = values.tolist()

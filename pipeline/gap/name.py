@@ -1,57 +1,23 @@
 """Which physics is missing: effects compete to explain the residual on runs they were not fitted on."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-
-from torch import Tensor
+from dataclasses import dataclass
 
 from pipeline.effects import Effect, MeasurementEffect, ParameterError
 from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
+from pipeline.gap.candidate import Candidate, Judge, Starts
 from pipeline.gap.candidates import candidates_for
-from pipeline.gap.fit import Fit, Problem, columns_of, fit
+from pipeline.gap.fit import Fit, Problem, excess_beside, fit
 from pipeline.gap.model import drifts_of, unsteadiness_of
 from pipeline.gap.parsimony import single_cause
 from pipeline.gap.probability import Signs, presence_of
 from pipeline.gap.refit import extend, shrink
-from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
 from pipeline.gap.settings import Gap
 from pipeline.simulation import Simulator
 
-_Z95 = 1.96
 _REDUNDANT = 0.2
 _BELIEVED = 0.5
 _EXCHANGES = 3  # each costs a round for every named effect
-_LEAST_ERROR = (
-    0.002  # of a platform's number: equations of motion sampled a few times per window are no better
-)
-_LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """One effect's entry in a round of the competition.
-
-    Attributes:
-        effect: what was added to the simulator of that round.
-        fit: the refitted simulator.
-        residual: cross-validated, (blocks, rows, channels).
-        gain: cross-validated log likelihood gained, corrected for correlated rows.
-        share: of the excess over the noise floor, in the channel that gains most.
-        share_interval: 95 % interval of the share, over clusters of correlated residuals.
-        p_value: of the effect's parameters differing from doing nothing.
-        design_effect: how many correlated rows count as one.
-        refusal: why it may not be named; empty where it may.
-    """
-
-    effect: Effect
-    fit: Fit
-    residual: Tensor
-    gain: float
-    share: float
-    share_interval: tuple[float, float]
-    p_value: float
-    design_effect: float
-    refusal: str = ""
 
 
 @dataclass(frozen=True)
@@ -111,14 +77,14 @@ class _Competition:
     def __init__(self, simulator: Simulator, problem: Problem, settings: Gap) -> None:
         self.problem, self.settings = problem, settings
         self.catalogue = candidates_for(simulator, problem.blocks.signals, settings.effects)
-        self.fold = folds_of(problem.blocks, settings.folds)
         self.clusters = int(problem.cluster.max()) + 1
         self.base = self.current = fit(simulator, problem)
         self.known = {fitted.effect.key: fitted for fitted in simulator.known}
+        resting = {key: dict(fitted.values) for key, fitted in self.known.items()}
+        self.judge = Judge(problem, settings, self.base, len(self.catalogue), resting)
+        self.starts = Starts()
         self.rounds: list[Round] = []
         self.dropped: set[str] = set()
-        self.scanned: set[str] = set()
-        self.shapes: dict[str, dict[str, float]] = {}
 
     def run(self, contestants: list[Effect]) -> None:
         """Add effects until none may be named any more."""
@@ -134,7 +100,7 @@ class _Competition:
     def take(self, winner: Candidate) -> None:
         """Fit the simulator with a winner again, and drop what it makes needless."""
         self.current = fit(winner.fit.simulator, self.problem)
-        self.scanned.clear()
+        self.starts.forget()
         self.prune()
 
     def likeliest(self, admitted: list[Candidate]) -> Candidate | None:
@@ -149,68 +115,9 @@ class _Competition:
     def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
         """Refit with the effect added and compare with the simulator without it."""
         without = without or self.current
-        fitted = extend(without, effect, self.problem, self.starts(effect))
-        self.shapes[effect.key] = dict(fitted.simulator.effects[-1].values)
-        before, after = cross_validated(without, self.fold), cross_validated(fitted, self.fold)
-        return self.judged(effect, without, fitted, before, after)
-
-    def starts(self, effect: Effect) -> list[dict[str, float]]:
-        """Return where a fit starts: the whole scan until something is named, then what the effect looked like last.
-
-        The scan is repeated once for each effect after every change of the simulator that a round decides on.
-        """
-        scan = effect.starts()
-        if len(scan) > 1 and effect.key in self.scanned:
-            return [self.shapes[effect.key], effect.neutral()]
-        self.scanned.add(effect.key)
-        return scan
-
-    def judged(self, effect: Effect, without: Fit, fitted: Fit, before: Tensor, after: Tensor) -> Candidate:
-        """Measure a candidate and say why it may not be named, if so."""
-        columns = columns_of(fitted, effect)
-        neutral = list(self.resting(effect).values())
-        significance = significance_of(fitted, columns, neutral, self.clusters)
-        gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
-        share, interval, energy = self.explained(before, after)
-        design_effect = significance.design_effect
-        candidate = Candidate(
-            effect, fitted, after, gain / design_effect, share, interval, significance.p_value, design_effect
-        )
-        return replace(candidate, refusal=self.refusal(candidate, energy))
-
-    def explained(self, before: Tensor, after: Tensor) -> tuple[float, tuple[float, float], float]:
-        """Return the share of the excess over the noise with its interval, and the energy over the noise's.
-
-        All are of the channel that gains most.
-        """
-        noise = self.problem.noise.square()
-        excess = (self.base.residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
-        energy = (before.square() - after.square()).mean(1)  # (blocks, channels)
-        mean = energy.mean(0)
-        best = int((mean / excess).argmax())
-        groups = energy.new_zeros(self.clusters).index_add(0, self.problem.cluster, energy[:, best])
-        error = float(groups.std()) * self.clusters**0.5 / len(energy) if self.clusters > 1 else 0.0
-        share, width = float(mean[best] / excess[best]), _Z95 * error / float(excess[best])
-        return share, (share - width, share + width), float((mean / noise).max())
-
-    def refusal(self, candidate: Candidate, energy: float) -> str:
-        """Return why a candidate may not be named; empty where it may."""
-        values = candidate.fit.values[columns_of(candidate.fit, candidate.effect)].tolist()
-        resting = self.resting(candidate.effect)
-        for value, parameter in zip(values, candidate.effect.parameters, strict=True):
-            if value <= parameter.low and parameter.low != resting[parameter.name]:
-                return f"{parameter.name} rests on its lower bound"
-            if value >= parameter.high:
-                return f"{parameter.name} rests on its upper bound"
-        if isinstance(candidate.effect, ParameterError) and abs(values[0] - resting["ratio"]) < _LEAST_ERROR:
-            return "smaller than the quadrature of the equations can tell"
-        if candidate.p_value > self.settings.significance / max(len(self.catalogue), 1):
-            return "not significant"
-        if candidate.gain <= 0:
-            return "does not predict runs it was not fitted on"
-        if candidate.share < self.settings.least_share or energy < _LEAST_ENERGY:
-            return "explains too little to matter"
-        return ""
+        fitted = extend(without, effect, self.problem, self.starts.of(effect))
+        self.starts.note(fitted)
+        return self.judge(effect, without, fitted)
 
     def prune(self) -> None:
         """Drop every effect that the others have made needless, the least needed first; it does not come back."""
@@ -273,12 +180,16 @@ class _Competition:
     def presence(self, candidate: Candidate) -> float:
         """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
         drifts = drifts_of(self.current, candidate.effect, self.problem.blocks, self.problem.cluster)
-        parameters = len(candidate.effect.parameters)
-        return presence_of(Signs(candidate.gain, parameters, self.clusters, unsteadiness_of(drifts)))
-
-    def resting(self, effect: Effect) -> dict[str, float]:
-        """Return the values at which an effect changes nothing: those known before, else none of it."""
-        return dict(self.known[effect.key].values) if effect.key in self.known else effect.neutral()
+        return presence_of(
+            Signs(
+                gain=candidate.gain,
+                parameters=len(candidate.effect.parameters),
+                clusters=self.clusters,
+                unsteadiness=unsteadiness_of(drifts),
+                captured=candidate.share,
+                excess=excess_beside(self.current, candidate.effect, self.problem.noise),
+            )
+        )
 
     def without(self, effect: Effect) -> Fit:
         """Return the current fit without an effect, or with what was known of it before."""
@@ -286,9 +197,7 @@ class _Competition:
 
     def alone(self, effect: Effect) -> Candidate:
         """Judge an effect of the current simulator as if it had been the last to enter."""
-        without = self.without(effect)
-        before, after = cross_validated(without, self.fold), cross_validated(self.current, self.fold)
-        return self.judged(effect, without, self.current, before, after)
+        return self.judge(effect, self.without(effect), self.current)
 
     def result(self) -> Naming:
         """Judge every named effect for the last time and look for those it cannot be told from."""

@@ -15,7 +15,6 @@ DIRECTIONS = {
     "captured": 1,
     "excess": -1,
     "remainder": -1,
-    "weight": 1,
 }
 """Whether more of a feature speaks for the effect (+1) or against it (−1)."""
 
@@ -64,7 +63,6 @@ class Signs:
             "captured": min(max(self.captured, 0.0), 1.0),
             "excess": math.log10(max(self.excess, 1.0)),
             "remainder": self.remainder**2,
-            "weight": math.log(max(self.weight, 1e-6)),
         }
 
 

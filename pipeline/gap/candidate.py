@@ -1,0 +1,150 @@
+"""One effect's entry in the competition: where its fit starts, what it is worth, and why it may not be named."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from torch import Tensor
+
+from pipeline.effects import Effect, ParameterError
+from pipeline.gap.fit import Fit, Problem, columns_of
+from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
+from pipeline.gap.settings import Gap
+
+_Z95 = 1.96
+_LEAST_ERROR = (
+    0.002  # of a platform's number: equations of motion sampled a few times per window are no better
+)
+_LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect's entry in a round of the competition.
+
+    Attributes:
+        effect: what was added to the simulator of that round.
+        fit: the refitted simulator.
+        residual: cross-validated, (blocks, rows, channels).
+        gain: cross-validated log likelihood gained, corrected for correlated rows.
+        share: of the excess over the noise floor, in the channel that gains most.
+        share_interval: 95 % interval of the share, over clusters of correlated residuals.
+        p_value: of the effect's parameters differing from doing nothing.
+        design_effect: how many correlated rows count as one.
+        refusal: why it may not be named; empty where it may.
+    """
+
+    effect: Effect
+    fit: Fit
+    residual: Tensor
+    gain: float
+    share: float
+    share_interval: tuple[float, float]
+    p_value: float
+    design_effect: float
+    refusal: str = ""
+
+
+class Starts:
+    """Where the fit of each effect starts."""
+
+    def __init__(self) -> None:
+        self.scanned: set[str] = set()
+        self.shapes: dict[str, dict[str, float]] = {}
+
+    def of(self, effect: Effect) -> list[dict[str, float]]:
+        """Return where a fit starts: the whole scan until something is named, then what the effect looked like last.
+
+        The scan is repeated once for each effect after every change of the simulator that a round decides on.
+        """
+        scan = effect.starts()
+        if len(scan) > 1 and effect.key in self.scanned:
+            return [self.shapes[effect.key], effect.neutral()]
+        self.scanned.add(effect.key)
+        return scan
+
+    def note(self, fitted: Fit) -> None:
+        """Remember what the effect that entered last looks like."""
+        last = fitted.simulator.effects[-1]
+        self.shapes[last.effect.key] = dict(last.values)
+
+    def forget(self) -> None:
+        """Scan every effect again: the simulator has changed."""
+        self.scanned.clear()
+
+
+class Judge:
+    """Measures candidates against the noise floor, the runs left out and the nominal simulator."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        settings: Gap,
+        base: Fit,
+        contestants: int,
+        resting: Mapping[str, dict[str, float]],
+    ) -> None:
+        """Prepare to judge.
+
+        Args:
+            problem: blocks, windows, noise and clusters.
+            settings: of the gap engine.
+            base: fit of the nominal simulator.
+            contestants: how many effects compete, for which the test of each has to allow.
+            resting: values of the effects that were known before.
+        """
+        self.problem, self.settings, self.base = problem, settings, base
+        self.contestants, self.resting = contestants, resting
+        self.fold = folds_of(problem.blocks, settings.folds)
+        self.clusters = int(problem.cluster.max()) + 1
+
+    def __call__(self, effect: Effect, without: Fit, fitted: Fit) -> Candidate:
+        """Measure a candidate and say why it may not be named, if so."""
+        before, after = cross_validated(without, self.fold), cross_validated(fitted, self.fold)
+        columns = columns_of(fitted, effect)
+        neutral = list(self.rest(effect).values())
+        significance = significance_of(fitted, columns, neutral, self.clusters)
+        gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
+        share, interval, energy = self.explained(before, after)
+        design_effect = significance.design_effect
+        candidate = Candidate(
+            effect, fitted, after, gain / design_effect, share, interval, significance.p_value, design_effect
+        )
+        return replace(candidate, refusal=self.refusal(candidate, energy))
+
+    def explained(self, before: Tensor, after: Tensor) -> tuple[float, tuple[float, float], float]:
+        """Return the share of the excess over the noise with its interval, and the energy over the noise's.
+
+        All are of the channel that gains most.
+        """
+        noise = self.problem.noise.square()
+        excess = (self.base.residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
+        energy = (before.square() - after.square()).mean(1)  # (blocks, channels)
+        mean = energy.mean(0)
+        best = int((mean / excess).argmax())
+        groups = energy.new_zeros(self.clusters).index_add(0, self.problem.cluster, energy[:, best])
+        error = float(groups.std()) * self.clusters**0.5 / len(energy) if self.clusters > 1 else 0.0
+        share, width = float(mean[best] / excess[best]), _Z95 * error / float(excess[best])
+        return share, (share - width, share + width), float((mean / noise).max())
+
+    def refusal(self, candidate: Candidate, energy: float) -> str:
+        """Return why a candidate may not be named; empty where it may."""
+        values = candidate.fit.values[columns_of(candidate.fit, candidate.effect)].tolist()
+        resting = self.rest(candidate.effect)
+        for value, parameter in zip(values, candidate.effect.parameters, strict=True):
+            if value <= parameter.low and parameter.low != resting[parameter.name]:
+                return f"{parameter.name} rests on its lower bound"
+            if value >= parameter.high:
+                return f"{parameter.name} rests on its upper bound"
+        if isinstance(candidate.effect, ParameterError) and abs(values[0] - resting["ratio"]) < _LEAST_ERROR:
+            return "smaller than the quadrature of the equations can tell"
+        if candidate.p_value > self.settings.significance / max(self.contestants, 1):
+            return "not significant"
+        if candidate.gain <= 0:
+            return "does not predict runs it was not fitted on"
+        if candidate.share < self.settings.least_share or energy < _LEAST_ENERGY:
+            return "explains too little to matter"
+        return ""
+
+    def rest(self, effect: Effect) -> dict[str, float]:
+        """Return the values at which an effect changes nothing: those known before, else none of it."""
+        return self.resting.get(effect.key, effect.neutral())
