@@ -5,7 +5,8 @@ from typing import Any
 
 import torch
 import torch._inductor
-from torch import Tensor
+from torch import Tensor, fx
+from torch.fx.experimental.proxy_tensor import make_fx
 from torch.utils import _pytree as tree
 
 from pipeline.errors import InputError
@@ -16,14 +17,17 @@ Function = Callable[[Tensor, Tensor, Any], tuple[Tensor, Any]]
 
 # The whole step is one kernel: splitting it gains nothing, and intermediate results would leave the registers.
 _OPTIONS: dict[str, Any] = {"max_fusion_size": 1_000_000}
+_SOME = (
+    64  # machines in the example that the compiler sees; any number but 0 and 1, which it would take as fixed
+)
 
 
 class FusedStep:
     """The same step as an eager function, in one pass over memory.
 
     State and memory are rows (components, batch), so that neighbours in memory are the same component of neighbouring
-    machines. It is compiled anew for each size of batch, and keeps no gradients: the eager function is for that. What
-    differs from machine to machine may travel in the memory.
+    machines. It is compiled at its first call, once for all sizes of batch, and keeps no gradients: the eager function
+    is for that. What differs from machine to machine may travel in the memory.
     """
 
     def __init__(
@@ -48,7 +52,7 @@ class FusedStep:
             )
         self._shapes = [tuple(tensor.shape[1:]) for tensor in (state, *leaves)]
         self._repeats = repeats
-        self._runs: dict[int, Callable[[Tensor, Tensor], Tensor]] = {}
+        self._compiled: Callable[[Tensor, Tensor], Tensor] | None = None
 
         def flat(*tensors: Tensor) -> list[Tensor]:
             kept = tree.tree_unflatten(list(tensors[1:-1]), self._tree)
@@ -78,16 +82,25 @@ class FusedStep:
 
         Args:
             rows: of `pack`.
-            action: (k, batch), contiguous as the rows are.
+            action: (k, batch), contiguous.
+
+        Raises:
+            InputError: when rows or action are not contiguous.
         """
-        batch = rows.shape[1]
-        if batch not in self._runs:
-            compiled = torch._inductor.compile(self._graph, [rows, action], options=_OPTIONS)
-            self._runs[batch] = compiled  # type: ignore[assignment]
-        run = self._runs[batch]
+        if not (rows.is_contiguous() and action.is_contiguous()):
+            raise InputError("is not contiguous", "rows or action", "use pack and action.T.contiguous()")
+        if self._compiled is None:
+            self._compiled = _compiled(self._graph, rows, action)
         for _ in range(self._repeats):
-            rows = run(rows, action)
+            rows = self._compiled(rows, action)
         return rows
+
+
+def _compiled(graph: fx.GraphModule, rows: Tensor, action: Tensor) -> Callable[[Tensor, Tensor], Tensor]:
+    examples = [tensor.new_zeros(len(tensor), _SOME) for tensor in (rows, action)]
+    traced = make_fx(graph, tracing_mode="symbolic")(*examples)
+    symbolic = [node.meta["val"] for node in traced.graph.nodes if node.op == "placeholder"]
+    return torch._inductor.compile(traced, symbolic, options=_OPTIONS)  # type: ignore[return-value]
 
 
 def _one(tensor: Tensor) -> Tensor:

@@ -49,6 +49,8 @@ def test_the_compiled_racer_flies_as_the_eager_one():
     found, kept = fused.unpack(rows)
     size = state.abs().amax(0).clamp_min(1.0)
     torch.testing.assert_close(found / size, state / size, rtol=0.0, atol=1e-5)
+    few = fused(rows[:, :3].contiguous(), action[:3].T.contiguous())
+    torch.testing.assert_close(few, fused(rows, action.T.contiguous())[:, :3], rtol=1e-6, atol=1e-6)
     (regulating, (drive, *_)), (regulated, (driven, *_)) = memory, kept
     torch.testing.assert_close(driven["speed"], drive["speed"], rtol=1e-5, atol=0.0)
     torch.testing.assert_close(driven["charge"], drive["charge"], rtol=1e-5, atol=0.0)
@@ -120,6 +122,14 @@ def test_rows_and_tensors_are_the_same_numbers():
     again, kept = fused.unpack(rows)
     assert torch.equal(again, state)
     assert torch.equal(kept[0]["rate"], memory[0]["rate"])
+
+
+def test_rows_that_are_not_contiguous_are_refused():
+    flight = racer()
+    state, memory, action = start(flight, torch.float64)
+    fused = FusedStep(flight.step, state, action, memory)
+    with pytest.raises(InputError, match="contiguous"):
+        fused(fused.pack(state, memory), action.T)
 
 
 def test_a_memory_that_does_not_exist_yet_is_refused():
