@@ -57,14 +57,10 @@ def strengths(config: StrengthsStage, run: StageRun) -> None:
 def measure(task: Task, folder: Path) -> dict[str, Any]:
     """Return by strength the energies over the noise's: what the effect explains, and what is left with it known."""
     entry = getattr(task.config.prove, task.kind)["effects"][task.effect]
-    strengths = sorted(
-        {1.0, *(float(value) for key in ("clear", "faint") for value in _each(entry.get(key)))}
-    )
+    given = [entry[key] for key in ("clear", "faint") if key in entry]
+    own = [value[task.machine] if isinstance(value, dict) else value for value in given]
+    strengths = sorted({1.0, *map(float, own)})
     return {"energies": {f"{strength:g}": _energies(task, strength, folder) for strength in strengths}}
-
-
-def _each(value: Any) -> list[float]:
-    return [] if value is None else list(value.values()) if isinstance(value, dict) else [value]
 
 
 def _energies(task: Task, strength: float, folder: Path) -> dict[str, float]:

@@ -92,8 +92,3 @@ def _heterogeneity(name: str, pairs: list[tuple[float, float]], distance: float)
 def unsteadiness_of(drifts: Sequence[Drift]) -> float:
     """Return the greatest drift between runs that is both certain and large, over the value."""
     return max((drift.spread for drift in drifts if drift.notable), default=0.0)
-
-
-def steadiness(unsteadiness: float) -> float:
-    """Return 1 where the parameters agree between runs, less the more they certainly drift."""
-    return 1.0 / (1.0 + unsteadiness**2)

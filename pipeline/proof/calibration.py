@@ -27,11 +27,13 @@ class Statement:
     Attributes:
         case: that it was named in.
         features: by name, of `Signs.features`.
+        weight: of the effect among those that the recording cannot tell from it.
         true: whether it is there.
     """
 
     case: str
     features: dict[str, float]
+    weight: float
     true: bool
 
 
@@ -57,7 +59,8 @@ def statements_of(results: Sequence[Mapping[str, Any]]) -> list[Statement]:
         grouped = any("@" in name for name in concealed)
         for key, signs in (result.get("signs") or {}).items():
             name = key if grouped else key.partition("@")[0]
-            statements.append(Statement(result["name"], Signs(**signs).features, name in concealed))
+            known = Signs(**signs)
+            statements.append(Statement(result["name"], known.features, known.weight, name in concealed))
     return statements
 
 
@@ -65,6 +68,8 @@ def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
     """Fit the logistic regression and say how well it keeps its word on cases that it was not fitted on.
 
     A feature whose coefficient comes out against its direction is left out: more evidence never lowers a probability.
+    Effects with rivals are left out of the fit, since their probability is that of presence times their weight; the
+    figures beside it count them.
 
     Returns:
         `intercept`, `coefficients` by feature, `statements`, `true`, and cross-validated over cases: `brier_score` and
@@ -73,9 +78,10 @@ def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
     Raises:
         InputError: when there are too few statements, or all are alike.
     """
-    right = sum(statement.true for statement in statements)
-    if len(statements) < _LEAST_STATEMENTS or right in (0, len(statements)):
-        what = f"{len(statements)} statements, {right} of them true, are too few"
+    alone = [statement.true for statement in statements if statement.weight == 1.0]
+    right = sum(alone)
+    if len(alone) < _LEAST_STATEMENTS or right in (0, len(alone)):
+        what = f"{len(alone)} statements, {right} of them true, are too few"
         raise InputError(what, "prove.results", "run more cases with calibration seeds")
     intercept, coefficients = _fitted(statements)
     kept = [(p, s.true) for p, s in zip(_cross_validated(statements), statements, strict=True)]
@@ -83,7 +89,7 @@ def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
         "intercept": intercept,
         "coefficients": coefficients,
         "statements": len(statements),
-        "true": right,
+        "true": sum(statement.true for statement in statements),
         "brier_score": brier_score(kept),
         "expected_calibration_error": calibration_error(kept),
     }
@@ -93,24 +99,22 @@ def _fitted(statements: Sequence[Statement]) -> tuple[float, dict[str, float]]:
     """Return intercept and coefficients, in the features' own units."""
     from sklearn.linear_model import LogisticRegression
 
-    true = np.array([statement.true for statement in statements])
-    names = list(DIRECTIONS)
-    while True:
-        matrix = _matrix(statements, names)
+    alone = [statement for statement in statements if statement.weight == 1.0]
+    true = np.array([statement.true for statement in alone])
+    names = [] if true.all() or not true.any() else list(DIRECTIONS)  # a fold may hold all that is wrong
+    while names:
+        matrix = np.array([[statement.features[name] for name in names] for statement in alone])
         centre, spread = matrix.mean(0), np.maximum(matrix.std(0), 1e-9)
         model = LogisticRegression(C=1.0 / _PENALTY, max_iter=1000).fit((matrix - centre) / spread, true)
-        slopes = model.coef_[0] / spread
+        slopes: NDArray[np.float64] = model.coef_[0] / spread
         wrong = [name for name, slope in zip(names, slopes, strict=True) if slope * DIRECTIONS[name] < 0]
         if not wrong:
-            break
+            found = dict(zip(names, slopes.tolist(), strict=True))
+            intercept = float(model.intercept_[0] - slopes @ centre)
+            return intercept, {name: found.get(name, 0.0) for name in DIRECTIONS}
         names = [name for name in names if name not in wrong]
-    found = dict(zip(names, slopes.tolist(), strict=True))
-    intercept = float(model.intercept_[0] - slopes @ centre)
-    return intercept, {name: found.get(name, 0.0) for name in DIRECTIONS}
-
-
-def _matrix(statements: Sequence[Statement], names: Sequence[str]) -> NDArray[np.float64]:
-    return np.array([[statement.features[name] for name in names] for statement in statements])
+    rate = float((true.sum() + 1.0) / (len(true) + 2.0))
+    return math.log(rate / (1.0 - rate)), dict.fromkeys(DIRECTIONS, 0.0)
 
 
 def _cross_validated(statements: Sequence[Statement]) -> list[float]:
@@ -124,5 +128,5 @@ def _cross_validated(statements: Sequence[Statement]) -> list[float]:
         for place, statement in enumerate(statements):
             if fold[statement.case] == part:
                 odds = intercept + sum(coefficients[name] * statement.features[name] for name in coefficients)
-                stated[place] = 1.0 / (1.0 + math.exp(-max(min(odds, 50.0), -50.0)))
+                stated[place] = statement.weight / (1.0 + math.exp(-max(min(odds, 50.0), -50.0)))
     return stated

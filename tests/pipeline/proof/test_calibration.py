@@ -25,7 +25,7 @@ def statements(count, rule, seed=0):
     for number in range(count):
         features = dict(zip(DIRECTIONS, random.standard_normal(len(DIRECTIONS)).tolist(), strict=True))
         probability = 1.0 / (1.0 + math.exp(-rule(features)))
-        drawn.append(Statement(f"case-{number // 2}", features, bool(random.random() < probability)))
+        drawn.append(Statement(f"case-{number // 2}", features, 1.0, bool(random.random() < probability)))
     return drawn
 
 
@@ -48,10 +48,22 @@ def test_more_evidence_never_lowers_a_probability():
 
 def test_a_feature_that_never_changes_does_no_harm():
     drawn = [
-        Statement(s.case, s.features | {"weight": 0.0}, s.true)
+        Statement(s.case, s.features | {"captured": 1.0}, 1.0, s.true)
         for s in statements(500, lambda f: f["evidence"])
     ]
     assert math.isfinite(fit_calibration(drawn)["intercept"])
+
+
+def test_rivals_share_what_presence_says():
+    random = np.random.default_rng(1)
+    drawn = statements(3000, lambda f: 2.0 * f["evidence"])
+    shared = [
+        Statement(s.case, s.features, 0.5, s.true and bool(random.random() < 0.5))
+        for s in statements(3000, lambda f: 2.0 * f["evidence"], seed=1)
+    ]
+    found = fit_calibration([*drawn, *shared])
+    assert found["coefficients"] == fit_calibration(drawn)["coefficients"]
+    assert found["expected_calibration_error"] < 0.03
 
 
 @pytest.mark.parametrize("count", [10, 200])

@@ -1,0 +1,61 @@
+"""What a probability is made of."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.gap.probability import CALIBRATION, DIRECTIONS, Signs, presence_of, probability_of
+
+SIGNS = st.builds(
+    Signs,
+    gain=st.floats(0.0, 1e4),
+    parameters=st.integers(1, 4),
+    clusters=st.integers(2, 500),
+    unsteadiness=st.floats(0.0, 10.0),
+    captured=st.floats(-1.0, 2.0),
+    excess=st.floats(0.1, 1e4),
+    remainder=st.floats(0.0, 1.0),
+    weight=st.floats(0.01, 1.0),
+)
+
+
+def test_evidence_is_the_gain_less_the_price_of_parameters():
+    assert Signs(gain=10.0, parameters=2, clusters=100).log_bayes_factor == pytest.approx(
+        10.0 - math.log(100)
+    )
+
+
+@given(SIGNS)
+def test_a_probability_is_one_and_never_certain(signs):
+    assert 0.0 <= probability_of(signs) <= presence_of(signs) < 1.0
+
+
+@given(SIGNS, st.floats(1.0, 100.0))
+def test_more_evidence_never_lowers_a_probability(signs, more):
+    richer = Signs(**(vars(signs) | {"gain": signs.gain + more}))
+    assert presence_of(richer) >= presence_of(signs)
+
+
+@given(SIGNS, st.floats(0.1, 10.0))
+def test_what_is_left_over_or_drifts_never_raises_a_probability(signs, more):
+    for name in ("unsteadiness", "excess"):
+        worse = Signs(**(vars(signs) | {name: getattr(signs, name) + more}))
+        assert presence_of(worse) <= presence_of(signs)
+
+
+@given(SIGNS)
+def test_rivals_share_the_probability(signs):
+    assert probability_of(signs) == pytest.approx(presence_of(signs) * signs.weight)
+
+
+def test_strong_evidence_convinces_and_weak_does_not():
+    assert presence_of(Signs(gain=2000.0, parameters=1, clusters=20)) > 0.8
+    assert presence_of(Signs(gain=1.0, parameters=1, clusters=20)) < 0.5
+
+
+@given(SIGNS)
+def test_every_feature_has_a_coefficient(signs):
+    assert set(signs.features) == set(DIRECTIONS)
+    assert CALIBRATION.exists()
