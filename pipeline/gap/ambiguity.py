@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _CHANCE = 0.05
 _HALF = 0.5
+_SAME = 1e-9  # of a log likelihood: less is rounding
 
 
 @dataclass(frozen=True)
@@ -44,19 +45,30 @@ def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> li
     return [o for o in others if o.share > _HALF * winner.share and not predicts_better(winner, o, cluster)]
 
 
-def rivalry_of(winner: Candidate, rivals: list[Candidate], clusters: int) -> Rivalry | None:
+def rivalry_of(winner: Candidate, rivals: list[Candidate], cluster: Tensor) -> Rivalry | None:
     """Weigh a named effect against its rivals by how each predicts and how many parameters it takes; None without any.
 
-    All are weighed on the winner's count of independent rows, since they explain the same residual.
+    The evidence between two is that of their mean difference over clusters of correlated residuals, half its squared
+    t statistic, and Schwarz's penalty for each parameter.
     """
     if not rivals:
         return None
-    penalty = 0.5 * math.log(max(clusters, 2))
-    evidence = [
-        total_score(c) / winner.design_effect - penalty * len(c.effect.parameters) for c in (winner, *rivals)
+    penalty = 0.5 * math.log(max(int(cluster.max()) + 1, 2))
+    evidence = [0.0] + [
+        _evidence_for(rival, winner, cluster)
+        - penalty * (len(rival.effect.parameters) - len(winner.effect.parameters))
+        for rival in rivals
     ]
     weight = float(torch.softmax(torch.tensor(evidence, dtype=torch.float64), dim=0)[0])
     return Rivalry(winner.effect, tuple(rival.effect for rival in rivals), weight)
+
+
+def _evidence_for(first: Candidate, second: Candidate, cluster: Tensor) -> float:
+    difference = _difference(first, second, cluster)
+    if float(difference.abs().max()) < _SAME or len(difference) < 2:
+        return 0.0
+    statistic = float(stats.ttest_1samp(difference.numpy(), 0.0).statistic)
+    return math.copysign(0.5 * statistic**2, statistic)
 
 
 def total_score(candidate: Candidate) -> float:
@@ -66,9 +78,13 @@ def total_score(candidate: Candidate) -> float:
 
 def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
     """Return whether one candidate predicts better than another beyond chance, taken over clusters of residuals."""
-    difference = log_score(first.residual, first.fit.scale) - log_score(second.residual, second.fit.scale)
-    groups = int(cluster.max()) + 1
-    summed = difference.new_zeros(groups).index_add(0, cluster, difference)
-    if float(summed.abs().max()) < 1e-9:
+    summed = _difference(first, second, cluster)
+    if float(summed.abs().max()) < _SAME:
         return False
     return float(stats.ttest_1samp(summed.numpy(), 0.0, alternative="greater").pvalue) <= _CHANCE
+
+
+def _difference(first: Candidate, second: Candidate, cluster: Tensor) -> Tensor:
+    """Return by how much the log likelihood of the first exceeds the second's in each cluster, (clusters,)."""
+    difference = log_score(first.residual, first.fit.scale) - log_score(second.residual, second.fit.scale)
+    return difference.new_zeros(int(cluster.max()) + 1).index_add(0, cluster, difference)

@@ -212,7 +212,9 @@ class _Competition:
         close = [e for e in self.close_to(winner.effect) if e.key not in present]
         others = [self.candidate(effect, without) for effect in close]
         rivals = rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
-        return rivalry_of(winner, [rival for rival in rivals if self.is_needless(rival)], self.clusters)
+        return rivalry_of(
+            winner, [rival for rival in rivals if self.is_needless(rival)], self.problem.cluster
+        )
 
     def close_to(self, winner: Effect) -> list[Effect]:
         """Return the effects that came close to a winner in the round it won: only they can stand in for it."""
