@@ -13,9 +13,9 @@ from pipeline.gap.candidate import Candidate
 from pipeline.gap.contract import write_json
 from pipeline.gap.diagnosis import Diagnosis, regimes_on
 from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
-from pipeline.gap.residuals import channel_series, residual_rows
+from pipeline.gap.residuals import channel_series, measured_rows, residual_rows
 from pipeline.gap.scoring import clusters_of
-from pipeline.physics.weak_form import mean_of, mean_rate_of
+from pipeline.physics.weak_form import mean_of
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
 
@@ -45,8 +45,7 @@ def _rows(diagnosis: Diagnosis, blocks: Blocks, simulator: Simulator) -> tuple[T
     functions = diagnosis.fitting.functions
     measured, predicted = [], []
     for series in channel_series(simulator, blocks):
-        measure = mean_of if series.direct else mean_rate_of
-        measured.append(measure(functions, series.measured))
+        measured.append(measured_rows(series, blocks, functions))
         predicted.append(mean_of(functions, series.predicted))
     return torch.stack(measured, dim=-1), torch.stack(predicted, dim=-1)
 

@@ -87,12 +87,18 @@ def _sensed(channel: Channel, signals: dict[str, Tensor]) -> Tensor | None:
     return signals["specific_force"][..., "xyz".index(channel.name[-1])]
 
 
+def measured_rows(series: ChannelSeries, blocks: Blocks, functions: WindowFunctions) -> Tensor:
+    """Return the measured side of a channel over the windows, (blocks, rows)."""
+    if series.direct:
+        return mean_of(functions, series.measured)
+    return mean_rate_of(functions, series.measured, blocks.held)
+
+
 def residual_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
     """Return measured minus predicted, averaged over the windows: (blocks, rows, channels) in the channels' units."""
     rows = []
     for series in channel_series(simulator, blocks):
-        measure = mean_of if series.direct else mean_rate_of
-        rows.append(measure(functions, series.measured) - mean_of(functions, series.predicted))
+        rows.append(measured_rows(series, blocks, functions) - mean_of(functions, series.predicted))
     return torch.stack(rows, dim=-1)
 
 
@@ -109,7 +115,8 @@ def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
         if series.direct:
             variance = sample_noise(series.measured - series.predicted) * mean_gain
         else:
-            rate_gain = functions.slopes.square().sum(1).mean()
+            slopes = functions.differences if blocks.held else functions.slopes
+            rate_gain = slopes.square().sum(1).mean()
             variance = sample_noise(series.measured) * rate_gain + sample_noise(series.predicted) * mean_gain
         deviations.append(variance.sqrt())
     return torch.stack(deviations)

@@ -58,7 +58,8 @@ def _unexplained(blocks: Blocks, kind: str, width: float) -> Tensor:
     commands = [_per_axis(signals[name]) for name in _COMMANDS[kind] if name in signals]
     slow = 0.05 * speed.square().mean().sqrt().clamp_min(1e-12)
     terms = [*commands, speed, torch.tanh(speed / slow), place, torch.sin(place), torch.ones_like(speed)]
-    return _left([mean_of(functions, term) for term in terms], mean_rate_of(functions, speed), len(blocks))
+    rate = mean_rate_of(functions, speed, blocks.held)
+    return _left([mean_of(functions, term) for term in terms], rate, len(blocks))
 
 
 def _left(terms: list[Tensor], target: Tensor, blocks: int) -> Tensor:

@@ -22,11 +22,14 @@ class WindowFunctions:
         weights: (rows, samples); each row sums to one, so that it takes a weighted mean.
         slopes: (rows, samples), 1/s; applied to a momentum, each gives the weighted mean of its rate.
         centres: sample at the centre of each row.
+        differences: (rows, samples), 1/s; applied to a momentum, each gives the mean of its central difference: the
+            mean rate over the two steps that meet at a sample, exact where what acts is held from sample to sample.
     """
 
     weights: Tensor
     slopes: Tensor
     centres: Tensor
+    differences: Tensor
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,10 @@ def window_functions(samples: int, width: float, time_step: float) -> WindowFunc
     count = max((last - first) // half + 1, 1)
     centres = torch.linspace(first, last, count, dtype=torch.float64).round()
     offset = torch.arange(samples, dtype=torch.float64) - centres[:, None]
-    return WindowFunctions(*_test_functions(offset, half, time_step), centres.long())
+    weights, slopes = _test_functions(offset, half, time_step)
+    beside = torch.nn.functional.pad(weights, (1, 1))
+    differences = (beside[:, :-2] - beside[:, 2:]) / (2.0 * time_step)
+    return WindowFunctions(weights, slopes, centres.long(), differences)
 
 
 def mean_of(functions: WindowFunctions, series: Tensor) -> Tensor:
@@ -65,9 +71,15 @@ def mean_of(functions: WindowFunctions, series: Tensor) -> Tensor:
     return series @ functions.weights.T
 
 
-def mean_rate_of(functions: WindowFunctions, momentum: Tensor) -> Tensor:
-    """Return the weighted means (blocks, rows) of the rate of a momentum (blocks, samples)."""
-    return momentum @ functions.slopes.T
+def mean_rate_of(functions: WindowFunctions, momentum: Tensor, held: bool = False) -> Tensor:
+    """Return the weighted means (blocks, rows) of the rate of a momentum (blocks, samples).
+
+    Args:
+        functions: the windows.
+        momentum: (blocks, samples).
+        held: whether what acts on it is held from sample to sample, so that it runs in straight lines between them.
+    """
+    return momentum @ (functions.differences if held else functions.slopes).T
 
 
 def moving_window(width: float, time_step: float) -> MovingWindow:
