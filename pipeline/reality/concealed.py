@@ -11,7 +11,7 @@ import numpy as np
 from pipeline.errors import InputError
 from pipeline.platforms import platform_from_config
 from pipeline.reality.agenda import Subject, subjects
-from pipeline.reality.concealment import Table, typical
+from pipeline.reality.concealment import Quantity, Table
 from pipeline.reality.draw import draw_conditions, draw_effect, merged, vary_platform
 from pipeline.reality.kinds import case_from_config, record_case
 from pipeline.recordings.recording import Recording
@@ -110,7 +110,7 @@ def draw_case(
     around = float(table.get("around", 0.0))
     for part in parts:
         known = _known(kind, part.section)
-        values = typical(part.name, known, size, _strength(table, part, machine))
+        values = _values(known[part.name], size, table[part.section][part.name], part.strength, machine)
         record.setdefault(part.section, {})[part.name] = draw_effect(known[part.name], values, around, random)
     return ConcealedCase(kind, number, subject, machine, platform, record, own)
 
@@ -138,10 +138,24 @@ def _parts(table: Mapping[str, Any], subject: Subject) -> list[_Part]:
     return own + [_Part("effects", name, "clear") for name in beside if name not in subject.names]
 
 
-def _strength(table: Mapping[str, Any], part: _Part, machine: str) -> float:
-    """Return the strength in multiples of the default: one for all machines, or by machine."""
-    given = table[part.section][part.name][part.strength]
-    return float(given[machine] if isinstance(given, Mapping) else given)
+def _values(
+    quantities: Mapping[str, Quantity], size: Any, entry: Mapping[str, Any], strength: str, machine: str
+) -> dict[str, float]:
+    """Return the values of an effect before they are varied.
+
+    The strength, one number or one for each machine, scales the first quantity and the other components of the same
+    thing (alike in unit and in what they are measured by); `at_STRENGTH` of the table sets others.
+    """
+    given = entry[strength]
+    factor = float(given[machine] if isinstance(given, Mapping) else given)
+    first = next(iter(quantities.values()))
+    values = {}
+    for name, quantity in quantities.items():
+        alike = quantity is first or (
+            first.powers and (quantity.unit, quantity.powers) == (first.unit, first.powers)
+        )
+        values[name] = quantity.typical(size, factor if alike else 1.0)
+    return values | {name: float(value) for name, value in entry.get(f"at_{strength}", {}).items()}
 
 
 def _able(

@@ -1,0 +1,105 @@
+"""The benchmark from end to end, small: two joints, of which one conceals nothing."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline.errors import InputError
+from pipeline.stage import StageRun
+from pipeline.stage.command import run_command
+from pipeline.stage.compose import compose, typed
+from stages._examined import Concealed, ProveStage, examine
+from stages.calibrate import calibrate
+from stages.prove import prove
+from stages.record import draw_cases
+from stages.strengths import StrengthsStage, strengths
+
+JOINT = {
+    "machines": {"servo": {}},
+    "effects": {"coulomb_friction": {"clear": 1.0, "faint": 0.2}},
+    "conditions": {"runs": 4, "duration": 4.0, "rate": 100.0},
+}
+
+
+def configured(config_class: type[Any], folder: Path) -> Any:
+    values = compose(["seed=3", "gap.effects=[coulomb_friction, viscous_friction]"])
+    small = {"kinds": ["joint"], "cases": 2, "joint": JOINT, "shares": {"clear": 1.0, "nothing": 1.0}}
+    values["prove"] |= small | {"folder": str(folder / "cases")}
+    return typed(config_class, values | {"artifacts": str(folder)})
+
+
+@pytest.fixture(scope="module")
+def proved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("prove")
+    output = folder / "out"
+    output.mkdir()
+    prove(configured(ProveStage, folder), StageRun(output))
+    return folder
+
+
+@pytest.mark.slow
+def test_what_is_concealed_is_recorded_sealed_diagnosed_and_scored(proved: Path) -> None:
+    results = json.loads((proved / "out" / "results.json").read_text())
+    scores = {result["case"]["subject"]["category"]: result["score"] for result in results}
+    assert scores["clear"]["concealed"] == ["coulomb_friction"]
+    assert scores["clear"]["outcome"] == "right"
+    assert scores["clear"]["errors"]["coulomb_friction"]["level"] < 0.1
+    assert (scores["nothing"]["concealed"], scores["nothing"]["outcome"]) == ([], "right")
+    assert all(result["seconds"] > 0 for result in results)
+    assert "| clear effects named first: 100%" in (proved / "out" / "proof.md").read_text()
+
+
+@pytest.mark.slow
+def test_the_key_is_nowhere_near_the_diagnosis(proved: Path) -> None:
+    kept = [path for path in (proved / "cases").rglob("*") if path.is_file()]
+    assert {path.name for path in kept} == {"log.txt", "result.json"}
+    assert len(list((proved / "cases_keys").glob("*.json"))) == 2
+
+
+@pytest.mark.slow
+def test_a_finished_benchmark_is_not_run_again_and_a_changed_key_is_refused(proved: Path) -> None:
+    config = configured(ProveStage, proved)
+    before = {path: path.stat().st_mtime_ns for path in (proved / "cases").rglob("result.json")}
+    again = proved / "again"
+    again.mkdir()
+    prove(config, StageRun(again))
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    for key in (proved / "cases_keys").glob("*.json"):
+        key.write_text(key.read_text().replace("coulomb", "viscous") + " ")
+    with pytest.raises(InputError, match="not the key that the recording was sealed with"):
+        prove(config, StageRun(again))
+
+
+def test_a_case_that_cannot_be_recorded_is_reported(tmp_path: Path) -> None:
+    config = configured(ProveStage, tmp_path)
+    machines = {"servo": compose(["platform=servo"])["platform"]}
+    (case,) = draw_cases("joint", config.prove.joint, {"nothing": 1.0}, machines, 1, 1)
+    broken = replace(case, record=case.record | {"runs": -1})
+    answer = examine(Concealed(broken, config, tmp_path / "key.json"), tmp_path / "case")
+    assert answer["failed"].startswith("InputError: record.runs: must be positive")
+    assert "source" not in answer
+
+
+def test_calibration_seeds_do_not_make_a_page(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    overrides = ["seed=10001", "prove.write_docs=true", "prove.kinds=[]", f"output={tmp_path / 'out'}"]
+    assert run_command(prove, [*overrides, "tracking.enabled=false"]) == 2
+    assert "10001 is a seed for calibration" in capfd.readouterr().err
+
+
+def test_calibration_without_results_is_refused(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert run_command(calibrate, ["tracking.enabled=false", f"output={tmp_path / 'out'}"]) == 2
+    assert "prove.results: no results are given" in capfd.readouterr().err
+
+
+@pytest.mark.slow
+def test_strengths_are_measured_with_all_else_known(tmp_path: Path) -> None:
+    output = tmp_path / "out"
+    output.mkdir()
+    strengths(configured(StrengthsStage, tmp_path), StageRun(output))
+    (entry,) = json.loads((tmp_path / "out" / "strengths.json").read_text())
+    energies = entry["energies"]
+    assert energies["1"]["explained"] > 10 * energies["0.2"]["explained"] > 0
+    assert energies["1"]["left"] < 5
