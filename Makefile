@@ -2,6 +2,7 @@
 #   make run     install what is pinned, reproduce the default branch, say where the page is (BRANCH=NAME for another one)
 #   make test    install if need be, run linters, type checker, import contracts and tests
 #   make prove   the concealed benchmark: SEED=1 CASES=60 (of each kind) KIND=quadrotor,joint,swerve
+#   make bench   measure the simulator beside its peers, write docs/benchmark.md (leave the machine alone meanwhile)
 # The pins in constraints.txt are made by:
 #   uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --no-header --no-annotate \
 #       --no-emit-index-url -o constraints.txt
@@ -14,7 +15,7 @@ KIND ?= quadrotor,joint,swerve
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-.PHONY: run test prove lint install
+.PHONY: run test prove bench lint install
 
 run: $(STAMP)
 	@$(BIN)/simgap reproduce $(BRANCH)
@@ -30,6 +31,14 @@ lint: $(STAMP)
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
+
+bench: $(STAMP) .venv-bench/.installed
+	@$(BIN)/python -m benchmarks --peers .venv-bench/bin/python --output docs/benchmark.md
+
+# The peers have an environment of their own: what they need is no need of the project.
+.venv-bench/.installed: benchmarks/requirements.txt
+	@set -e; rm -rf .venv-bench; $(PYTHON) -m venv .venv-bench; echo "installing the peers into .venv-bench"; \
+	.venv-bench/bin/python -m pip install -qq --requirement benchmarks/requirements.txt; touch $@
 
 install: $(STAMP)
 

@@ -1,5 +1,6 @@
 """A simulated quadrotor with its rate controller in front: what a policy flies."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,6 +82,7 @@ def racing_flight(
     platform: Quadrotor,
     effects: tuple[FittedEffect, ...] = (),
     time_constant: float = 0.033,
+    drive: Mapping[str, float] | None = None,
     residual: NearestNeighbours | None = None,
     **options: Any,
 ) -> Flight:
@@ -90,10 +92,14 @@ def racing_flight(
         platform: the racer, or any other quadrotor.
         effects: further physics, for example of the catalogue.
         time_constant: of the motors, s, for which the controller is tuned.
+        drive: values of the powertrain other than those of `powertrain_values` (another battery, say).
         residual: force (m/s²) and torque (N·m) by `residual_features`.
         options: `period`, `substeps` and `integrator` of the flight.
     """
-    drive = FittedEffect(Powertrain(), powertrain_values(platform, time_constant=time_constant), known=True)
+    values = powertrain_values(platform, time_constant=time_constant) | dict(drive or {})
+    powertrain = FittedEffect(Powertrain(), values, known=True)
     controller = Betaflight.tuned(platform, time_constant)
     held = () if residual is None else (FittedEffect(HeldResidual(), {}, known=True),)
-    return Flight(Simulator(platform, (drive, *effects, *held)), controller, residual=residual, **options)
+    return Flight(
+        Simulator(platform, (powertrain, *effects, *held)), controller, residual=residual, **options
+    )

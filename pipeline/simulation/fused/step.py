@@ -63,6 +63,16 @@ class FusedStep:
         groups = [[_one(tensor) for tensor in group] for group in ((state, *leaves), (action,))]
         self._graph = component_graph(flat, groups, state.dtype)
 
+    @property
+    def rows(self) -> int:
+        """Numbers that one machine's state and memory are."""
+        return sum(torch.Size(shape).numel() for shape in self._shapes)
+
+    @property
+    def operations(self) -> int:
+        """Operations of arithmetic in one compiled pass, each counted as one."""
+        return sum(torch.Tag.pointwise in getattr(node.target, "tags", ()) for node in self._graph.graph.nodes)
+
     def pack(self, state: Tensor, memory: Any) -> Tensor:
         """Return state and memory as rows (components, batch)."""
         tensors = [state, *tree.tree_leaves(memory)]

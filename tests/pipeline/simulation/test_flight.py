@@ -1,16 +1,20 @@
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 import torch
+import yaml
 from torch import Tensor
 
 from pipeline.effects import effect_by_key
 from pipeline.physics import batteries
+from pipeline.platforms import platform_from_config
 from pipeline.simulation import FittedEffect
 from pipeline.simulation.flight import Flight, racing_flight
 from pipeline.simulation.motion import QuadrotorMotion
 from tests.pipeline.platforms.machines import QUADROTOR, some_signals
 
+CONF = Path(__file__).parents[3] / "conf" / "platform"
 PARTS = QuadrotorMotion.parts
 EFFECTS = ("rotor_inertia_torque", "gyroscopic_torque", "body_drag", "rotor_drag")
 
@@ -80,10 +84,13 @@ def test_a_racer_with_idling_rotors_falls_as_galilei_says():
     assert lift < 0.02 * QUADROTOR.gravity
 
 
-def test_the_commanded_rates_are_reached():
-    action = torch.tensor([[15.0, 4.0, -3.0, 1.0]], dtype=torch.float64)
-    state = flown(stiff(), level(1), action, 40)
-    assert state[0, PARTS["body_rate"]].tolist() == pytest.approx([4.0, -3.0, 1.0], rel=0.05)
+@pytest.mark.parametrize(("name", "lag"), [("racer", 0.033), ("crazyflie_brushed", 0.07)])
+def test_the_commanded_rates_are_reached(name, lag):
+    config = yaml.safe_load((CONF / f"{name}.yaml").read_text(encoding="utf-8"))
+    flight = racing_flight(platform_from_config(config), time_constant=lag)
+    action = torch.tensor([[12.0, 2.0, -1.5, 0.5]], dtype=torch.float64)
+    state = flown(flight, level(1), action, 60)
+    assert state[0, PARTS["body_rate"]].tolist() == pytest.approx([2.0, -1.5, 0.5], rel=0.05)
 
 
 def test_one_racer_alone_flies_as_in_a_crowd_of_ten_thousand():

@@ -118,7 +118,8 @@ def test_rows_and_tensors_are_the_same_numbers():
     fused = FusedStep(flight.step, state, action, memory)
     rows = fused.pack(state, memory)
     assert rows.is_contiguous()
-    assert rows.shape[1] == BATCH
+    assert rows.shape == (fused.rows, BATCH)
+    assert 100 < fused.operations < len(fused._graph.graph.nodes)
     again, kept = fused.unpack(rows)
     assert torch.equal(again, state)
     assert torch.equal(kept[0]["rate"], memory[0]["rate"])
