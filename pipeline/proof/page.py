@@ -3,6 +3,7 @@
 import math
 import platform as machine
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from pipeline.artifacts import PROJECT_ROOT
@@ -13,6 +14,7 @@ from pipeline.proof.reliability import reliability_figure
 
 DOCS = PROJECT_ROOT / "docs"
 FIGURE = "images/reliability.svg"
+_INTRODUCTION = Path(__file__).with_name("introduction.md")
 _WORST = 25  # confusions that are listed
 
 
@@ -51,7 +53,8 @@ def write_docs(results: Sequence[measures.Result], command: str) -> None:
     """Write the page and its figure into the documentation."""
     stated = measures.stated([result for result in results if "case" in result])
     (DOCS / FIGURE).write_text(reliability_figure(stated), encoding="utf-8")
-    text = f"# Proof\n\n{results_text(results, command)}\n![Stated probabilities against what is there]({FIGURE})\n"
+    figure = f"![Stated probabilities against the share that is there]({FIGURE})"
+    text = f"{_INTRODUCTION.read_text(encoding='utf-8')}\n{results_text(results, command)}\n{figure}\n"
     (DOCS / "proof.md").write_text(text, encoding="utf-8")
 
 
