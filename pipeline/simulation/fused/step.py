@@ -71,7 +71,9 @@ class FusedStep:
     @property
     def operations(self) -> int:
         """Operations of arithmetic in one compiled pass, each counted as one."""
-        return sum(torch.Tag.pointwise in getattr(node.target, "tags", ()) for node in self._graph.graph.nodes)
+        return sum(
+            torch.Tag.pointwise in getattr(node.target, "tags", ()) for node in self._graph.graph.nodes
+        )
 
     def pack(self, state: Tensor, memory: Any) -> Tensor:
         """Return state and memory as rows (components, batch)."""
