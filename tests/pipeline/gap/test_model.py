@@ -3,7 +3,7 @@ import torch
 
 from pipeline.effects import effect_by_key
 from pipeline.gap.fit import fit
-from pipeline.gap.model import Drift, drifts_of, steadiness, unsteadiness_of
+from pipeline.gap.model import Drift, drifts_of, unsteadiness_of
 from tests.pipeline.gap.problems import at_start, problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recordings, joint_simulator
 
@@ -27,7 +27,7 @@ def test_no_drift_is_found_where_there_is_none():
     drifts = _drifts(Plant(viscous=0.05), list(range(12)))
     assert not any(drift.notable for drift in drifts)
     assert max(drift.spread for drift in drifts) < 0.05
-    assert steadiness(unsteadiness_of(drifts)) == 1.0
+    assert unsteadiness_of(drifts) == 0.0
 
 
 def test_a_parameter_that_differs_between_runs_is_found():
@@ -35,7 +35,7 @@ def test_a_parameter_that_differs_between_runs_is_found():
     for drift in _drifts(drifting, [0, 1, 2]):
         assert drift.notable
         assert drift.spread == pytest.approx(0.54, abs=0.25)
-        assert steadiness(unsteadiness_of([drift])) < 0.95
+        assert unsteadiness_of([drift]) == drift.spread
 
 
 def test_runs_too_short_to_know_their_own_error_say_nothing():
@@ -46,8 +46,8 @@ def test_runs_too_short_to_know_their_own_error_say_nothing():
     assert drifts_of(fit(simulator, problem), effect, problem.blocks, torch.zeros_like(problem.cluster)) == []
 
 
-def test_steadiness_falls_with_the_worst_certain_drift_only():
+def test_unsteadiness_is_the_worst_certain_drift():
     certain, doubtful = Drift("a", 1.0, 1e-9), Drift("a", 3.0, 0.2)
-    assert steadiness(unsteadiness_of([])) == steadiness(unsteadiness_of([doubtful])) == 1.0
-    assert steadiness(unsteadiness_of([certain, doubtful])) == pytest.approx(0.5)
-    assert steadiness(unsteadiness_of([Drift("a", 2.0, 1e-9), certain])) == pytest.approx(0.2)
+    assert unsteadiness_of([]) == unsteadiness_of([doubtful]) == 0.0
+    assert unsteadiness_of([certain, doubtful]) == 1.0
+    assert unsteadiness_of([Drift("a", 2.0, 1e-9), certain]) == 2.0
