@@ -19,7 +19,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=0.5, help="of a lap")
     parser.add_argument("--no-effects", action="store_true", help="leave the cost of each effect out")
     chosen = parser.parse_args()
-    torch.set_num_threads(os.cpu_count() or 1)
+    torch.set_num_threads(len(os.sched_getaffinity(0)))
     load = os.getloadavg()[0]
     plan = measure.Plan(chosen.peers, chosen.device, chosen.rounds, chosen.seconds)
     peers = measure.against_peers(plan)

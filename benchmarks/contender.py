@@ -8,10 +8,13 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+ROOT = Path(__file__).parents[1]
 _ANSWERS = "BENCHMARK_ANSWERS"  # environment variable: where answers are written, since libraries print on the output
 Lap = tuple[Callable[[], float], Callable[[], None]]
 """What takes some control steps and returns how many, and what waits until they are done."""
@@ -56,16 +59,17 @@ class Contender:
         answers, written = os.pipe()
         environment = {
             **os.environ,
-            "OMP_NUM_THREADS": str(os.cpu_count()),
-            "PYTHONPATH": os.getcwd(),
+            "OMP_NUM_THREADS": str(len(os.sched_getaffinity(0))),
+            "PYTHONPATH": str(ROOT),
             _ANSWERS: str(written),
         }
         self._process = subprocess.Popen(
-            [python, "-W", "ignore", "-m", module, *arguments],
+            [os.path.abspath(python), "-W", "ignore", "-m", module, *arguments],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             text=True,
             env=environment,
+            cwd=tempfile.gettempdir(),  # where a library leaves its log
             pass_fds=(written,),
         )
         os.close(written)

@@ -1,14 +1,13 @@
 """This project's racing quadrotor: rate controller, battery, speed controllers, motors and aerodynamics."""
 
 import functools
-from pathlib import Path
 from typing import Any
 
 import torch
 import yaml
 from torch import Tensor
 
-from benchmarks.contender import Lap, serve
+from benchmarks.contender import ROOT, Lap, serve
 from pipeline.effects import effect_by_key
 from pipeline.platforms import Quadrotor, platform_from_config
 from pipeline.simulation import FittedEffect
@@ -23,9 +22,8 @@ _SAMPLES = 1000
 @functools.cache
 def racer() -> Quadrotor:
     """Return the platform."""
-    platform = platform_from_config(
-        yaml.safe_load(Path("conf/platform/racer.yaml").read_text(encoding="utf-8"))
-    )
+    text = (ROOT / "conf" / "platform" / "racer.yaml").read_text(encoding="utf-8")
+    platform = platform_from_config(yaml.safe_load(text))
     assert isinstance(platform, Quadrotor)
     return platform
 

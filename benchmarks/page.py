@@ -74,9 +74,10 @@ def machine(device: str, load_before: float) -> str:
         platform.processor(),
     )
     graphics = f", {torch.cuda.get_device_name()}" if device == "cuda" else ""
+    cores = len(os.sched_getaffinity(0))
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
     return (
-        f"Machine: {os.cpu_count()} cores of {name}{graphics}, {memory:.0f} GiB; Python {platform.python_version()}, "
+        f"Machine: {cores} cores of {name}{graphics}, {memory:.0f} GiB; Python {platform.python_version()}, "
         f"PyTorch {metadata.version('torch')}. Load average of the machine before the run {load_before:.1f}, after it "
         f"{os.getloadavg()[0]:.1f} (its own work included)."
     )

@@ -17,17 +17,17 @@ Function = Callable[[Tensor, Tensor, Any], tuple[Tensor, Any]]
 
 # The whole step is one kernel: splitting it gains nothing, and intermediate results would leave the registers.
 _OPTIONS: dict[str, Any] = {"max_fusion_size": 1_000_000}
-_SOME = (
-    64  # machines in the example that the compiler sees; any number but 0 and 1, which it would take as fixed
-)
+_ALONE: dict[str, Any] = _OPTIONS | {"cpp.threads": 1}
+_WORTH_SHARING = 1024  # machines: fewer are done before a second thread has begun
+_MANY = 2**16  # machines in the example from which the compiler decides whether threads share the work
 
 
 class FusedStep:
     """The same step as an eager function, in one pass over memory.
 
     State and memory are rows (components, batch), so that neighbours in memory are the same component of neighbouring
-    machines. It is compiled at its first call, once for all sizes of batch, and keeps no gradients: the eager function
-    is for that. What differs from machine to machine may travel in the memory.
+    machines. It is compiled at its first call, once for small batches and once for large ones, and keeps no gradients:
+    the eager function is for that. What differs from machine to machine may travel in the memory.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class FusedStep:
             )
         self._shapes = [tuple(tensor.shape[1:]) for tensor in (state, *leaves)]
         self._repeats = repeats
-        self._compiled: Callable[[Tensor, Tensor], Tensor] | None = None
+        self._compiled: dict[bool, Callable[[Tensor, Tensor], Tensor]] = {}
 
         def flat(*tensors: Tensor) -> list[Tensor]:
             kept = tree.tree_unflatten(list(tensors[1:-1]), self._tree)
@@ -101,18 +101,22 @@ class FusedStep:
         """
         if not (rows.is_contiguous() and action.is_contiguous()):
             raise InputError("is not contiguous", "rows or action", "use pack and action.T.contiguous()")
-        if self._compiled is None:
-            self._compiled = _compiled(self._graph, rows, action)
+        shared = rows.shape[1] >= _WORTH_SHARING
+        if shared not in self._compiled:
+            self._compiled[shared] = _compiled(self._graph, rows, action, _OPTIONS if shared else _ALONE)
+        run = self._compiled[shared]
         for _ in range(self._repeats):
-            rows = self._compiled(rows, action)
+            rows = run(rows, action)
         return rows
 
 
-def _compiled(graph: fx.GraphModule, rows: Tensor, action: Tensor) -> Callable[[Tensor, Tensor], Tensor]:
-    examples = [tensor.new_zeros(len(tensor), _SOME) for tensor in (rows, action)]
+def _compiled(
+    graph: fx.GraphModule, rows: Tensor, action: Tensor, options: dict[str, Any]
+) -> Callable[[Tensor, Tensor], Tensor]:
+    examples = [tensor.new_empty(len(tensor), _MANY) for tensor in (rows, action)]
     traced = make_fx(graph, tracing_mode="symbolic")(*examples)
     symbolic = [node.meta["val"] for node in traced.graph.nodes if node.op == "placeholder"]
-    return torch._inductor.compile(traced, symbolic, options=_OPTIONS)  # type: ignore[return-value]
+    return torch._inductor.compile(traced, symbolic, options=options)  # type: ignore[return-value]
 
 
 def _one(tensor: Tensor) -> Tensor:
