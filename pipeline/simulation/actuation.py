@@ -1,6 +1,7 @@
 """From command to what acts: delays, the nominal actuator and what effects make of it, in their order."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from torch import Tensor
@@ -45,26 +46,10 @@ def held_through(
         What each effect that remembers adds to each signal, in the order in which they act, and the memory after the
         step.
     """
-    memories: Iterator[Any] = iter(memory)
     held: list[dict[str, Tensor]] = []
     after: list[Any] = []
-    now = dict(signals)
-
-    def run(fitted: FittedEffect) -> dict[str, Tensor]:
-        effect: Any = fitted.effect
-        if not effect.remembers:
-            return effect.actuate(now, fitted.values, constants, None, time_step)[0]
-        out, kept = effect.actuate(now, fitted.values, constants, next(memories, None), time_step)
-        after.append(kept)
-        held.append({n: value - now[n] if n in now else value for n, value in out.items()})
-        return out
-
-    for fitted in command_effects(simulator):
-        now |= run(fitted)
-    given = simulator.mechanism.given_output(now)
-    now = simulator.mechanism.actuate(now, constants)
-    for fitted in actuator_effects(simulator):
-        now |= without(run(fitted), given)
+    act = partial(_acting_and_held, constants, time_step, iter(memory), held, after)
+    _passed(simulator, signals, constants, act)
     return held, tuple(after)
 
 
@@ -76,22 +61,57 @@ def actuated(
     time_step: float,
 ) -> dict[str, Tensor]:
     """Return the signals at one instant of a step, with what the effects that remember hold through it."""
-    outputs = iter(held)
+    return _passed(simulator, signals, constants, partial(_as_held, constants, time_step, iter(held)))
+
+
+def _passed(
+    simulator: Simulator,
+    signals: Mapping[str, Tensor],
+    constants: Mapping[str, Any],
+    act: Callable[[FittedEffect, dict[str, Tensor]], dict[str, Tensor]],
+) -> dict[str, Tensor]:
+    """Return the signals after the effects on the command, the nominal actuator and the effects behind it."""
     now = dict(signals)
-
-    def run(fitted: FittedEffect) -> dict[str, Tensor]:
-        effect: Any = fitted.effect
-        if effect.remembers:
-            return {n: now[n] + change if n in now else change for n, change in next(outputs).items()}
-        return effect.actuate(now, fitted.values, constants, None, time_step)[0]
-
     for fitted in command_effects(simulator):
-        now |= run(fitted)
+        now |= act(fitted, now)
     given = simulator.mechanism.given_output(now)
     now = simulator.mechanism.actuate(now, constants)
     for fitted in actuator_effects(simulator):
-        now |= without(run(fitted), given)
+        now |= without(act(fitted, now), given)
     return now
+
+
+def _acting_and_held(
+    constants: Mapping[str, Any],
+    time_step: float,
+    memories: Iterator[Any],
+    held: list[dict[str, Tensor]],
+    after: list[Any],
+    fitted: FittedEffect,
+    now: dict[str, Tensor],
+) -> dict[str, Tensor]:
+    """Let an effect act on the signals; where it remembers, put down what it changes and its memory."""
+    effect: Any = fitted.effect
+    if not effect.remembers:
+        return effect.actuate(now, fitted.values, constants, None, time_step)[0]
+    out, kept = effect.actuate(now, fitted.values, constants, next(memories, None), time_step)
+    after.append(kept)
+    held.append({n: value - now[n] if n in now else value for n, value in out.items()})
+    return out
+
+
+def _as_held(
+    constants: Mapping[str, Any],
+    time_step: float,
+    outputs: Iterator[dict[str, Tensor]],
+    fitted: FittedEffect,
+    now: dict[str, Tensor],
+) -> dict[str, Tensor]:
+    """Let an effect act on the signals; where it remembers, by what it changed at the start of the step."""
+    effect: Any = fitted.effect
+    if effect.remembers:
+        return {n: now[n] + change if n in now else change for n, change in next(outputs).items()}
+    return effect.actuate(now, fitted.values, constants, None, time_step)[0]
 
 
 def without(changed: dict[str, Tensor], given: str | None) -> dict[str, Tensor]:

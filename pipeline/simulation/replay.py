@@ -40,7 +40,7 @@ def replay(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int, su
     made = motion_of(simulator.platform).signals(initial).keys()
     outside = {name: _over_steps(series, within) for name, series in signals.items() if name not in made}
     outside |= {name: series[:, within] for name, series in held.items()}
-    memory = _lived_through(bare, signals, blocks)
+    memory = _lived_through(bare, signals | held, blocks)
     return rollout(bare, initial, outside, blocks.time_step, substeps, memory=memory)
 
 

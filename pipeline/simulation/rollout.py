@@ -1,6 +1,7 @@
 """Running a simulator forward in time."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import torch
@@ -63,14 +64,22 @@ def _integrate(
 ) -> tuple[Tensor, Memory]:
     start = {**motion.signals(state, constants), **command}
     held, memory = held_through(simulator, start, constants, memory, time_step)
-
-    def wrench(now: Tensor) -> dict[str, Tensor]:
-        signals = actuated(
-            simulator, {**motion.signals(now, constants), **command}, constants, held, time_step
-        )
-        return simulator.wrench(signals, constants)
-
+    wrench = partial(_wrench, simulator, motion, constants, command, held, time_step)
     return INTEGRATORS[integrator](motion, wrench, state, constants, time_step), memory
+
+
+def _wrench(
+    simulator: Simulator,
+    motion: Motion,
+    constants: dict[str, Any],
+    command: Signals,
+    held: list[dict[str, Tensor]],
+    time_step: float,
+    state: Tensor,
+) -> dict[str, Tensor]:
+    """Return what acts at one instant of a step."""
+    signals = {**motion.signals(state, constants), **command}
+    return simulator.wrench(actuated(simulator, signals, constants, held, time_step), constants)
 
 
 def rollout(

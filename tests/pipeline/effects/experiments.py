@@ -49,12 +49,14 @@ def joint_experiment(effect: Effect, time_step: float) -> tuple[Tensor, dict[str
 
 def quadrotor_experiment(effect: Effect, time_step: float) -> tuple[Tensor, dict[str, Tensor]]:
     """Return random states near the floor and rotors that shake a quadrotor about for half a second."""
+    if effect.name == "slung_payload":
+        return payload_experiment(effect, time_step)
     shape = (12, round(0.5 / time_step))
     random = torch.Generator().manual_seed(1)
     initial = 2.0 * torch.rand((shape[0], 13), generator=random, dtype=torch.float64) - 1.0
     initial[:, 2] = 0.6 + 0.2 * initial[:, 2]
     initial[:, 3:7] = rotations.normalize(initial[:, 3:7] * 0.2 + torch.tensor([1.0, 0.0, 0.0, 0.0]))
-    initial[:, 7:10] *= 4.0
+    initial[:, 7:10] *= torch.tensor([8.0, 8.0, 4.0])
     initial[:, 10:13] *= 2.0
     together, apart = waves((*shape, 1), time_step, seed=2), waves((*shape, 4), time_step, seed=4)
     speed = QUADROTOR.hover_rotor_speed * (1.0 + 0.3 * together + 0.12 * apart)
@@ -64,9 +66,26 @@ def quadrotor_experiment(effect: Effect, time_step: float) -> tuple[Tensor, dict
     return initial, {"rotor_speed": speed, "battery_voltage": battery}
 
 
+def payload_experiment(effect: Effect, time_step: float) -> tuple[Tensor, dict[str, Tensor]]:
+    """Return a level start, from which a cable hangs straight down, and dashes to and fro for a few swings."""
+    shape = (6, round(2.0 / time_step))
+    random = torch.Generator().manual_seed(3)
+    initial = torch.zeros(shape[0], 13, dtype=torch.float64)
+    initial[:, 3] = 1.0
+    time = torch.arange(shape[1], dtype=torch.float64) * time_step
+    roll, pitch = torch.tensor([[-1.0, -1.0, 1.0, 1.0], [-1.0, 1.0, 1.0, -1.0]], dtype=torch.float64)
+    apart = torch.zeros(*shape, 4, dtype=torch.float64)
+    for frequency in (0.7, 1.3):
+        sideways, forward = 2.0 * torch.rand((2, shape[0], 1), generator=random, dtype=torch.float64) - 1.0
+        turning = sideways * roll + forward * pitch
+        apart += 0.01 * frequency * torch.cos(6.283 * frequency * time)[:, None] * turning[:, None]
+    carrying = (1.0 + effect.defaults()["mass_ratio"]) ** 0.5
+    return initial, {"rotor_speed": QUADROTOR.hover_rotor_speed * carrying * (1.0 + apart)}
+
+
 def swerve_experiment(effect: Effect, time_step: float) -> tuple[Tensor, dict[str, Tensor]]:
     """Return a swerve drive at rest with its modules anyhow, and voltages of either sign on all eight motors."""
-    shape = (8, round(0.6 / time_step))
+    shape = (8, round(0.4 / time_step))
     initial = torch.zeros(shape[0], 12, dtype=torch.float64)
     commands = {
         "drive_voltage": 11.0 * waves((*shape, 4), time_step, seed=1),
@@ -85,8 +104,8 @@ def recorded_blocks(
     """Return what a machine with one effect does in its experiment; each run is a block."""
     initial, commands = EXPERIMENTS[effect.kind](effect, time_step)
     measured = isinstance(effect, MeasurementEffect)
-    acting = () if measured else (FittedEffect(effect, values),)
-    states = rollout(Simulator(MACHINES[effect.kind], acting), initial, commands, time_step, substeps)[:, :-1]
+    machine = Simulator(MACHINES[effect.kind], () if measured else (FittedEffect(effect, values),))
+    states = rollout(machine, initial, commands, time_step, substeps)[:, :-1]
     if measured:
         states = shift_in_time(states, values["offset"], time_step)
     around = {
@@ -97,7 +116,7 @@ def recorded_blocks(
     }
     margin = states.shape[1] // 6
     return Blocks(
-        signals=motion_of(MACHINES[effect.kind]).signals(states) | around,
+        signals=motion_of(machine.platform).signals(states, machine.constants()) | around,
         run=torch.arange(len(states)),
         runs=tuple(f"run{run}" for run in range(len(states))),
         start=torch.zeros(len(states), dtype=torch.float64),

@@ -11,34 +11,29 @@ VALUES = {
     "joint-backlash": {"gap": 0.05},
     "joint-motor_inductance": {"inductance": 0.04},
     "joint-temperature_derating": {"coefficient": 0.006},
+    "swerve-current_limit@steer": {"limit": 10.0},
+    "swerve-stribeck_friction@drive": {"velocity": 5.0},
+    "swerve-stribeck_friction@steer": {"velocity": 2.0},
 }
-# Samples in s and integration steps in each, where a hidden state runs ahead or behind by a part of a step.
+# Samples in s and integration steps in each: where a hidden state runs ahead or behind by a part of a step, where an
+# effect is faint beside the error of averages over samples, and where it passes within a few of them.
 STEPS = {
-    "joint-backlash": (5e-4, 4),
+    "joint-backlash": (1e-3, 2),
     "joint-motor_inductance": (2e-3, 8),
     "joint-stribeck_friction": (1e-3, 1),
-    "quadrotor-motor_lag": (2e-3, 4),
+    "quadrotor-grey_box_aerodynamics": (1e-3, 1),
+    "quadrotor-slung_payload": (4e-3, 1),
     "quadrotor-tip_path_plane_flapping": (2e-3, 2),
+    "swerve-backlash@steer": (1e-3, 1),
+    "swerve-module_misalignment@chassis": (1e-3, 1),
+    "swerve-motor_inductance@steer": (2e-3, 6),
+    "swerve-slope@chassis": (1e-3, 1),
+    "swerve-stribeck_friction@steer": (1e-3, 1),
+    "swerve-viscous_friction@steer": (1e-3, 1),
 }
 
 
-# What half a second of shaking does not show, at these steps: long swings, many coefficients, coupling.
-NOT_SHOWN = {
-    "quadrotor-grey_box_aerodynamics",
-    "quadrotor-slung_payload",
-    "swerve-backlash@steer",
-    "swerve-current_limit@steer",
-    "swerve-drive_steer_coupling@drive",
-    "swerve-module_misalignment@chassis",
-    "swerve-motor_inductance@drive",
-    "swerve-motor_inductance@steer",
-    "swerve-stribeck_friction@steer",
-    "swerve-viscous_friction@steer",
-}
-SHOWN = [effect for effect in EVERY_EFFECT if identity(effect) not in NOT_SHOWN]
-
-
-@pytest.mark.parametrize("effect", SHOWN, ids=identity)
+@pytest.mark.parametrize("effect", EVERY_EFFECT, ids=identity)
 def test_what_is_set_and_simulated_is_found_again(effect):
     values = effect.defaults() | VALUES.get(identity(effect), {})
     found = recovered(effect, recorded_blocks(effect, values, *STEPS.get(identity(effect), ())))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.effects import effect_by_key
+from pipeline.gap.probability import presence_of
 from pipeline.platforms import Joint
 from pipeline.simulation import FittedEffect, Simulator
 from tests.pipeline.gap.problems import diagnosed, named, quick, value_of
@@ -33,7 +34,10 @@ def test_the_planted_effect_is_named_and_no_other(name, seed):
     plant, truth = PLANTED[name]
     found = diagnosed(plant, seed)
     assert named(found) == [name]
-    assert found.probabilities[name] > 0.9
+    assert presence_of(found.signs[name]) > 0.9
+    rivals = {rival.key for rivalry in found.naming.rivalries for rival in rivalry.rivals}
+    # One input and its answer: a late command and a late sensor are one and the same there.
+    assert rivals == ({"sensor_time_offset"} if name == "command_delay" else set())
     assert value_of(found, name) == pytest.approx(truth, rel=0.1)
     wrong_number = name.endswith("_error")
     assert found.verdict == ("parameter_mismatch" if wrong_number else "missing_physics")

@@ -47,10 +47,11 @@ def recorded(
     kind = simulator.platform.kind
     states = rollout(simulator, initial, commands, time_step, substeps)[:, :-1]
     motion = motion_of(simulator.platform)
-    signals = motion.signals(states)
+    signals = motion.signals(states, simulator.constants())
     signals |= {
         name: states[..., where] for name, where in motion.parts.items()
     }  # velocity in the world frame
+    signals.pop("heading", None)  # follows from the chassis' rate
     if kind == "joint":
         signals = {"position": states[..., 0], "velocity": states[..., 1]}
     frames = []

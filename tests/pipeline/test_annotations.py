@@ -1,0 +1,31 @@
+"""Under test, what is annotated is checked: a wrong type or shape ends the call."""
+
+import pytest
+import torch
+from jaxtyping import TypeCheckError
+
+from pipeline.effects import Parameter, effect_by_key
+from pipeline.physics import rotations
+from pipeline.simulation.blocks import Blocks
+
+
+def test_a_wrong_type_is_refused():
+    with pytest.raises(TypeError, match="type hint"):
+        effect_by_key(3, "rotor_drag")
+
+
+@pytest.mark.parametrize("arguments", [("width", "m", "wide", 0.0, 1.0), (1, "m", 0.5, 0.0, 1.0)])
+def test_a_wrong_type_of_a_field_is_refused(arguments):
+    with pytest.raises(TypeError, match="type hint"):
+        Parameter(*arguments)
+
+
+def test_a_wrong_type_is_refused_by_a_method():
+    blocks = Blocks({}, torch.zeros(1), ("run",), torch.zeros(1), 0.01, 1, 10)
+    with pytest.raises(TypeError, match="type hint"):
+        blocks.inner([1.0])
+
+
+def test_a_wrong_shape_is_refused():
+    with pytest.raises(TypeCheckError):
+        rotations.normalize(torch.zeros(3))
