@@ -40,9 +40,11 @@ def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> li
     """Return the others that predict about as well in the named effect's place.
 
     An other is a rival when it explains at least half as much and the difference to the winner, taken over clusters of
-    correlated residuals, is within chance (one-sided t test).
+    correlated residuals, is within chance (one-sided t test). One with more parameters has to predict better, too.
     """
-    return [o for o in others if o.share > _HALF * winner.share and not predicts_better(winner, o, cluster)]
+    close = [o for o in others if o.share > _HALF * winner.share and not predicts_better(winner, o, cluster)]
+    simple = len(winner.effect.parameters)
+    return [o for o in close if len(o.effect.parameters) <= simple or total_score(o) > total_score(winner)]
 
 
 def rivalry_of(winner: Candidate, rivals: list[Candidate], cluster: Tensor) -> Rivalry | None:
