@@ -2,6 +2,7 @@ import json
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -31,7 +32,7 @@ def _documents(plant, runs=6):
         (Plant(), "none"),
         (Plant(friction=0.3, delay=0.02), "missing_physics"),
         (Plant(inertia=1.3), "parameter_mismatch"),
-        (Plant(other=lambda q, v: -0.05 * q), "unexplained"),
+        (Plant(other=lambda q, v: 0.05 * np.sin(3.0 * q) * v), "unexplained"),
     ],
     ids=["none", "missing_physics", "parameter_mismatch", "unexplained"],
 )
