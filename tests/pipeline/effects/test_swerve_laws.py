@@ -229,13 +229,13 @@ def test_a_module_feels_nothing_of_a_reversal_until_its_motor_has_crossed_the_ga
     effect = effect_by_key("swerve", "backlash@steer")
     values = {"gap": gap, "motor_inertia_share": 0.4}
     step, inertia = 1e-3, 0.4 * NUMBERS["steer_inertia"]
-    torque = torch.full((1, 1200, 4), effort, dtype=torch.float64)
+    crossing = math.sqrt(2.0 * gap * inertia / effort)
+    torque = torch.full((1, round(crossing / step) + 20, 4), effort, dtype=torch.float64)
     torque[:, 0] = -effort
     still = torch.zeros_like(torque)
     numbers = NUMBERS | {"steer_torque_constant": 0.0}
     signals = {"steer_torque": torque, "steer_velocity": still, "steer_voltage": still}
     out = effect.along_time(signals, values, numbers, step)["steer_torque"][0, 1:, 0]
-    crossing = math.sqrt(2.0 * gap * inertia / effort)
     arrived = int((out.abs() > 1e-6 * effort).int().argmax())
     assert arrived * step == pytest.approx(crossing, abs=4 * step)
     torch.testing.assert_close(out[arrived + 3 :], torque[0, arrived + 4 :, 0])
