@@ -17,6 +17,8 @@ ORDER = (
     "diagnose",
     "report",
     "prove",
+    "calibrate",
+    "strengths",
     "effects",
 )
 

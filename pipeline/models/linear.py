@@ -50,7 +50,8 @@ class LinearModel(DynamicsModel):
             moment += design.T @ targets
         penalty = torch.full((columns,), self.settings.ridge * len(examples), dtype=torch.float64)
         penalty[-1] = 0.0  # the constant is free
-        self.coefficients = torch.linalg.lstsq(gram + penalty.diag(), moment, driver="gelsd").solution
+        solution = torch.linalg.lstsq(gram + penalty.diag(), moment, driver="gelsd").solution
+        self.coefficients = solution.contiguous()  # laid out as storage does: products round by layout
         squared = [
             ((self.increments(windows) - targets) / spread).square().mean(1)
             for windows, targets in map(held.take, torch.arange(len(held)).split(_CHUNK))

@@ -2,8 +2,7 @@
 
 import dataclasses
 import difflib
-import importlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, get_origin, get_type_hints
 
 from pipeline.errors import InputError
@@ -21,13 +20,6 @@ CASES: dict[str, type[PlantCase] | type[JointCase] | type[SwerveCase]] = {
     "swerve": SwerveCase,
 }
 """The case of each kind of platform."""
-
-# Plants are loaded when one is run: whoever asks for a case alone need not wait for them.
-_RECORDERS = {
-    "quadrotor": ("pipeline.reality.fly", "fly"),
-    "joint": ("pipeline.reality.joint.record", "record_joint"),
-    "swerve": ("pipeline.reality.swerve.record", "record_swerve"),
-}
 
 
 def case_from_config(kind: str, values: Mapping[str, Any], where: str = "record") -> Case:
@@ -84,5 +76,19 @@ def record_case(
     if not isinstance(case, CASES[platform.kind]):
         remedy = "choose another record=NAME"
         raise InputError(f"is a case of another machine than a {platform.kind}", "record", remedy)
-    module, function = _RECORDERS[platform.kind]
-    return getattr(importlib.import_module(module), function)(case, platform, seed)
+    return _recorder(platform.kind)(case, platform, seed)
+
+
+def _recorder(kind: str) -> Callable[..., tuple[Recording, dict[str, Any]]]:
+    """Return what runs a plant, loaded only now: whoever asks for a case alone need not wait for it."""
+    if kind == "quadrotor":
+        from pipeline.reality.fly import fly
+
+        return fly
+    if kind == "joint":
+        from pipeline.reality.joint.record import record_joint
+
+        return record_joint
+    from pipeline.reality.swerve.record import record_swerve
+
+    return record_swerve

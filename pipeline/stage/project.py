@@ -26,10 +26,9 @@ def described(name: str) -> tuple[str, list[str]] | None:
     decorators = [ast.unparse(entry) for entry in function.decorator_list] if function else []
     if not decorators or not (named := re.fullmatch(r"stage\((\w+)\)", decorators[0])):
         return None
-    classes = {node.name: node for node in module.body if isinstance(node, ast.ClassDef)}
     own = [
         entry.target.id
-        for entry in classes[named[1]].body
+        for entry in _class(module, named[1]).body
         if isinstance(entry, ast.AnnAssign) and isinstance(entry.target, ast.Name)
     ]
     return _documentation(module, name), [field.name for field in fields(StageConfig)] + own
@@ -52,6 +51,16 @@ def _function(module: ast.Module, name: str) -> ast.FunctionDef | None:
     return next(
         (node for node in module.body if isinstance(node, ast.FunctionDef) and node.name == name), None
     )
+
+
+def _class(module: ast.Module, name: str) -> ast.ClassDef:
+    """Return the definition of a class that a stage's file holds, or takes from another one of `stages/`."""
+    for node in module.body:
+        if isinstance(node, ast.ClassDef) and node.name == name:
+            return node
+        if isinstance(node, ast.ImportFrom) and name in [entry.name for entry in node.names]:
+            return _class(_parse(str(node.module).removeprefix("stages.")), name)
+    raise LookupError(f"there is no class {name} in this file of stages/ nor where it imports from")
 
 
 def _documentation(module: ast.Module, name: str) -> str:

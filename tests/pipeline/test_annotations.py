@@ -10,19 +10,19 @@ from pipeline.simulation.blocks import Blocks
 
 
 def test_a_wrong_type_is_refused():
-    with pytest.raises(TypeError, match="type hint"):
+    with pytest.raises(TypeCheckError, match="Type-check error"):
         effect_by_key(3, "rotor_drag")
 
 
 @pytest.mark.parametrize("arguments", [("width", "m", "wide", 0.0, 1.0), (1, "m", 0.5, 0.0, 1.0)])
 def test_a_wrong_type_of_a_field_is_refused(arguments):
-    with pytest.raises(TypeError, match="type hint"):
+    with pytest.raises(TypeCheckError, match="Type-check error"):
         Parameter(*arguments)
 
 
 def test_a_wrong_type_is_refused_by_a_method():
     blocks = Blocks({}, torch.zeros(1), ("run",), torch.zeros(1), 0.01, 1, 10)
-    with pytest.raises(TypeError, match="type hint"):
+    with pytest.raises(TypeCheckError, match="Type-check error"):
         blocks.inner([1.0])
 
 

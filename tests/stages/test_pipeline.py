@@ -29,7 +29,7 @@ def graph() -> Any:
 
 
 def test_every_stage_is_in_it_for_every_branch() -> None:
-    assert set(STAGES) == set(commands()) - {"reproduce", "prove", "strengths", "calibrate"}
+    assert set(STAGES) == set(commands()) - {"reproduce", "prove", "strengths", "calibrate", "effects"}
     assert {entry["foreach"] for entry in PIPELINE["stages"].values()} == {"${branches}"}
     assert sorted(BRANCHES) == sorted(path.stem for path in (CONFIGURATION / "branch").glob("*.yaml"))
 

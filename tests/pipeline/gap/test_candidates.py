@@ -22,8 +22,9 @@ def test_a_bundle_that_would_absorb_every_effect_does_not_compete_even_where_it_
         assert everything - bundles <= chosen
 
 
-def test_the_learnt_aerodynamics_of_a_quadrotor_are_such_a_bundle():
-    assert {e.name for e in effects_of("quadrotor") if not e.names_physics} == {"grey_box_aerodynamics"}
+def test_the_aerodynamics_of_a_higher_rung_are_such_bundles():
+    bundles = {effect.name for effect in effects_of("quadrotor") if not effect.names_physics}
+    assert bundles == {"grey_box_aerodynamics", "inflow_ratio", "tip_path_plane_flapping"}
 
 
 @KIND
