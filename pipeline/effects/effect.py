@@ -183,8 +183,9 @@ def _scan(
 ) -> dict[str, Tensor]:
     memory: Any = None
     changed: dict[str, list[Tensor]] = {}
-    for sample in range(next(iter(signals.values())).shape[1]):
-        now = {name: series[:, sample] for name, series in signals.items()}
+    names, samples = list(signals), zip(*(series.unbind(1) for series in signals.values()), strict=True)
+    for sample in samples:
+        now = dict(zip(names, sample, strict=True))
         out, memory = effect.actuate(now, values, constants, memory, time_step)
         for name, value in out.items():
             changed.setdefault(name, []).append(value)

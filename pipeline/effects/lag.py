@@ -6,6 +6,8 @@ Source: Krishnan 2001, Electric motor drives, §2; exact for an input held over 
 import torch
 from torch import Tensor
 
+from pipeline.effects.recurrence import accumulated
+
 _FORGOTTEN = 1 / 40  # of a step: so short a lag has decayed to e⁻⁴⁰ at the end of the step
 
 
@@ -35,7 +37,7 @@ def lag_along_time(target: Tensor, time_constant: Tensor | float, time_step: flo
     """
     decay, share = _decay(target, time_constant, time_step)
     gained = torch.cat([target[:, :1], ((1.0 - decay) * target)[:, 1:]], dim=1)
-    ends = _accumulated(decay.expand_as(target), gained)
+    ends = accumulated(decay.expand_as(target), gained)
     starts = torch.cat([target[:, :1], ends[:, :-1]], dim=1)
     return target + share * (starts - target)
 
@@ -45,17 +47,3 @@ def _decay(like: Tensor, time_constant: Tensor | float, time_step: float) -> tup
     steps = torch.as_tensor(time_constant, dtype=like.dtype, device=like.device) / time_step
     decay = torch.where(steps > _FORGOTTEN, torch.exp(-1.0 / steps.clamp_min(_FORGOTTEN)), 0.0)
     return decay, steps * (1.0 - decay)
-
-
-def _accumulated(decay: Tensor, gained: Tensor) -> Tensor:
-    """Return y of y[k] = decay[k] · y[k−1] + gained[k] for all samples, in as many passes as their count doubles.
-
-    Source: Blelloch 1990, Prefix sums and their applications, §1.4.
-    """
-    reach = 1
-    while reach < gained.shape[1]:
-        longer = gained[:, reach:] + decay[:, reach:] * gained[:, :-reach]
-        gained = torch.cat([gained[:, :reach], longer], dim=1)
-        decay = torch.cat([decay[:, :reach], decay[:, reach:] * decay[:, :-reach]], dim=1)
-        reach *= 2
-    return gained

@@ -169,6 +169,7 @@ def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Prob
     scale = {name: nominal[name] / believed[name] for name in nominal}
     columns = []
     constants = simulator.constants()
+    inner |= simulator.mechanism.derived(inner, constants)
     for regressor in effect.regressors(inner, constants):
         wrench = simulator.mechanism.constrain(regressor, inner, constants)
         names = [channel.name for channel in channels_on(simulator, blocks)]

@@ -62,6 +62,10 @@ class Mechanism(ABC):
     def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Return what the actuators and the nominal environment do, per channel."""
 
+    def derived(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Return what several of the equations need of the signals, as further signals, lest each work it out again."""
+        return {}
+
     def constrain(
         self, wrench: Mapping[str, Tensor], signals: Signals, constants: Constants
     ) -> dict[str, Tensor]:

@@ -77,6 +77,12 @@ class SwerveMechanism(Mechanism):
         drive = sum_on_chassis(signals["drive_torque"], signals["steer_angle"], constants)
         return drive | per_module(steering_torque(signals, constants))
 
+    def derived(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+        """Return the projection onto the motion that the wheels allow, and its rate."""
+        angle = wheel_angle(signals["steer_angle"], constants)
+        projection, rate = rolling_projection(angle, signals["steer_velocity"], constants)
+        return {"rolling_projection": projection, "rolling_projection_rate": rate}
+
     def constrain(
         self, wrench: Mapping[str, Tensor], signals: Signals, constants: Constants
     ) -> dict[str, Tensor]:
@@ -85,7 +91,7 @@ class SwerveMechanism(Mechanism):
             return dict(wrench)
         zero = torch.zeros_like(signals["steer_angle"][..., 0])
         whole = torch.stack([wrench.get(name, zero) for name in _CHASSIS], dim=-1)
-        projection, _ = self._projection(signals, constants)
+        projection = self._projection(signals, constants)["rolling_projection"]
         return {**wrench, **_on_chassis((projection @ whole[..., None])[..., 0])}
 
     def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
@@ -94,12 +100,12 @@ class SwerveMechanism(Mechanism):
         x, y, yaw = velocity.unbind(-1)
         transport = mass * torch.stack([yaw * y, -yaw * x, torch.zeros_like(yaw)], dim=-1)
         momentum = torch.stack([mass * x, mass * y, constants["inertia"] * yaw], dim=-1)
-        projection, rate = self._projection(signals, constants)
+        known = self._projection(signals, constants)
+        projection, rate = known["rolling_projection"], known["rolling_projection_rate"]
         return _on_chassis((projection @ transport[..., None] + rate @ momentum[..., None])[..., 0])
 
-    def _projection(self, signals: Signals, constants: Constants) -> tuple[Tensor, Tensor]:
-        angle = wheel_angle(signals["steer_angle"], constants)
-        return rolling_projection(angle, signals["steer_velocity"], constants)
+    def _projection(self, signals: Signals, constants: Constants) -> Signals:
+        return signals if "rolling_projection" in signals else self.derived(signals, constants)
 
     def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Linear and angular momentum of the chassis, angular momentum of each module."""

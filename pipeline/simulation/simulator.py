@@ -149,6 +149,7 @@ class Simulator:
     def balance(self, signals: Signals) -> Balance:
         """Return both sides of the equations of motion for signals that went through the actuator."""
         constants, mechanism = self.constants(), self.mechanism
+        signals = {**signals, **mechanism.derived(signals, constants)}
         wrench = self.wrench(signals, constants)
         inertial = mechanism.inertial(signals, constants)
         rate = {name: value + inertial[name] if name in inertial else value for name, value in wrench.items()}

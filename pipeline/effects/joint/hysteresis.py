@@ -11,6 +11,7 @@ from torch import Tensor
 
 from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.joint.common import on_axis
+from pipeline.effects.recurrence import accumulated
 from pipeline.effects.scan import scan
 
 
@@ -51,6 +52,17 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         out = {"hysteresis_deflection": deflection, "hysteresis_position": position}
         return out, (deflection, position)
 
+    def along_time(
+        self, signals: Signals, values: Values, constants: Values, time_step: float
+    ) -> dict[str, Tensor]:
+        """Return blocks with the deflection, which from sample to sample is linear in the one before."""
+        position = signals["position"]
+        towards, left = _remainder(
+            torch.diff(position, dim=1, prepend=position[:, :1]), values["displacement"]
+        )
+        deflection = accumulated(left, towards * (1.0 - left))
+        return {**signals, "hysteresis_deflection": deflection, "hysteresis_position": position}
+
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the resistance on the axis, N·m or N."""
         moved = signals["position"] - signals["hysteresis_position"]
@@ -60,5 +72,10 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
 
 def _moved(deflection: Tensor, way: Tensor, displacement: Tensor | float) -> Tensor:
     """Return the relative deflection after a way without reversal: dz = (1 − z·sign(way)) · way / displacement."""
-    towards = torch.sign(way)
-    return towards + (deflection - towards) * torch.exp(-way.abs() / displacement)
+    towards, left = _remainder(way, displacement)
+    return towards + (deflection - towards) * left
+
+
+def _remainder(way: Tensor, displacement: Tensor | float) -> tuple[Tensor, Tensor]:
+    """Return the deflection that a way leads to, and what is left after it of the distance from there."""
+    return torch.sign(way), torch.exp(-way.abs() / displacement)

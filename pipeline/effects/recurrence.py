@@ -1,0 +1,22 @@
+"""A linear recurrence along recorded blocks, without a step per sample."""
+
+import torch
+from torch import Tensor
+
+
+def accumulated(decay: Tensor, gained: Tensor) -> Tensor:
+    """Return y of y[k] = decay[k] · y[k−1] + gained[k] for all samples, in as many passes as their count doubles.
+
+    Source: Blelloch 1990, Prefix sums and their applications, §1.4.
+
+    Args:
+        decay: (blocks, samples, ...).
+        gained: of the same shape; its first sample is where y starts.
+    """
+    reach = 1
+    while reach < gained.shape[1]:
+        longer = gained[:, reach:] + decay[:, reach:] * gained[:, :-reach]
+        gained = torch.cat([gained[:, :reach], longer], dim=1)
+        decay = torch.cat([decay[:, :reach], decay[:, reach:] * decay[:, :-reach]], dim=1)
+        reach *= 2
+    return gained
