@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from pipeline.effects import Effect, Parameter, WrenchEffect
-from pipeline.gap.residuals import channels_on, residual_rows
+from pipeline.gap.residuals import channels_on, residual_rows, row_weights
 from pipeline.physics.weak_form import WindowFunctions, mean_of
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.blocks import Blocks
@@ -162,7 +162,7 @@ def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, resi
 
 def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Problem) -> Tensor:
     blocks = problem.blocks
-    signals = simulator.along_time(blocks.signals, blocks.time_step)
+    signals = simulator.along_time(blocks.around, blocks.time_step)
     inner = {name: blocks.inner(series) for name, series in signals.items()}
     zero = problem.functions.weights.new_zeros((len(blocks), len(problem.functions.centres)))
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
@@ -175,7 +175,7 @@ def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Prob
         names = [channel.name for channel in channels_on(simulator, blocks)]
         rows = [scale[n] * mean_of(problem.functions, wrench[n]) if n in wrench else zero for n in names]
         columns.append(torch.stack(rows, dim=-1))
-    return torch.stack(columns, dim=-1)
+    return torch.stack(columns, dim=-1) * row_weights(blocks, problem.functions)[..., None]
 
 
 def _difference(

@@ -1,6 +1,7 @@
 """What a simulator leaves unexplained in a recording, channel by channel, and how much of it the noise explains."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import torch
@@ -13,6 +14,8 @@ from pipeline.simulation.blocks import Blocks
 
 _FIFTH_DIFFERENCE = torch.tensor([1.0, -5.0, 10.0, -10.0, 5.0, -1.0], dtype=torch.float64)
 _ROUNDING = 1e-9  # of the mean square: a signal that rests leaves no more
+_TOUCHED = 1e-3  # of a window's weight: what is made up at its very edge does no harm
+_LEAST_SOUND = 0.5  # of the windows
 _MEDIAN_OF_SQUARE = 0.4549364  # median of a squared standard normal
 
 
@@ -41,11 +44,21 @@ def channels_on(simulator: Simulator, blocks: Blocks) -> tuple[Channel, ...]:
     return simulator.mechanism.channels_of(blocks.signals)
 
 
-def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
-    """Evaluate a simulator on recorded blocks, their margins dropped."""
-    signals = simulator.along_time(blocks.signals, blocks.time_step)
+def channel_series(
+    simulator: Simulator, blocks: Blocks, acting: Mapping[str, Tensor] | None = None
+) -> list[ChannelSeries]:
+    """Evaluate a simulator on recorded blocks, their margins dropped.
+
+    Args:
+        simulator: platform and effects.
+        blocks: of a recording.
+        acting: what the simulator is evaluated on, `blocks.around` where nothing else is given.
+    """
+    signals = simulator.along_time(acting or blocks.around, blocks.time_step)
     inner = {name: blocks.inner(series) for name, series in signals.items()}
     balance = simulator.balance(inner)
+    recorded = {name: blocks.inner(series) for name, series in blocks.signals.items()}
+    momentum = simulator.mechanism.momentum(recorded, simulator.constants())
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
     series = []
     for channel in channels_on(simulator, blocks):
@@ -57,7 +70,7 @@ def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
         if sensed is not None:
             series.append(ChannelSeries(channel, sensed, balance.wrench[channel.name], direct=True))
         else:
-            measured, predicted = balance.momentum[channel.name], balance.rate[channel.name]
+            measured, predicted = momentum[channel.name], balance.rate[channel.name]
             measured = measured * _settling(channel.name, simulator, blocks)
             series.append(ChannelSeries(channel, scale * measured, scale * predicted, direct=False))
     return series
@@ -99,7 +112,19 @@ def residual_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
     rows = []
     for series in channel_series(simulator, blocks):
         rows.append(measured_rows(series, blocks, functions) - mean_of(functions, series.predicted))
-    return torch.stack(rows, dim=-1)
+    return torch.stack(rows, dim=-1) * row_weights(blocks, functions)
+
+
+def row_weights(blocks: Blocks, functions: WindowFunctions) -> Tensor:
+    """Return what each window counts, (blocks, rows, 1): nothing where it holds an input that was made up.
+
+    What a lost command was nobody knows, and a held one may have jumped. The other windows count so much more that
+    mean squares over all of them are those over what was measured. Where that were less than half of them, all count.
+    """
+    touched = mean_of(functions, blocks.filled)
+    sound = (touched < _TOUCHED).to(touched.dtype)
+    share = float(sound.mean())
+    return (sound / share**0.5)[..., None] if share > _LEAST_SOUND else torch.ones_like(sound)[..., None]
 
 
 def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
@@ -110,7 +135,7 @@ def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
     Source: Gasser, Sroka & Jennen-Steinmetz 1986, Residual variance and residual pattern (Biometrika 73).
     """
     deviations = []
-    for series in channel_series(simulator, blocks):
+    for series in channel_series(simulator, blocks, blocks.signals):
         mean_gain = functions.weights.square().sum(1).mean()
         if series.direct:
             variance = sample_noise(series.measured - series.predicted) * mean_gain

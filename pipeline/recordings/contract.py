@@ -75,8 +75,11 @@ ANY_OF: dict[str, tuple[tuple[str, ...], ...]] = {
 }
 """Groups of channels of which a recording has at least one, whole."""
 
-INDEX_COLUMNS = ("run", "t", "segment")
-"""What identifies a sample: the run, the time in s and, once cleaned, the unbroken stretch within the run."""
+WHOLE_NUMBERS = ("segment", "filled")
+"""What cleaning says of a sample: the unbroken stretch within the run, and 1 where an input of it was made up."""
+
+INDEX_COLUMNS = ("run", "t", *WHOLE_NUMBERS)
+"""What is no channel: the run, the time in s and, once cleaned, `WHOLE_NUMBERS`."""
 
 
 def channel_units(kind: str, sliding: bool = False) -> dict[str, str]:

@@ -18,7 +18,8 @@ class Recording:
     World and body frame x forward, y left, z up; quaternions scalar-first, body to world.
 
     Attributes:
-        frame: columns `run` (text), `t` (s), `segment` (integer, once cleaned) and channels (float64).
+        frame: columns `run` (text), `t` (s), `segment` and `filled` (integers, once cleaned) and channels
+            (float64).
         kind: quadrotor, swerve or joint.
         units: unit of each channel.
         source: where the recording comes from, to be cited.

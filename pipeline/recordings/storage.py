@@ -13,6 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pipeline.errors import InputError
+from pipeline.recordings.contract import WHOLE_NUMBERS
 
 _MAGIC = b"PAR1"
 _ROW_NUMBERS = re.compile(
@@ -160,7 +161,7 @@ def write_table(
 def _field(column: str, units: Mapping[str, str]) -> pa.Field:
     if column == "run":
         return pa.field(column, pa.string(), nullable=False)
-    if column == "segment":
+    if column in WHOLE_NUMBERS:
         return pa.field(column, pa.int64(), nullable=False)
     return pa.field(column, pa.float64(), metadata={"unit": "s" if column == "t" else units.get(column, "1")})
 

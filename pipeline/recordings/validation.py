@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.errors import InputError
-from pipeline.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, channel_units
+from pipeline.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, WHOLE_NUMBERS, channel_units
 from pipeline.recordings.numeric import location, to_numbers
 from pipeline.recordings.units import KNOWN, conversion
 
@@ -73,13 +73,14 @@ def validate(
     channels, remarks = _usable(frame, kind, units)
     runs = _runs(frame["run"], where)
     result = pd.DataFrame({"run": runs})
-    for column in ["t", *(["segment"] if "segment" in frame else []), *channels]:
+    whole = [column for column in WHOLE_NUMBERS if column in frame]
+    for column in ["t", *whole, *channels]:
         expected = "s" if column == "t" else units.get(column, "1")
         numbers = to_numbers(frame[column], runs, where)
         result[column] = _convert(numbers, declared.get(column), expected, f"{where}, column {column!r}")
     _check_time(result, where)
-    if "segment" in result:
-        result["segment"] = _segments(result, where)
+    for column in whole:
+        result[column] = _whole_numbers(result, column, where)
     result, emptied = _without_empty(result, kind, where)
     if kind == "quadrotor":
         _check_quaternions(result, where)
@@ -188,14 +189,12 @@ def _check_time(frame: pd.DataFrame, where: str) -> None:
         )
 
 
-def _segments(frame: pd.DataFrame, where: str) -> pd.Series:
-    wrong = ~(frame["segment"] == np.floor(frame["segment"])).to_numpy()
+def _whole_numbers(frame: pd.DataFrame, column: str, where: str) -> pd.Series:
+    wrong = ~(frame[column] == np.floor(frame[column])).to_numpy()
     if wrong.any():
         row = int(np.argmax(wrong))
-        raise InputError(
-            "is not a whole number", location(where, frame, row, "segment"), "leave the column out"
-        )
-    return frame["segment"].astype("int64")
+        raise InputError("is not a whole number", location(where, frame, row, column), "leave the column out")
+    return frame[column].astype("int64")
 
 
 def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataFrame, list[str]]:

@@ -1,6 +1,7 @@
 """A recording cut into blocks of equal length, which a simulator can replay side by side."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import pandas as pd
 import torch
@@ -62,6 +63,24 @@ class Blocks:
     def inner(self, series: Tensor) -> Tensor:
         """Return a series without its margins."""
         return series[:, self.margin : self.margin + self.samples]
+
+    @cached_property
+    def around(self) -> dict[str, Tensor]:
+        """What acts around each sample, by name, as long as `signals`.
+
+        Where commands are held they are the mean over the steps before and after a sample; so is then everything else,
+        by the trapezoid rule.
+        """
+        if not self.held:
+            return self.signals
+        return {n: s if n in COMMANDS else _over_both_steps(s) for n, s in self.signals.items()}
+
+    @property
+    def filled(self) -> Tensor:
+        """1 where an input was made up by cleaning, (blocks, samples)."""
+        if "filled" not in self.signals:
+            return torch.zeros(len(self), self.samples, dtype=torch.float64)
+        return self.inner(self.signals["filled"])
 
     def thinned(self, most: int) -> "Blocks":
         """Return at most so many blocks, drawn evenly over the recording."""
@@ -131,10 +150,25 @@ def _kept_signals(
     """Return the padded signals of a segment, and the commands that are held in it as they were recorded."""
     signals = recorded_signals(segment, platform, held)
     signals["elapsed"] = torch.from_numpy(segment["t"].to_numpy(dtype="float64", copy=True)) - run_start
+    if "filled" in segment:
+        signals["filled"] = _filled(segment, held)
     raw = recorded_signals(segment, platform, held=False) if held else {}
     commands = {name: series for name, series in raw.items() if name in COMMANDS}
     padded = ({name: _padded(s, margin) for name, s in part.items()} for part in (signals, commands))
     return next(padded), next(padded)
+
+
+def _over_both_steps(series: Tensor) -> Tensor:
+    """Return the mean of a series (blocks, samples, ...) over the steps before and after each sample."""
+    before = torch.cat([series[:, :1], series[:, :-1]], dim=1)
+    after = torch.cat([series[:, 1:], series[:, -1:]], dim=1)
+    return 0.25 * (before + 2.0 * series + after)
+
+
+def _filled(segment: pd.DataFrame, held: bool) -> Tensor:
+    """Return 1 at each sample around which an input that was made up acts, (samples,)."""
+    filled = torch.from_numpy(segment["filled"].to_numpy(dtype="float64", copy=True))
+    return torch.maximum(filled, torch.nn.functional.pad(filled[:-1], (1, 0))) if held else filled
 
 
 def _stacked(pieces: list[dict[str, Tensor]]) -> dict[str, Tensor]:

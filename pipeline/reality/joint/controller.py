@@ -8,6 +8,7 @@ from pipeline.reality.rotation import Array
 from pipeline.reality.sampling import quantised
 
 _DAMPING_RATIO = 0.8
+_RESERVE = 4.0  # times what the reference needs: no drive pushes harder, and no loop runs away
 _DIFFERENTIATOR = 400.0  # rad/s, cut-off of the filter that makes a velocity of encoder positions
 
 
@@ -24,6 +25,8 @@ class JointController:
         self.share = 1.0 - np.exp(-_DIFFERENTIATOR * step)
         self.gain = _DIFFERENTIATOR
         self.smooth = position - velocity / self.gain
+        needed = platform.inertia * case.acceleration + platform.stiffness * case.amplitude
+        self.most = _RESERVE * (needed + platform.gravity_torque)
         self.step = case.sensors.scale * case.sensors.position_step
 
     def command(self, reference: tuple[Array, Array, Array], position: Array) -> Array:
@@ -44,6 +47,6 @@ class JointController:
         if platform.gravity_torque:
             effort = effort + platform.gravity_torque * np.sin(target)
         if platform.motor is None:
-            return effort
+            return np.clip(effort, -self.most, self.most)
         voltage = platform.motor.resistance / self.constant * effort + self.constant * speed
         return np.clip(voltage, -self.case.supply, self.case.supply)

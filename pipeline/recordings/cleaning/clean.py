@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.errors import InputError
+from pipeline.recordings.cleaning.channels import INPUTS
 from pipeline.recordings.cleaning.clock import estimate_clock_offset
 from pipeline.recordings.cleaning.coverage import coverage
 from pipeline.recordings.cleaning.crash import cut_crash
@@ -156,6 +157,9 @@ def _frame(runs: list[RunUnderCleaning], recording: Recording) -> pd.DataFrame:
     for run in runs:
         kept = run.dropped == ""
         index = {"run": run.name, "t": run.time[kept], "segment": segment_numbers(run)[kept]}
+        inputs = run.index([column for column in INPUTS[run.kind] if column in run.needed])
+        if inputs:
+            index["filled"] = (run.cause[:, inputs] != "").any(axis=1)[kept].astype(np.int64)
         channels = dict(zip(run.columns, run.values[kept].T, strict=True))
         frames.append(pd.DataFrame(index | channels))
     return pd.concat(frames, ignore_index=True).astype({"run": recording.frame["run"].dtype})
