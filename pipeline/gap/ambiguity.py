@@ -80,10 +80,14 @@ def total_score(candidate: Candidate) -> float:
 
 def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
     """Return whether one candidate predicts better than another beyond chance, taken over clusters of residuals."""
-    summed = _difference(first, second, cluster)
-    if float(summed.abs().max()) < _SAME:
+    return is_beyond_chance(_difference(first, second, cluster))
+
+
+def is_beyond_chance(ahead: Tensor) -> bool:
+    """Return whether differences of log likelihood (clusters,) are positive beyond chance (one-sided t test)."""
+    if float(ahead.abs().max()) < _SAME:
         return False
-    return float(stats.ttest_1samp(summed.numpy(), 0.0, alternative="greater").pvalue) <= _CHANCE
+    return float(stats.ttest_1samp(ahead.numpy(), 0.0, alternative="greater").pvalue) <= _CHANCE
 
 
 def _difference(first: Candidate, second: Candidate, cluster: Tensor) -> Tensor:

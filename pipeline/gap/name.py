@@ -3,20 +3,33 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from torch import Tensor
+
 from pipeline.effects import Effect, MeasurementEffect, ParameterError
-from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
-from pipeline.gap.candidate import Candidate, Judge, Starts
+from pipeline.gap.ambiguity import (
+    Rivalry,
+    is_beyond_chance,
+    predicts_better,
+    rivalry_of,
+    rivals_of,
+    total_score,
+)
+from pipeline.gap.candidate import NOT_SIGNIFICANT, Candidate, Judge, Starts
 from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Fit, Problem, excess_beside, fit
 from pipeline.gap.model import drifts_of, unsteadiness_of
 from pipeline.gap.parsimony import single_cause
 from pipeline.gap.probability import Signs, presence_of
 from pipeline.gap.refit import extend, shrink
+from pipeline.gap.scoring import cross_validated, log_score
 from pipeline.gap.settings import Gap
 from pipeline.simulation import Simulator
 
 _REDUNDANT = 0.2
-_BELIEVED = 0.5
+_BEYOND_NOISE = 1.5  # times its energy, which is known to about a tenth
+_CLOSE = 0.5  # of what the named effect explains
+_LIKE = 0.25
+_TRIED = 3  # effects that are not significant alone, each with every other one
 _EXCHANGES = 3  # each costs a round for every named effect
 
 
@@ -51,15 +64,30 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     """Let the catalogue compete for the residual of a nominal simulator.
 
     Clock offsets and the platform's own numbers are settled first: what they explain is no missing physics. Then one
-    effect is added at a time; each that stays must earn it again when the others are there.
+    effect is added at a time; each that stays must earn it again when the others are there. Where numbers were settled,
+    the competition is held a second time with everything in it from the start, lest they stand in for physics that
+    explains more; the first stands unless the second predicts better or does with less.
     """
-    competition = _Competition(simulator, problem, settings)
-    competition.run(_settled(competition.catalogue))
-    competition.run(competition.catalogue)
-    competition.condense()
-    competition.exchange()
-    competition.disown()
-    return competition.result()
+    first = _Competition(simulator, problem, settings)
+    first.run(_settled(first.catalogue))
+    settled = bool(first.current.simulator.free)
+    first.finish()
+    if settled:
+        second = _Competition(simulator, problem, settings)
+        second.finish()
+        if _is_likelier(second, first):
+            first = second
+    first.disown()
+    return first.result()
+
+
+def _is_likelier(second: "_Competition", first: "_Competition") -> bool:
+    """Return whether the second outcome predicts better than the first, or as well with fewer parameters."""
+    ahead = second.scores() - first.scores()
+    if is_beyond_chance(ahead):
+        return True
+    fewer = len(second.current.values) < len(first.current.values)
+    return fewer and not is_beyond_chance(-ahead)
 
 
 def _settled(catalogue: list[Effect]) -> list[Effect]:
@@ -97,6 +125,39 @@ class _Competition:
                 return
             self.take(winner)
 
+    def finish(self) -> None:
+        """Let everything compete, then what is simpler, then what fits better in another's place."""
+        self.run(self.catalogue)
+        self.look_ahead()
+        self.condense()
+        self.exchange()
+
+    def scores(self) -> Tensor:
+        """Return the cross-validated log likelihood of each cluster of correlated residuals, (clusters,)."""
+        score = log_score(cross_validated(self.current, self.judge.fold), self.current.scale)
+        return score.new_zeros(self.clusters).index_add(0, self.problem.cluster, score)
+
+    def look_ahead(self) -> None:
+        """Try pairs where more than noise is left: two effects may each be drowned by the residual of the other."""
+        energy = self.current.residual.square().mean((0, 1)) / self.problem.noise.square()
+        if float(energy.max()) < _BEYOND_NOISE:
+            return
+        left = [c for c in self.rounds[-1].candidates if c.refusal == NOT_SIGNIFICANT and c.gain > 0]
+        current, dropped = self.current, set(self.dropped)
+        for first in sorted(left, key=total_score, reverse=True)[:_TRIED]:
+            self.current = first.fit
+            present = {fitted.effect.key for fitted in self.current.simulator.free} | dropped
+            candidates = tuple(self.candidate(e) for e in self.catalogue if e.key not in present)
+            second = self.likeliest([candidate for candidate in candidates if not candidate.refusal])
+            if second is not None:
+                self.take(second)
+                if first.effect.key not in self.dropped:
+                    self.rounds.append(Round(candidates, second))
+                    self.run(self.catalogue)
+                    return
+            self.current, self.dropped = current, set(dropped)
+            self.starts.forget()
+
     def take(self, winner: Candidate) -> None:
         """Fit the simulator with a winner again, and drop what it makes needless."""
         self.current = fit(winner.fit.simulator, self.problem)
@@ -125,7 +186,8 @@ class _Competition:
 
     def disown(self) -> None:
         """Drop what is less likely there than not: too little evidence, or parameters that follow the manoeuvre."""
-        self.drop(lambda candidate: self.presence(candidate) < _BELIEVED, self.presence)
+        least = self.settings.least_probability
+        self.drop(lambda candidate: self.presence(candidate) < least, self.presence)
 
     def drop(self, unwanted: Callable[[Candidate], bool], worth: Callable[[Candidate], float]) -> None:
         """Drop unwanted effects one by one, the one of least worth first, and fit the others again."""
@@ -170,7 +232,8 @@ class _Competition:
         """Return by how much another effect would predict better in the place of a named one, the round, and it."""
         without, own = self.without(effect), self.alone(effect)
         present = {fitted.effect.key for fitted in self.current.simulator.free}
-        candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in present)
+        others = [e for e in self.close_to(effect, _LIKE) if e.key not in present]
+        candidates = tuple(self.candidate(other, without) for other in others)
         admitted = [candidate for candidate in candidates if not candidate.refusal]
         winner = max(admitted, key=total_score, default=None)
         if winner is None or not predicts_better(winner, own, self.problem.cluster):
@@ -209,18 +272,18 @@ class _Competition:
         """Return the effects that could stand in for a named one."""
         without = self.without(winner.effect)
         present = {fitted.effect.key for fitted in self.current.simulator.free}
-        close = [e for e in self.close_to(winner.effect) if e.key not in present]
+        close = [e for e in self.close_to(winner.effect, _CLOSE) if e.key not in present]
         others = [self.candidate(effect, without) for effect in close]
         rivals = rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
         return rivalry_of(
             winner, [rival for rival in rivals if self.is_needless(rival)], self.problem.cluster
         )
 
-    def close_to(self, winner: Effect) -> list[Effect]:
-        """Return the effects that came close to a winner in the round it won: only they can stand in for it."""
+    def close_to(self, winner: Effect, part: float) -> list[Effect]:
+        """Return the effects that explained a part of what a winner did in its round: only they can stand in for it."""
         for turn in reversed(self.rounds):
             if turn.winner is not None and turn.winner.effect.key == winner.key:
-                least = 0.5 * turn.winner.share
+                least = part * turn.winner.share
                 return [c.effect for c in turn.candidates if c.share > least]
         return self.catalogue
 
