@@ -21,7 +21,7 @@ run: $(STAMP)
 	@$(BIN)/simgap reproduce $(BRANCH)
 
 test: lint
-	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2
+	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal
 
 prove: $(STAMP)
 	@$(BIN)/simgap prove seed=$(SEED) prove.cases=$(CASES) 'prove.kinds=[$(KIND)]'

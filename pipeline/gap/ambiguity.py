@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pipeline.gap.candidate import Candidate
 
 _CHANCE = 0.05
+_STRICT_CHANCE = 0.01  # where the catalogue calls the other the likelier cause
 _HALF = 0.5
 _SAME = 1e-9  # of a log likelihood: less is rounding
 
@@ -80,14 +81,15 @@ def total_score(candidate: Candidate) -> float:
 
 def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
     """Return whether one candidate predicts better than another beyond chance, taken over clusters of residuals."""
-    return is_beyond_chance(_difference(first, second, cluster))
+    yields = second.effect.name in first.effect.yields_to
+    return is_beyond_chance(_difference(first, second, cluster), _STRICT_CHANCE if yields else _CHANCE)
 
 
-def is_beyond_chance(ahead: Tensor) -> bool:
+def is_beyond_chance(ahead: Tensor, chance: float = _CHANCE) -> bool:
     """Return whether differences of log likelihood (clusters,) are positive beyond chance (one-sided t test)."""
     if float(ahead.abs().max()) < _SAME:
         return False
-    return float(stats.ttest_1samp(ahead.numpy(), 0.0, alternative="greater").pvalue) <= _CHANCE
+    return float(stats.ttest_1samp(ahead.numpy(), 0.0, alternative="greater").pvalue) <= chance
 
 
 def _difference(first: Candidate, second: Candidate, cluster: Tensor) -> Tensor:

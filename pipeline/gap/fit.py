@@ -162,8 +162,8 @@ def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, resi
 
 def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Problem) -> Tensor:
     blocks = problem.blocks
-    signals = simulator.along_time(blocks.around, blocks.time_step)
-    inner = {name: blocks.inner(series) for name, series in signals.items()}
+    signals = simulator.along_time(blocks.acting, blocks.time_step)
+    inner = {name: blocks.acting_inside(series) for name, series in signals.items()}
     zero = problem.functions.weights.new_zeros((len(blocks), len(problem.functions.centres)))
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
     scale = {name: nominal[name] / believed[name] for name in nominal}
@@ -173,7 +173,8 @@ def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Prob
     for regressor in effect.regressors(inner, constants):
         wrench = simulator.mechanism.constrain(regressor, inner, constants)
         names = [channel.name for channel in channels_on(simulator, blocks)]
-        rows = [scale[n] * mean_of(problem.functions, wrench[n]) if n in wrench else zero for n in names]
+        means = {n: mean_of(problem.functions, blocks.at_samples(series)) for n, series in wrench.items()}
+        rows = [scale[n] * means[n] if n in means else zero for n in names]
         columns.append(torch.stack(rows, dim=-1))
     return torch.stack(columns, dim=-1) * row_weights(blocks, problem.functions)[..., None]
 

@@ -11,6 +11,7 @@ from pipeline.gap.fit import Problem
 from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
 from pipeline.physics.weak_form import mean_of
 from pipeline.platforms.mechanism import Channel
+from pipeline.simulation.blocks import Blocks
 
 _BINS = 8
 _TOLERATED = (
@@ -39,6 +40,7 @@ class Mismatch:
         share: of what the simulator leaves unexplained in all channels, 0..1.
         excess: energy of the residual over the noise's.
         regime: variable, low and high between which it fails most.
+        runs: share of each run in the residual's energy above the noise.
         p_value: chance of such an energy if only sensor noise were there.
         where: one plain sentence.
     """
@@ -47,6 +49,7 @@ class Mismatch:
     share: float
     excess: float
     regime: tuple[str, float, float]
+    runs: dict[str, float]
     p_value: float
     where: str
 
@@ -80,8 +83,20 @@ def locate(
         sentence = _sentence(channels[i], rms, noise, regime)
         low_high = (regime[0].name, regime[1], regime[2])
         share = float(misfit[i]) / total
-        found.append(Mismatch(channels[i], share, float(ratio[i]), low_high, p_values[i], sentence))
+        runs = _share_of_runs(residual[..., i], problem.noise[i], problem.blocks)
+        found.append(Mismatch(channels[i], share, float(ratio[i]), low_high, runs, p_values[i], sentence))
     return sorted(found, key=lambda mismatch: -mismatch.share)
+
+
+def _share_of_runs(residual: Tensor, noise: Tensor, blocks: Blocks) -> dict[str, float]:
+    """Return the share of each run in the energy above the noise of a residual (blocks, rows), the greatest first."""
+    excess = residual.square().mean(1) - noise.square()
+    summed = {
+        blocks.runs[run]: float(excess[blocks.run == run].sum()) for run in blocks.run.unique().tolist()
+    }
+    total = sum(max(value, 0.0) for value in summed.values()) or 1.0
+    shares = {run: max(value, 0.0) / total for run, value in summed.items()}
+    return dict(sorted(shares.items(), key=lambda item: -item[1]))
 
 
 def _chance_of_noise(ratio: float, rows: int) -> float:

@@ -29,6 +29,8 @@ _REDUNDANT = 0.2
 _BEYOND_NOISE = 1.5  # times its energy, which is known to about a tenth
 _CLOSE = 0.5  # of what the named effect explains
 _LIKE = 0.25
+_LIKELY = 0.2  # chance that as many parameters predict so much better
+_FEW = 2  # effects; where more are named, numbers and physics have sorted themselves out
 _TRIED = 3  # effects that are not significant alone, each with every other one
 _EXCHANGES = 3  # each costs a round for every named effect
 
@@ -65,18 +67,20 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
 
     Clock offsets and the platform's own numbers are settled first: what they explain is no missing physics. Then one
     effect is added at a time; each that stays must earn it again when the others are there. Where numbers were settled,
-    the competition is held a second time with everything in it from the start, lest they stand in for physics that
-    explains more; the first stands unless the second predicts better or does with less.
+    and hardly more was named, the competition is held a second time with everything in it from the start, lest they
+    stand in for physics that explains more; the first stands unless the second predicts better or does with less.
     """
     first = _Competition(simulator, problem, settings)
     first.run(_settled(first.catalogue))
     settled = bool(first.current.simulator.free)
     first.finish()
-    if settled:
+    if settled and len(first.current.simulator.free) <= _FEW:
         second = _Competition(simulator, problem, settings)
         second.finish()
         if _is_likelier(second, first):
             first = second
+    first.disown()
+    first.exchange()  # what was disowned may have kept the right law from its place
     first.disown()
     return first.result()
 
@@ -86,8 +90,8 @@ def _is_likelier(second: "_Competition", first: "_Competition") -> bool:
     ahead = second.scores() - first.scores()
     if is_beyond_chance(ahead):
         return True
-    fewer = len(second.current.values) < len(first.current.values)
-    return fewer and not is_beyond_chance(-ahead)
+    more = len(second.current.values) - len(first.current.values)
+    return (more < 0 and not is_beyond_chance(-ahead)) or (more == 0 and is_beyond_chance(ahead, _LIKELY))
 
 
 def _settled(catalogue: list[Effect]) -> list[Effect]:
@@ -138,7 +142,9 @@ class _Competition:
         return score.new_zeros(self.clusters).index_add(0, self.problem.cluster, score)
 
     def look_ahead(self) -> None:
-        """Try pairs where more than noise is left: two effects may each be drowned by the residual of the other."""
+        """Try pairs where little is named and more than noise is left: one may drown in the other's residual."""
+        if len(self.current.simulator.free) > _FEW:
+            return
         energy = self.current.residual.square().mean((0, 1)) / self.problem.noise.square()
         if float(energy.max()) < _BEYOND_NOISE:
             return
@@ -212,7 +218,7 @@ class _Competition:
         self.run(self.catalogue)
 
     def exchange(self) -> None:
-        """Put another effect in the place of a named one wherever it predicts better there.
+        """Put another effect in the place of a named one wherever it predicts better there, or is simpler and no worse.
 
         The order in which effects entered, and the platform's numbers coming first, must not decide.
         """
@@ -229,14 +235,19 @@ class _Competition:
             self.run(self.catalogue)
 
     def better_than(self, effect: Effect) -> tuple[float, tuple[Candidate, ...], Candidate] | None:
-        """Return by how much another effect would predict better in the place of a named one, the round, and it."""
+        """Return the gain of what belongs in the place of a named effect over it, the round, and what that is."""
         without, own = self.without(effect), self.alone(effect)
         present = {fitted.effect.key for fitted in self.current.simulator.free}
-        others = [e for e in self.close_to(effect, _LIKE) if e.key not in present]
+        close = {e.key for e in self.close_to(effect, _LIKE)}
+        others = [e for e in self.catalogue if e.key in close or _is_preferred(e, effect)]
+        others = [e for e in others if e.key not in present]
         candidates = tuple(self.candidate(other, without) for other in others)
         admitted = [candidate for candidate in candidates if not candidate.refusal]
-        winner = max(admitted, key=total_score, default=None)
-        if winner is None or not predicts_better(winner, own, self.problem.cluster):
+        usual = [c for c in admitted if _is_preferred(c.effect, effect)]
+        tied = [c for c in usual if not predicts_better(own, c, self.problem.cluster)]
+        ahead = [c for c in admitted if predicts_better(c, own, self.problem.cluster)]
+        winner = max(ahead or tied, key=total_score, default=None)
+        if winner is None:
             return None
         return total_score(winner) - total_score(own), candidates, winner
 

@@ -28,9 +28,8 @@ def regimes_of(kind: str, signals: Mapping[str, Tensor], position_unit: str = "r
     """Return the regime variables that the signals of a platform kind allow; margins are dropped beforehand."""
     makers = {"quadrotor": _quadrotor, "joint": _joint, "swerve": _swerve}
     regimes = makers[kind](signals, position_unit)
-    if "battery_voltage" in signals:
-        regimes.append(Regime("battery_voltage", "V", signals["battery_voltage"]))
-    return regimes
+    shared = [("battery_voltage", "V"), ("elapsed", "s")]
+    return regimes + [Regime(name, unit, signals[name]) for name, unit in shared if name in signals]
 
 
 def _quadrotor(signals: Mapping[str, Tensor], position_unit: str) -> list[Regime]:

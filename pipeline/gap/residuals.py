@@ -1,8 +1,7 @@
 """What a simulator leaves unexplained in a recording, channel by channel, and how much of it the noise explains."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
@@ -44,18 +43,10 @@ def channels_on(simulator: Simulator, blocks: Blocks) -> tuple[Channel, ...]:
     return simulator.mechanism.channels_of(blocks.signals)
 
 
-def channel_series(
-    simulator: Simulator, blocks: Blocks, acting: Mapping[str, Tensor] | None = None
-) -> list[ChannelSeries]:
-    """Evaluate a simulator on recorded blocks, their margins dropped.
-
-    Args:
-        simulator: platform and effects.
-        blocks: of a recording.
-        acting: what the simulator is evaluated on, `blocks.around` where nothing else is given.
-    """
-    signals = simulator.along_time(acting or blocks.around, blocks.time_step)
-    inner = {name: blocks.inner(series) for name, series in signals.items()}
+def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
+    """Evaluate a simulator on recorded blocks, their margins dropped."""
+    signals = simulator.along_time(blocks.acting, blocks.time_step)
+    inner = {name: blocks.acting_inside(series) for name, series in signals.items()}
     balance = simulator.balance(inner)
     recorded = {name: blocks.inner(series) for name, series in blocks.signals.items()}
     momentum = simulator.mechanism.momentum(recorded, simulator.constants())
@@ -63,23 +54,28 @@ def channel_series(
     series = []
     for channel in channels_on(simulator, blocks):
         if channel.group == "actuator":
-            series.append(_actuator_series(simulator, channel, inner))
+            series.append(_actuator_series(simulator, channel, inner, blocks))
             continue
         scale = nominal[channel.name] / believed[channel.name]
-        sensed = _sensed(channel, inner)
+        sensed = _sensed(channel, recorded)
         if sensed is not None:
-            series.append(ChannelSeries(channel, sensed, balance.wrench[channel.name], direct=True))
+            predicted = blocks.at_samples(balance.wrench[channel.name])
+            series.append(ChannelSeries(channel, sensed, predicted, direct=True))
         else:
-            measured, predicted = momentum[channel.name], balance.rate[channel.name]
-            measured = measured * _settling(channel.name, simulator, blocks)
+            measured = momentum[channel.name] * _settling(channel.name, simulator, blocks)
+            predicted = blocks.at_samples(balance.rate[channel.name])
             series.append(ChannelSeries(channel, scale * measured, scale * predicted, direct=False))
     return series
 
 
-def _actuator_series(simulator: Simulator, channel: Channel, signals: dict[str, Tensor]) -> ChannelSeries:
+def _actuator_series(
+    simulator: Simulator, channel: Channel, signals: dict[str, Tensor], blocks: Blocks
+) -> ChannelSeries:
     """Hold what the command makes of an actuator against its recorded output."""
     output, place = simulator.mechanism.actuator_output, int(channel.name[-1]) - 1
-    measured, commanded = signals[output][..., place], signals[f"commanded_{output}"][..., place]
+    measured, commanded = (
+        blocks.at_samples(signals[name][..., place]) for name in (output, f"commanded_{output}")
+    )
     return ChannelSeries(channel, measured, commanded, direct=True)
 
 
@@ -135,14 +131,17 @@ def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
     Source: Gasser, Sroka & Jennen-Steinmetz 1986, Residual variance and residual pattern (Biometrika 73).
     """
     deviations = []
-    for series in channel_series(simulator, blocks, blocks.signals):
+    # White noise is read off single samples: a mean of two no longer looks like it.
+    for series in channel_series(simulator, replace(blocks, held=False)):
         mean_gain = functions.weights.square().sum(1).mean()
         if series.direct:
             variance = sample_noise(series.measured - series.predicted) * mean_gain
         else:
             slopes = functions.differences if blocks.held else functions.slopes
             rate_gain = slopes.square().sum(1).mean()
-            variance = sample_noise(series.measured) * rate_gain + sample_noise(series.predicted) * mean_gain
+            settling = _settling(series.channel.name, simulator, blocks)
+            variance = settling**2 * sample_noise(series.measured) * rate_gain
+            variance = variance + sample_noise(series.predicted) * mean_gain
         deviations.append(variance.sqrt())
     return torch.stack(deviations)
 

@@ -53,14 +53,15 @@ def _is_less(first: Tensor, second: Tensor) -> bool:
 def _unexplained(blocks: Blocks, kind: str, width: float) -> Tensor:
     """Return the mean square of the acceleration that a regression on everything recorded of the axis leaves."""
     functions = window_functions(blocks.samples, width, blocks.time_step)
-    signals = {name: blocks.inner(series) for name, series in blocks.around.items()}
+    signals = {name: blocks.acting_inside(series) for name, series in blocks.acting.items()}
     speed, place = (_per_axis(signals[name]) for name in _AXES[kind])
     commands = [_per_axis(signals[name]) for name in _COMMANDS[kind] if name in signals]
     slow = 0.05 * speed.square().mean().sqrt().clamp_min(1e-12)
     terms = [*commands, speed, torch.tanh(speed / slow), place, torch.sin(place), torch.ones_like(speed)]
     recorded = _per_axis(blocks.inner(blocks.signals[_AXES[kind][0]]))
     rate = mean_rate_of(functions, recorded, blocks.held)
-    return _left([mean_of(functions, term) for term in terms], rate, len(blocks))
+    means = [mean_of(functions, blocks.at_samples(term)) for term in terms]
+    return _left(means, rate, len(blocks))
 
 
 def _left(terms: list[Tensor], target: Tensor, blocks: int) -> Tensor:

@@ -64,16 +64,30 @@ class Blocks:
         """Return a series without its margins."""
         return series[:, self.margin : self.margin + self.samples]
 
-    @cached_property
-    def around(self) -> dict[str, Tensor]:
-        """What acts around each sample, by name, as long as `signals`.
+    @property
+    def on_steps(self) -> bool:
+        """Whether what acts is known step by step: commands are held, and known as they were recorded."""
+        return self.held and bool(self.held_commands)
 
-        Where commands are held they are the mean over the steps before and after a sample; so is then everything else,
-        by the trapezoid rule.
+    @cached_property
+    def acting(self) -> dict[str, Tensor]:
+        """What acts, by name, as long as `signals`: through each step where commands are held, else at each sample.
+
+        Through the step that follows a sample its command is held, and all else is taken halfway to the next sample.
         """
-        if not self.held:
+        if not self.on_steps:
             return self.signals
-        return {n: s if n in COMMANDS else _over_both_steps(s) for n, s in self.signals.items()}
+        halfway = {n: 0.5 * (s + _next(s)) for n, s in self.signals.items() if n not in self.held_commands}
+        return halfway | self.held_commands
+
+    def acting_inside(self, series: Tensor) -> Tensor:
+        """Return the part of a series of `acting` that the samples of the blocks lie in or between."""
+        first = self.margin - 1 if self.on_steps else self.margin
+        return series[:, first : self.margin + self.samples]
+
+    def at_samples(self, series: Tensor) -> Tensor:
+        """Return what a series of `acting_inside` is around each sample: the mean of the steps before and after it."""
+        return 0.5 * (series[:, :-1] + series[:, 1:]) if self.on_steps else series
 
     @property
     def filled(self) -> Tensor:
@@ -158,11 +172,9 @@ def _kept_signals(
     return next(padded), next(padded)
 
 
-def _over_both_steps(series: Tensor) -> Tensor:
-    """Return the mean of a series (blocks, samples, ...) over the steps before and after each sample."""
-    before = torch.cat([series[:, :1], series[:, :-1]], dim=1)
-    after = torch.cat([series[:, 1:], series[:, -1:]], dim=1)
-    return 0.25 * (before + 2.0 * series + after)
+def _next(series: Tensor) -> Tensor:
+    """Return a series (blocks, samples, ...) one sample on; the last one stays."""
+    return torch.cat([series[:, 1:], series[:, -1:]], dim=1)
 
 
 def _filled(segment: pd.DataFrame, held: bool) -> Tensor:

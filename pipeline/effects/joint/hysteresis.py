@@ -60,7 +60,9 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         towards, left = _remainder(
             torch.diff(position, dim=1, prepend=position[:, :1]), values["displacement"]
         )
-        deflection = accumulated(left, towards * (1.0 - left))
+        deflection = accumulated(left, towards * (1.0 - left)).clamp(
+            -1.0, 1.0
+        )  # rounding apart, it never passes
         return {**signals, "hysteresis_deflection": deflection, "hysteresis_position": position}
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:

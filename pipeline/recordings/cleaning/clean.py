@@ -117,6 +117,8 @@ def _begin(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderClean
         needed=[*REQUIRED[recording.kind], *(needed_groups(rows, recording.kind) if not reason else [])],
         time_step=typical_step(time) if len(time) > 1 else 0.0,
     )
+    if "filled" in rows:
+        run.filled = rows["filled"].to_numpy(copy=True)
     for column, samples in lost.items():
         run.note("missing", column, "recorded in too small a part of the run, left out", samples)
     if reason:
@@ -157,9 +159,8 @@ def _frame(runs: list[RunUnderCleaning], recording: Recording) -> pd.DataFrame:
     for run in runs:
         kept = run.dropped == ""
         index = {"run": run.name, "t": run.time[kept], "segment": segment_numbers(run)[kept]}
-        inputs = run.index([column for column in INPUTS[run.kind] if column in run.needed])
-        if inputs:
-            index["filled"] = (run.cause[:, inputs] != "").any(axis=1)[kept].astype(np.int64)
+        if INPUTS[run.kind]:
+            index["filled"] = run.filled[kept]
         channels = dict(zip(run.columns, run.values[kept].T, strict=True))
         frames.append(pd.DataFrame(index | channels))
     return pd.concat(frames, ignore_index=True).astype({"run": recording.frame["run"].dtype})

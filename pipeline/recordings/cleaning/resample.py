@@ -88,6 +88,9 @@ def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> Run
             limit = settings.max_slow_gap if columns[0] in SLOW else settings.max_gap
             _fill(run, result, grid, columns, max(limit, 1.5 * time_step))
             done |= set(columns)
+    inputs = run.index([column for column in INPUTS[run.kind] if column in run.needed])
+    made_up = (result.cause[:, inputs] != "").any(axis=1)
+    result.filled = np.maximum(made_up, run.filled[grid.nearest]).astype(np.int64)
     return result
 
 

@@ -31,6 +31,7 @@ class RunUnderCleaning:
         cause: why a value is missing or replaced ("" where it is as recorded), shape (samples, channels).
         dropped: why a sample is dropped, "" where it is kept, shape (samples,).
         changes: the ledger.
+        filled: 1 where an input that is needed was made up, shape (samples,).
         clock_offset: s, how late the state is with respect to the motors; None where that is unknown.
     """
 
@@ -46,12 +47,14 @@ class RunUnderCleaning:
     dropped: np.ndarray = field(init=False)
     changes: list[Change] = field(default_factory=list)
     clock_offset: float | None = None
+    filled: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
         """Start with everything as recorded."""
         self.cause = np.full(self.values.shape, "", dtype=object)
         self.cause[np.isnan(self.values)] = "missing"
         self.dropped = np.full(len(self.time), "", dtype=object)
+        self.filled = np.zeros(len(self.time), dtype=np.int64)
 
     def index(self, columns: list[str]) -> list[int]:
         """Return where the channels stand in `values`."""
