@@ -54,7 +54,6 @@ def _mismatch(mismatch: Any) -> dict[str, Any]:
         "channel": mismatch.channel.name,
         "share": mismatch.share,
         "regime": {"variable": variable, "low": low, "high": high},
-        "runs": mismatch.runs,
         "p_value": mismatch.p_value,
         "where": mismatch.where,
     }

@@ -38,6 +38,7 @@ def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
     write_json(laws(diagnosis), folder / "laws.json")
     write_json(horizons(diagnosis), folder / "horizon.json")
     write_json(regime_maps(diagnosis), folder / "regimes.json")
+    write_json({m.channel.name: m.runs for m in diagnosis.mismatches}, folder / "runs.json")
 
 
 def _rows(diagnosis: Diagnosis, blocks: Blocks, simulator: Simulator) -> tuple[Tensor, Tensor]:
