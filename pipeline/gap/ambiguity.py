@@ -81,15 +81,11 @@ def total_score(candidate: Candidate) -> float:
 
 def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
     """Return whether one candidate predicts better than another beyond chance, taken over clusters of residuals."""
-    yields = second.effect.name in first.effect.yields_to
-    return is_beyond_chance(_difference(first, second, cluster), _STRICT_CHANCE if yields else _CHANCE)
-
-
-def is_beyond_chance(ahead: Tensor, chance: float = _CHANCE) -> bool:
-    """Return whether differences of log likelihood (clusters,) are positive beyond chance (one-sided t test)."""
-    if float(ahead.abs().max()) < _SAME:
+    summed = _difference(first, second, cluster)
+    if float(summed.abs().max()) < _SAME:
         return False
-    return float(stats.ttest_1samp(ahead.numpy(), 0.0, alternative="greater").pvalue) <= chance
+    chance = _STRICT_CHANCE if second.effect.name in first.effect.yields_to else _CHANCE
+    return float(stats.ttest_1samp(summed.numpy(), 0.0, alternative="greater").pvalue) <= chance
 
 
 def _difference(first: Candidate, second: Candidate, cluster: Tensor) -> Tensor:

@@ -10,14 +10,10 @@ from pipeline.gap.fit import Fit, Problem, columns_of
 from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
 from pipeline.gap.settings import Gap
 
-NOT_SIGNIFICANT = "not significant"
-"""Why an effect may not be named whose parameters may be chance."""
-
 _Z95 = 1.96
 _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
-_NOISELESS = 0.7  # of the noise's energy, which is known to about a tenth
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 
 
@@ -108,24 +104,17 @@ class Judge:
         neutral = list(self.rest(effect).values())
         significance = significance_of(fitted, columns, neutral, self.clusters)
         gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
-        share, interval, energy, part = self.explained(before, after)
-        fits_noise = self.fits_noise(before, after)
+        share, interval, energy = self.explained(before, after)
         design_effect = significance.design_effect
         candidate = Candidate(
             effect, fitted, after, gain / design_effect, share, interval, significance.p_value, design_effect
         )
-        return replace(candidate, refusal=self.refusal(candidate, energy, part) or fits_noise)
+        return replace(candidate, refusal=self.refusal(candidate, energy))
 
-    def fits_noise(self, before: Tensor, after: Tensor) -> str:
-        """Say so where an effect leaves less than noise alone would: it plays the sensors' noise back."""
-        noise = self.problem.noise.square()
-        floor = _NOISELESS * noise.minimum(before.square().mean((0, 1)))
-        return "fits the sensors' noise" if bool((after.square().mean((0, 1)) < floor).any()) else ""
+    def explained(self, before: Tensor, after: Tensor) -> tuple[float, tuple[float, float], float]:
+        """Return the share of the excess over the noise with its interval, and the energy over the noise's.
 
-    def explained(self, before: Tensor, after: Tensor) -> tuple[float, tuple[float, float], float, float]:
-        """Return the share of the excess over the noise with its interval, the energy over the noise's, and the part.
-
-        The part is of the excess that was left before. All are of the channel that gains most.
+        All are of the channel that gains most.
         """
         noise = self.problem.noise.square()
         excess = (self.base.residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
@@ -135,11 +124,9 @@ class Judge:
         groups = energy.new_zeros(self.clusters).index_add(0, self.problem.cluster, energy[:, best])
         error = float(groups.std()) * self.clusters**0.5 / len(energy) if self.clusters > 1 else 0.0
         share, width = float(mean[best] / excess[best]), _Z95 * error / float(excess[best])
-        left = (before.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
-        part = float((mean / left).max())
-        return share, (share - width, share + width), float((mean / noise).max()), part
+        return share, (share - width, share + width), float((mean / noise).max())
 
-    def refusal(self, candidate: Candidate, energy: float, part: float) -> str:
+    def refusal(self, candidate: Candidate, energy: float) -> str:
         """Return why a candidate may not be named; empty where it may."""
         values = candidate.fit.values[columns_of(candidate.fit, candidate.effect)].tolist()
         resting = self.rest(candidate.effect)
@@ -151,10 +138,10 @@ class Judge:
         if isinstance(candidate.effect, ParameterError) and abs(values[0] - resting["ratio"]) < _LEAST_ERROR:
             return "smaller than the quadrature of the equations can tell"
         if candidate.p_value > self.settings.significance / max(self.contestants, 1):
-            return NOT_SIGNIFICANT
+            return "not significant"
         if candidate.gain <= 0:
             return "does not predict runs it was not fitted on"
-        if part < self.settings.least_share or energy < _LEAST_ENERGY:
+        if candidate.share < self.settings.least_share or energy < _LEAST_ENERGY:
             return "explains too little to matter"
         return ""
 

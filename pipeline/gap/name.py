@@ -3,35 +3,19 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from torch import Tensor
-
 from pipeline.effects import Effect, MeasurementEffect, ParameterError
-from pipeline.gap.ambiguity import (
-    Rivalry,
-    is_beyond_chance,
-    predicts_better,
-    rivalry_of,
-    rivals_of,
-    total_score,
-)
-from pipeline.gap.candidate import NOT_SIGNIFICANT, Candidate, Judge, Starts
+from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
+from pipeline.gap.candidate import Candidate, Judge, Starts
 from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Fit, Problem, excess_beside, fit
 from pipeline.gap.model import drifts_of, unsteadiness_of
 from pipeline.gap.parsimony import single_cause
 from pipeline.gap.probability import Signs, presence_of
 from pipeline.gap.refit import extend, shrink
-from pipeline.gap.scoring import cross_validated, log_score
 from pipeline.gap.settings import Gap
 from pipeline.simulation import Simulator
 
 _REDUNDANT = 0.2
-_BEYOND_NOISE = 1.5  # times its energy, which is known to about a tenth
-_CLOSE = 0.5  # of what the named effect explains
-_LIKE = 0.25
-_LIKELY = 0.2  # chance that as many parameters predict so much better
-_FEW = 2  # effects; where more are named, numbers and physics have sorted themselves out
-_TRIED = 3  # effects that are not significant alone, each with every other one
 _EXCHANGES = 3  # each costs a round for every named effect
 
 
@@ -66,32 +50,15 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     """Let the catalogue compete for the residual of a nominal simulator.
 
     Clock offsets and the platform's own numbers are settled first: what they explain is no missing physics. Then one
-    effect is added at a time; each that stays must earn it again when the others are there. Where numbers were settled,
-    and hardly more was named, the competition is held a second time with everything in it from the start, lest they
-    stand in for physics that explains more; the first stands unless the second predicts better or does with less.
+    effect is added at a time; each that stays must earn it again when the others are there.
     """
-    first = _Competition(simulator, problem, settings)
-    first.run(_settled(first.catalogue))
-    settled = bool(first.current.simulator.free)
-    first.finish()
-    if settled and len(first.current.simulator.free) <= _FEW:
-        second = _Competition(simulator, problem, settings)
-        second.finish()
-        if _is_likelier(second, first):
-            first = second
-    first.disown()
-    first.exchange()  # what was disowned may have kept the right law from its place
-    first.disown()
-    return first.result()
-
-
-def _is_likelier(second: "_Competition", first: "_Competition") -> bool:
-    """Return whether the second outcome predicts better than the first, or as well with fewer parameters."""
-    ahead = second.scores() - first.scores()
-    if is_beyond_chance(ahead):
-        return True
-    more = len(second.current.values) - len(first.current.values)
-    return (more < 0 and not is_beyond_chance(-ahead)) or (more == 0 and is_beyond_chance(ahead, _LIKELY))
+    competition = _Competition(simulator, problem, settings)
+    competition.run(_settled(competition.catalogue))
+    competition.run(competition.catalogue)
+    competition.condense()
+    competition.exchange()
+    competition.disown()
+    return competition.result()
 
 
 def _settled(catalogue: list[Effect]) -> list[Effect]:
@@ -128,41 +95,6 @@ class _Competition:
             if winner is None:
                 return
             self.take(winner)
-
-    def finish(self) -> None:
-        """Let everything compete, then what is simpler, then what fits better in another's place."""
-        self.run(self.catalogue)
-        self.look_ahead()
-        self.condense()
-        self.exchange()
-
-    def scores(self) -> Tensor:
-        """Return the cross-validated log likelihood of each cluster of correlated residuals, (clusters,)."""
-        score = log_score(cross_validated(self.current, self.judge.fold), self.current.scale)
-        return score.new_zeros(self.clusters).index_add(0, self.problem.cluster, score)
-
-    def look_ahead(self) -> None:
-        """Try pairs where little is named and more than noise is left: one may drown in the other's residual."""
-        if len(self.current.simulator.free) > _FEW:
-            return
-        energy = self.current.residual.square().mean((0, 1)) / self.problem.noise.square()
-        if float(energy.max()) < _BEYOND_NOISE:
-            return
-        left = [c for c in self.rounds[-1].candidates if c.refusal == NOT_SIGNIFICANT and c.gain > 0]
-        current, dropped = self.current, set(self.dropped)
-        for first in sorted(left, key=total_score, reverse=True)[:_TRIED]:
-            self.current = first.fit
-            present = {fitted.effect.key for fitted in self.current.simulator.free} | dropped
-            candidates = tuple(self.candidate(e) for e in self.catalogue if e.key not in present)
-            second = self.likeliest([candidate for candidate in candidates if not candidate.refusal])
-            if second is not None:
-                self.take(second)
-                if first.effect.key not in self.dropped:
-                    self.rounds.append(Round(candidates, second))
-                    self.run(self.catalogue)
-                    return
-            self.current, self.dropped = current, set(dropped)
-            self.starts.forget()
 
     def take(self, winner: Candidate) -> None:
         """Fit the simulator with a winner again, and drop what it makes needless."""
@@ -218,7 +150,7 @@ class _Competition:
         self.run(self.catalogue)
 
     def exchange(self) -> None:
-        """Put another effect in the place of a named one wherever it predicts better there, or is simpler and no worse.
+        """Put another effect in the place of a named one wherever it predicts better there.
 
         The order in which effects entered, and the platform's numbers coming first, must not decide.
         """
@@ -235,19 +167,13 @@ class _Competition:
             self.run(self.catalogue)
 
     def better_than(self, effect: Effect) -> tuple[float, tuple[Candidate, ...], Candidate] | None:
-        """Return the gain of what belongs in the place of a named effect over it, the round, and what that is."""
+        """Return by how much another effect would predict better in the place of a named one, the round, and it."""
         without, own = self.without(effect), self.alone(effect)
         present = {fitted.effect.key for fitted in self.current.simulator.free}
-        close = {e.key for e in self.close_to(effect, _LIKE)}
-        others = [e for e in self.catalogue if e.key in close or _is_preferred(e, effect)]
-        others = [e for e in others if e.key not in present]
-        candidates = tuple(self.candidate(other, without) for other in others)
+        candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in present)
         admitted = [candidate for candidate in candidates if not candidate.refusal]
-        usual = [c for c in admitted if _is_preferred(c.effect, effect)]
-        tied = [c for c in usual if not predicts_better(own, c, self.problem.cluster)]
-        ahead = [c for c in admitted if predicts_better(c, own, self.problem.cluster)]
-        winner = max(ahead or tied, key=total_score, default=None)
-        if winner is None:
+        winner = max(admitted, key=total_score, default=None)
+        if winner is None or not predicts_better(winner, own, self.problem.cluster):
             return None
         return total_score(winner) - total_score(own), candidates, winner
 
@@ -283,18 +209,18 @@ class _Competition:
         """Return the effects that could stand in for a named one."""
         without = self.without(winner.effect)
         present = {fitted.effect.key for fitted in self.current.simulator.free}
-        close = [e for e in self.close_to(winner.effect, _CLOSE) if e.key not in present]
+        close = [e for e in self.close_to(winner.effect) if e.key not in present]
         others = [self.candidate(effect, without) for effect in close]
         rivals = rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
         return rivalry_of(
             winner, [rival for rival in rivals if self.is_needless(rival)], self.problem.cluster
         )
 
-    def close_to(self, winner: Effect, part: float) -> list[Effect]:
-        """Return the effects that explained a part of what a winner did in its round: only they can stand in for it."""
+    def close_to(self, winner: Effect) -> list[Effect]:
+        """Return the effects that came close to a winner in the round it won: only they can stand in for it."""
         for turn in reversed(self.rounds):
             if turn.winner is not None and turn.winner.effect.key == winner.key:
-                least = part * turn.winner.share
+                least = 0.5 * turn.winner.share
                 return [c.effect for c in turn.candidates if c.share > least]
         return self.catalogue
 
