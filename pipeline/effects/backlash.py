@@ -53,30 +53,32 @@ class Backlash(ActuatorEffect):
         if memory is None:
             memory = half * torch.sign(effort), torch.zeros_like(effort), velocity
         place, slip, velocity_before = memory
-        # On a face the motor goes with the axis; what the axis does counts only in the gap.
-        left_behind = torch.where(place.abs() < half, velocity - velocity_before, 0.0)
-        pushed = slip + time_step * effort / inertia - left_behind
-        alone = pushed / (1.0 + time_step * braking / inertia)
-        moved = (place + time_step * alone).clamp(-half, half)
-        now = (moved - place) / time_step
-        transmitted = effort - braking * now - inertia * (now - slip) / time_step
-        return {self.transmitted: transmitted}, (moved, now, velocity)
+        push, turn = time_step / inertia * effort, velocity - velocity_before
+        damped = 1.0 / (1.0 + time_step * braking / inertia)
+        moved, now = _crossed(place, slip, push, turn, half, damped, time_step)
+        return {self.transmitted: effort - _kept(now, slip, inertia, braking, time_step)}, (
+            moved,
+            now,
+            velocity,
+        )
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
     ) -> dict[str, Tensor]:
-        """Return blocks with the effort that reaches the axis: `actuate` in NumPy, where nothing asks for gradients.
+        """Return blocks with the effort that reaches the axis.
 
-        A gap can only be gone through sample by sample, and NumPy's calls cost a fifth of torch's.
+        A gap can only be gone through sample by sample. NumPy does that for arrays on the processor without gradients,
+        since its calls on small arrays cost less than torch's.
         """
         effort, velocity = signals[self.transmitted], signals[f"{self.group}velocity"]
         half, inertia, braking = self._motor(signals, values, constants)
-        if any(isinstance(value, Tensor) for value in (half, inertia, braking)) or effort.requires_grad:
+        symbolic = any(isinstance(value, Tensor) for value in (half, inertia, braking))
+        if symbolic or effort.requires_grad or effort.device.type != "cpu":
             return super().along_time(signals, values, constants, time_step)
         slips = torch.from_numpy(_slips(effort.numpy(), velocity.numpy(), half, inertia, braking, time_step))
-        before = torch.nn.functional.pad(slips.movedim(1, -1)[..., :-1], (1, 0)).movedim(-1, 1)
-        transmitted = effort - braking * slips - inertia * (slips - before) / time_step
-        return {**signals, self.transmitted: transmitted}
+        before = torch.cat([torch.zeros_like(slips[:, :1]), slips[:, :-1]], dim=1)
+        kept = _kept(slips, before, inertia, braking, time_step)
+        return {**signals, self.transmitted: effort - kept}
 
     def _motor(self, signals: Signals, values: Values, constants: Values) -> tuple[Any, Any, Any]:
         """Return half the gap, the motor's inertia at the axis and what brakes it in the gap."""
@@ -92,6 +94,23 @@ class Backlash(ActuatorEffect):
         return geared * torque_constant * back_emf_constant / constants[f"{self.group}resistance"]
 
 
+def _crossed(
+    place: Any, slip: Any, push: Any, turn: Any, half: Any, damped: Any, time_step: float
+) -> tuple[Any, Any]:
+    """Return where in the gap the motor is a step later and how fast it runs ahead; tensors or arrays.
+
+    On a face the motor goes with the axis; what the axis does (`turn`) counts only in the gap.
+    """
+    alone = (slip + push - (abs(place) < half) * turn) * damped
+    moved = (place + time_step * alone).clip(-half, half)
+    return moved, (moved - place) / time_step
+
+
+def _kept(now: Any, before: Any, inertia: Any, braking: Any, time_step: float) -> Any:
+    """Return the effort that the motor's own inertia and back-EMF keep while its slip changes."""
+    return braking * now + inertia * (now - before) / time_step
+
+
 def _slips(
     effort: Array, velocity: Array, half: float, inertia: float, braking: float, time_step: float
 ) -> Array:
@@ -102,8 +121,6 @@ def _slips(
     slips = np.empty(pushes.shape, dtype=effort.dtype)
     place, slip = half * np.sign(effort[:, 0]), np.zeros_like(effort[:, 0])
     for sample, (push, turn) in enumerate(zip(pushes, turns, strict=True)):
-        alone = (slip + push - (np.abs(place) < half) * turn) * damped
-        moved = np.minimum(np.maximum(place + time_step * alone, -half), half)
-        slip = (moved - place) / time_step
-        place, slips[sample] = moved, slip
+        place, slip = _crossed(place, slip, push, turn, half, damped, time_step)
+        slips[sample] = slip
     return np.ascontiguousarray(np.moveaxis(slips, 0, 1))

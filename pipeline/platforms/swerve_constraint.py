@@ -17,6 +17,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from pipeline.platforms.swerve_kinematics import lateral_matrix, lateral_matrix_rate
+
 _SHARPNESS = 400.0
 """Of P = (1 + k·S²)⁻¹, S = L̃ᵀL̃ without unit. Its eigenvalues are the squared sines by which the wheels stand across a
 motion, summed: about 2 or more across, where a part of 1/(1 + 4k) = 0.06 % passes, and 4·δ² along wheels that disagree
@@ -40,29 +42,26 @@ def rolling_projection(angle: Tensor, turning: Tensor, constants: Mapping[str, A
     )  # k costs single precision 4 digits
     ratio = constants["inertia"] / constants["mass"]
     gyration = torch.as_tensor(ratio, dtype=angle.dtype, device=angle.device).sqrt()
-    across, rate = _lateral(angle, turning, constants["module_positions"].to(angle), gyration)
+    one = torch.ones_like(gyration)
+    lengths = torch.stack([one, one, gyration])
+    positions = constants["module_positions"]
+    across = _first(lateral_matrix(angle, positions) / lengths)
+    rate = _first(lateral_matrix_rate(angle, turning, positions) / lengths)
     square, half = _product(across.transpose(0, 1), across), _product(rate.transpose(0, 1), across)
     turned = _product(square, half + half.transpose(0, 1))
     unit = torch.eye(3, dtype=angle.dtype, device=angle.device)
     unit = unit.reshape(3, 3, *[1] * (square.ndim - 2))
     projection = _inverse(unit + _SHARPNESS * _product(square, square))
     changed = _product(projection, _product(turned + turned.transpose(0, 1), projection))
-    one = torch.ones_like(gyration)
-    lengths = torch.stack([one, one, gyration])
     to_momentum = lengths[:, None] / lengths
     found = projection, -_SHARPNESS * changed
     both = [to_momentum * matrix.movedim((0, 1), (-2, -1)) for matrix in found]
     return both[0].to(dtype), both[1].to(dtype)
 
 
-def _lateral(angle: Tensor, turning: Tensor, positions: Tensor, gyration: Tensor) -> tuple[Tensor, Tensor]:
-    """Return `lateral_matrix` and its rate in coordinates without unit, (modules, 3, ...) each."""
-    sine, cosine = torch.sin(angle).movedim(-1, 0), torch.cos(angle).movedim(-1, 0)
-    x, y = (part.reshape(-1, *[1] * (sine.ndim - 1)) for part in positions.unbind(-1))
-    across = torch.stack([-sine, cosine, (sine * y + cosine * x) / gyration], dim=1)
-    turn = turning.movedim(-1, 0)[:, None]
-    rate = turn * torch.stack([-cosine, -sine, (cosine * y - sine * x) / gyration], dim=1)
-    return across, rate
+def _first(matrix: Tensor) -> Tensor:
+    """Return matrices (..., rows, columns) with their indices first."""
+    return matrix.movedim((-2, -1), (0, 1)).contiguous()
 
 
 def _product(first: Tensor, second: Tensor) -> Tensor:

@@ -70,9 +70,9 @@ def lateral_matrix(angle: Tensor, positions: Tensor) -> Tensor:
         angle: of the modules, (..., modules) rad.
         positions: of the modules, (modules, 2) m.
     """
-    across = torch.stack([-torch.sin(angle), torch.cos(angle)], dim=-1)
-    pairs = module_matrix(positions.to(angle)).unflatten(0, (-1, 2))
-    return (across[..., None] * pairs).sum(-2)
+    sine, cosine = torch.sin(angle), torch.cos(angle)
+    x, y = positions.to(angle).unbind(-1)
+    return torch.stack([-sine, cosine, cosine * x + sine * y], dim=-1)
 
 
 def lateral_matrix_rate(angle: Tensor, turning: Tensor, positions: Tensor) -> Tensor:
@@ -83,8 +83,9 @@ def lateral_matrix_rate(angle: Tensor, turning: Tensor, positions: Tensor) -> Te
         turning: rate of the angle, (..., modules) rad/s.
         positions: of the modules, (modules, 2) m.
     """
-    pairs = module_matrix(positions.to(angle)).unflatten(0, (-1, 2))
-    return -turning[..., None] * (wheel_direction(angle)[..., None] * pairs).sum(-2)
+    sine, cosine = torch.sin(angle), torch.cos(angle)
+    x, y = positions.to(angle).unbind(-1)
+    return turning[..., None] * torch.stack([-cosine, -sine, cosine * y - sine * x], dim=-1)
 
 
 def module_states(twist: Tensor, positions: Tensor, angle: Tensor) -> tuple[Tensor, Tensor]:

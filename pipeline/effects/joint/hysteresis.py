@@ -56,13 +56,11 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         self, signals: Signals, values: Values, constants: Values, time_step: float
     ) -> dict[str, Tensor]:
         """Return blocks with the deflection, which from sample to sample is linear in the one before."""
-        position = signals["position"]
-        towards, left = _remainder(
-            torch.diff(position, dim=1, prepend=position[:, :1]), values["displacement"]
-        )
-        deflection = accumulated(left, towards * (1.0 - left)).clamp(
-            -1.0, 1.0
-        )  # rounding apart, it never passes
+        position, displacement = signals["position"], values["displacement"]
+        way = torch.diff(position, dim=1, prepend=position[:, :1])
+        towards, left = _remainder(way, displacement)
+        # Rounding apart, the deflection never passes its level.
+        deflection = accumulated(left, towards * (1.0 - left)).clamp(-1.0, 1.0)
         return {**signals, "hysteresis_deflection": deflection, "hysteresis_position": position}
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:

@@ -17,19 +17,18 @@ VALUES = {
 }
 # Samples in s and integration steps in each: where a hidden state runs ahead or behind by a part of a step, where an
 # effect is faint beside the error of averages over samples, and where it passes within a few of them.
+_SHORT = (1e-3, 1)
 STEPS = {
     "joint-backlash": (1e-3, 2),
     "joint-motor_inductance": (2e-3, 8),
-    "joint-stribeck_friction": (1e-3, 1),
-    "quadrotor-grey_box_aerodynamics": (1e-3, 1),
     "quadrotor-slung_payload": (4e-3, 1),
     "quadrotor-tip_path_plane_flapping": (2e-3, 2),
-    "swerve-backlash@steer": (1e-3, 1),
-    "swerve-module_misalignment@chassis": (1e-3, 1),
     "swerve-motor_inductance@steer": (2e-3, 6),
-    "swerve-slope@chassis": (1e-3, 1),
-    "swerve-stribeck_friction@steer": (1e-3, 1),
-    "swerve-viscous_friction@steer": (1e-3, 1),
+    **dict.fromkeys(("joint-stribeck_friction", "quadrotor-grey_box_aerodynamics"), _SHORT),
+    **dict.fromkeys((f"swerve-{key}@chassis" for key in ("module_misalignment", "slope")), _SHORT),
+    **dict.fromkeys(
+        (f"swerve-{key}@steer" for key in ("backlash", "stribeck_friction", "viscous_friction")), _SHORT
+    ),
 }
 
 

@@ -1,14 +1,20 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+import pandas as pd
 import pytest
 import torch
+from hypothesis import given
+from hypothesis import strategies as st
 
 from pipeline.effects import effect_by_key
-from pipeline.gap.residuals import noise_of_rows, residual_rows, sample_noise
+from pipeline.gap.residuals import noise_of_rows, residual_rows, row_weights, sample_noise
 from pipeline.physics.weak_form import window_functions
+from pipeline.platforms import Joint, JointMotor
+from pipeline.recordings.recording import Recording
 from pipeline.simulation import FittedEffect, Simulator, rollout
-from pipeline.simulation.blocks import Blocks
+from pipeline.simulation.blocks import Blocks, cut_blocks
 from pipeline.simulation.motion import motion_of
 from tests.pipeline.gap.problems import blocks_of, problem_of, random_like
 from tests.pipeline.gap.recordings import (
@@ -126,8 +132,8 @@ def test_a_parameter_error_cannot_shrink_the_residual_by_shrinking_the_momentum(
     nominal = residual_rows(joint_simulator(), blocks, functions)
     inertia = effect_by_key("joint", "inertia_error")
     scaled = residual_rows(joint_simulator(FittedEffect(inertia, {"ratio": ratio})), blocks, functions)
-    signals = joint_simulator().along_time(blocks.signals, blocks.time_step)
-    effort = blocks.inner(signals["effort"]) @ functions.weights.T
+    signals = joint_simulator().along_time(blocks.acting, blocks.time_step)
+    effort = blocks.at_samples(blocks.acting_inside(signals["effort"])) @ functions.weights.T
     torch.testing.assert_close(scaled[..., 0], nominal[..., 0] + (1.0 - 1.0 / ratio) * effort)
 
 
@@ -146,3 +152,46 @@ def test_both_sides_noise_enters_where_the_accelerometer_does_not():
         float(noise_of_rows(simulator, blocks, functions))
     )
     assert least < 1.05 * float(noise_of_rows(simulator, shaken, functions)) < 2.0 * least
+
+
+@given(seed=st.integers(0, 10**6), settling=st.floats(0.1, 3.0))
+def test_an_axis_that_settles_within_a_few_samples_leaves_nothing_under_held_commands(seed, settling):
+    """Known exactly at any jump of the voltage: v[k+1] = a·v[k] + (1 − a)·u[k] / gain, a = exp(−2·settling)."""
+    step, motor = 0.01, JointMotor(resistance=2.0, torque_constant=0.03, gear_ratio=20.0)
+    gain = motor.torque_constant * motor.gear_ratio
+    joint = Joint(inertia=gain**2 / motor.resistance * step / (2.0 * settling), motor=motor)
+    voltage = 6.0 * np.random.default_rng(seed).standard_normal(200)
+    velocity, left = np.zeros(200), math.exp(-2.0 * settling)
+    for sample in range(199):
+        velocity[sample + 1] = left * velocity[sample] + (1.0 - left) * voltage[sample] / gain
+    columns = {"run": "run", "t": np.arange(200) * step, "position": np.zeros(200), "velocity": velocity}
+    frame = pd.DataFrame(columns | {"voltage": voltage})
+    recording = Recording(frame, "joint", dict.fromkeys(columns, "1"), cleaned=True)
+    blocks = cut_blocks(recording, joint, 0.6, 0.1, held=True)
+    functions = window_functions(blocks.samples, 0.2, step)
+    rows = residual_rows(Simulator(joint), blocks, functions)
+    assert float(rows.abs().max()) < 1e-12 * gain / motor.resistance * np.abs(voltage).max()
+
+
+def test_a_window_with_a_command_that_was_made_up_counts_nothing():
+    problem = problem_of(joint_recording(Plant(friction=0.3)), joint_simulator())
+    blocks, functions = problem.blocks, problem.functions
+    filled = torch.zeros_like(blocks.signals["position"])
+    filled[0, blocks.margin + int(functions.centres[1])] = 1.0
+    marked = replace(blocks, signals={**blocks.signals, "filled": filled})
+    weights = row_weights(marked, functions)[..., 0]
+    assert weights[0, 1] == 0.0
+    assert (weights == 0.0).sum() <= 3  # its neighbours overlap
+    assert float(weights.square().mean()) == pytest.approx(1.0)
+    simulator = joint_simulator()
+    whole, part = (residual_rows(simulator, b, functions) for b in (blocks, marked))
+    torch.testing.assert_close(part, whole * weights[..., None])
+
+
+def test_where_most_windows_hold_a_made_up_command_all_count():
+    problem = problem_of(joint_recording(Plant()), joint_simulator())
+    marked = replace(
+        problem.blocks,
+        signals={**problem.blocks.signals, "filled": torch.ones_like(problem.blocks.signals["position"])},
+    )
+    assert bool((row_weights(marked, problem.functions) == 1.0).all())

@@ -134,3 +134,10 @@ def test_a_held_command_keeps_its_step_when_the_logger_jitters(seed):
     result = resampled(run_of(jittered, "joint"))
     assert len(result.time) == len(frame)
     np.testing.assert_allclose(result.channel("voltage")[:, 0], frame["voltage"], rtol=1e-12, atol=1e-14)
+
+
+def test_samples_whose_input_was_made_up_are_marked_and_stay_so(joint, as_run):
+    frame = joint()
+    once = resampled(as_run(without(frame, [50, 51]), "joint"))
+    assert np.flatnonzero(once.filled).tolist() == [50, 51]
+    assert np.flatnonzero(resampled(once).filled).tolist() == [50, 51]
