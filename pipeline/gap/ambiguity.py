@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _CHANCE = 0.05
 _STRICT_CHANCE = 0.01  # where the catalogue calls the other the likelier cause
 _HALF = 0.5
-_SAME = 1e-9  # of a log likelihood: less is rounding
+_SAME = 1.0  # of a log likelihood: "not worth more than a bare mention" (Kass & Raftery 1995, Bayes factors)
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def rivalry_of(winner: Candidate, rivals: list[Candidate], cluster: Tensor) -> R
 
 def _evidence_for(first: Candidate, second: Candidate, cluster: Tensor) -> float:
     difference = _difference(first, second, cluster)
-    if float(difference.abs().max()) < _SAME or len(difference) < 2:
+    if abs(float(difference.sum())) < _SAME or len(difference) < 2:
         return 0.0
     statistic = float(stats.ttest_1samp(difference.numpy(), 0.0).statistic)
     return math.copysign(0.5 * statistic**2, statistic)
@@ -82,7 +82,7 @@ def total_score(candidate: Candidate) -> float:
 def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
     """Return whether one candidate predicts better than another beyond chance, taken over clusters of residuals."""
     summed = _difference(first, second, cluster)
-    if float(summed.abs().max()) < _SAME:
+    if abs(float(summed.sum())) < _SAME:
         return False
     chance = _STRICT_CHANCE if second.effect.name in first.effect.yields_to else _CHANCE
     return float(stats.ttest_1samp(summed.numpy(), 0.0, alternative="greater").pvalue) <= chance

@@ -104,17 +104,17 @@ class Judge:
         neutral = list(self.rest(effect).values())
         significance = significance_of(fitted, columns, neutral, self.clusters)
         gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
-        share, interval, energy = self.explained(before, after)
+        share, interval, energies = self.explained(before, after)
         design_effect = significance.design_effect
         candidate = Candidate(
             effect, fitted, after, gain / design_effect, share, interval, significance.p_value, design_effect
         )
-        return replace(candidate, refusal=self.refusal(candidate, energy))
+        return replace(candidate, refusal=self.refusal(candidate, energies))
 
-    def explained(self, before: Tensor, after: Tensor) -> tuple[float, tuple[float, float], float]:
-        """Return the share of the excess over the noise with its interval, and the energy over the noise's.
+    def explained(self, before: Tensor, after: Tensor) -> tuple[float, tuple[float, float], Tensor]:
+        """Return the share of the excess over the noise with its interval in the channel that gains most.
 
-        All are of the channel that gains most.
+        Then the energy that is explained in each channel, (channels,).
         """
         noise = self.problem.noise.square()
         excess = (self.base.residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
@@ -124,9 +124,9 @@ class Judge:
         groups = energy.new_zeros(self.clusters).index_add(0, self.problem.cluster, energy[:, best])
         error = float(groups.std()) * self.clusters**0.5 / len(energy) if self.clusters > 1 else 0.0
         share, width = float(mean[best] / excess[best]), _Z95 * error / float(excess[best])
-        return share, (share - width, share + width), float((mean / noise).max())
+        return share, (share - width, share + width), mean
 
-    def refusal(self, candidate: Candidate, energy: float) -> str:
+    def refusal(self, candidate: Candidate, energies: Tensor) -> str:
         """Return why a candidate may not be named; empty where it may."""
         values = candidate.fit.values[columns_of(candidate.fit, candidate.effect)].tolist()
         resting = self.rest(candidate.effect)
@@ -135,13 +135,16 @@ class Judge:
                 return f"{parameter.name} rests on its lower bound"
             if value >= parameter.high:
                 return f"{parameter.name} rests on its upper bound"
-        if isinstance(candidate.effect, ParameterError) and abs(values[0] - resting["ratio"]) < _LEAST_ERROR:
-            return "smaller than the quadrature of the equations can tell"
+        if isinstance(candidate.effect, ParameterError):
+            imitated = bool((energies < self.problem.quadrature.square()).all())
+            if imitated or abs(values[0] - resting["ratio"]) < _LEAST_ERROR:
+                return "smaller than the quadrature of the equations can tell"
         if candidate.p_value > self.settings.significance / max(self.contestants, 1):
             return "not significant"
         if candidate.gain <= 0:
             return "does not predict runs it was not fitted on"
-        if candidate.share < self.settings.least_share or energy < _LEAST_ENERGY:
+        seen = bool((energies > _LEAST_ENERGY * self.problem.noise.square()).any())
+        if candidate.share < self.settings.least_share or not seen:
             return "explains too little to matter"
         return ""
 

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from pipeline.effects import Effect, Parameter, WrenchEffect
-from pipeline.gap.residuals import channels_on, residual_rows, row_weights
+from pipeline.gap.residuals import channels_on, residual_rows, row_weights, signals_inside
 from pipeline.physics.weak_form import WindowFunctions, mean_of
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.blocks import Blocks
@@ -24,12 +24,14 @@ class Problem:
         blocks: the stretches that are fitted.
         functions: the windows that residuals are averaged over.
         noise: standard deviation of a row by sensor noise alone, (channels,).
+        quadrature: by how much sums over samples may miss the integrals that rows are, RMS, (channels,).
         cluster: stretches within which residuals may be correlated, (blocks,).
     """
 
     blocks: Blocks
     functions: WindowFunctions
     noise: Tensor
+    quadrature: Tensor
     cluster: Tensor
 
     def residual(self, simulator: Simulator) -> Tensor:
@@ -162,8 +164,7 @@ def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, resi
 
 def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Problem) -> Tensor:
     blocks = problem.blocks
-    signals = simulator.along_time(blocks.acting, blocks.time_step)
-    inner = {name: blocks.acting_inside(series) for name, series in signals.items()}
+    inner = signals_inside(simulator, blocks, blocks.acting)
     zero = problem.functions.weights.new_zeros((len(blocks), len(problem.functions.centres)))
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
     scale = {name: nominal[name] / believed[name] for name in nominal}

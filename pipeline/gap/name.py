@@ -107,9 +107,12 @@ class _Competition:
         best = max(admitted, key=total_score, default=None)
         if best is None:
             return None
-        usual = [c for c in admitted if _is_preferred(c.effect, best.effect)]
-        tied = [c for c in usual if not predicts_better(best, c, self.problem.cluster)]
-        return max(tied, key=total_score, default=best)
+        return max(self.tied(best, admitted), key=total_score, default=best)
+
+    def tied(self, best: Candidate, others: list[Candidate]) -> list[Candidate]:
+        """Return the simpler or likelier causes that nothing tells from the best."""
+        usual = [c for c in others if _is_preferred(c.effect, best.effect)]
+        return [c for c in usual if not predicts_better(best, c, self.problem.cluster)]
 
     def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
         """Refit with the effect added and compare with the simulator without it."""
@@ -150,7 +153,7 @@ class _Competition:
         self.run(self.catalogue)
 
     def exchange(self) -> None:
-        """Put another effect in the place of a named one wherever it predicts better there.
+        """Put another effect in the place of a named one wherever it predicts better there, or as well and is simpler.
 
         The order in which effects entered, and the platform's numbers coming first, must not decide.
         """
@@ -167,15 +170,17 @@ class _Competition:
             self.run(self.catalogue)
 
     def better_than(self, effect: Effect) -> tuple[float, tuple[Candidate, ...], Candidate] | None:
-        """Return by how much another effect would predict better in the place of a named one, the round, and it."""
+        """Return by how much another effect would predict better in the place of a named one, the round, and it.
+
+        None where no other predicts better beyond chance, nor a simpler or likelier cause as well.
+        """
         without, own = self.without(effect), self.alone(effect)
         present = {fitted.effect.key for fitted in self.current.simulator.free}
         candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in present)
         admitted = [candidate for candidate in candidates if not candidate.refusal]
-        winner = max(admitted, key=total_score, default=None)
-        if winner is None or not predicts_better(winner, own, self.problem.cluster):
-            return None
-        return total_score(winner) - total_score(own), candidates, winner
+        better = [c for c in admitted if predicts_better(c, own, self.problem.cluster)]
+        winner = self.likeliest(better or self.tied(own, admitted))
+        return (total_score(winner) - total_score(own), candidates, winner) if winner else None
 
     def presence(self, candidate: Candidate) -> float:
         """Return the probability that an effect of this kind is there, whichever of its rivals it is."""

@@ -22,6 +22,7 @@ from pipeline.simulation.replay import substeps_for
 _MOST_BLOCKS = 120
 _ENDS = 5  # instants at which a prediction is compared
 _FAR = 5.0  # standard errors; a value that moves further does not mean the same in both criteria
+_BLUNTER = 2.0  # times a standard error: values that predictions know less well say nothing new
 _LEAST_MOVE = 0.05  # of a value, which the two criteria may differ by whatever their errors say
 
 
@@ -54,8 +55,9 @@ class RolloutProblem(Problem):
 def refit_through_rollouts(found: Fit, problem: Problem, horizon: float, folds: int) -> tuple[Fit, bool]:
     """Refit every free parameter through predictions over a horizon.
 
-    The values are taken where they predict folds that were left out at least as well as the values found, and where
-    each stays within what both criteria can mean by it; a parameter that no prediction depends on stays as it was.
+    The values are taken where they predict folds that were left out at least as well as the values found, where
+    predictions know none of them much less well, and where each stays within what both criteria can mean by it; a
+    parameter that no prediction depends on stays as it was.
 
     Args:
         found: the fit of the equations of motion.
@@ -89,7 +91,7 @@ def _rollout_problem(simulator: Simulator, problem: Problem, horizon: float) -> 
     substeps = substeps_for(simulator, blocks, steps, noise)
     recorded = motion_of(simulator.platform).pack(inner)
     cluster = torch.unique(problem.cluster[part], return_inverse=True)[1]
-    return RolloutProblem(blocks, problem.functions, noise, cluster, recorded, substeps)
+    return RolloutProblem(blocks, problem.functions, noise, problem.quadrature, cluster, recorded, substeps)
 
 
 def _merged(found: Fit, refitted: Fit) -> tuple[Tensor, Tensor]:
@@ -109,8 +111,9 @@ def _agree(found: Fit, values: Tensor, std: Tensor) -> bool:
     weak = found.covariance.diagonal().clamp_min(0.0).sqrt()
     neutral = torch.tensor([p.neutral for p in parameters_of(found.simulator)], dtype=torch.float64)
     allowed = _FAR * (weak.square() + std.square()).sqrt() + _LEAST_MOVE * found.values.abs()
+    blunter = std > _BLUNTER * weak
     vanished = (values == neutral) & (found.values != neutral)
-    return bool(((values - found.values).abs() <= allowed).all()) and not bool(vanished.any())
+    return bool(((values - found.values).abs() <= allowed).all()) and not bool((vanished | blunter).any())
 
 
 def _with(simulator: Simulator, values: Tensor, std: Tensor) -> Simulator:

@@ -45,12 +45,12 @@ class SwerveMechanism(Mechanism):
             "wheel_radius": platform.wheel_radius,
             "gravity": platform.gravity,
             "steer_inertia": platform.steer.inertia,
-            "sliding_velocity": 0.05,
             "module_positions": torch.tensor(platform.module_positions, dtype=torch.float64),
             "module_offset": torch.zeros(4, dtype=torch.float64),
             "coupling_ratio": 0.0,
         }
         for group, axis in (("drive", platform.drive), ("steer", platform.steer)):
+            constants[f"{group}_sliding_velocity"] = 0.05
             constants[f"{group}_gear_ratio"] = axis.gear_ratio
             constants[f"{group}_nominal_voltage"] = axis.motor.nominal_voltage
             constants[f"{group}_resistance"] = axis.motor.resistance

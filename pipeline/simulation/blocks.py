@@ -75,10 +75,13 @@ class Blocks:
 
         Through the step that follows a sample its command is held, and all else is taken halfway to the next sample.
         """
-        if not self.on_steps:
-            return self.signals
-        halfway = {n: 0.5 * (s + _next(s)) for n, s in self.signals.items() if n not in self.held_commands}
-        return halfway | self.held_commands
+        return self.acting_after(0.5) if self.on_steps else self.signals
+
+    def acting_after(self, part: float) -> dict[str, Tensor]:
+        """Return what acts when a part of each step is over, by name, where commands are known step by step."""
+        states = {name: series for name, series in self.signals.items() if name not in self.held_commands}
+        moved = {name: (1.0 - part) * series + part * _next(series) for name, series in states.items()}
+        return moved | self.held_commands
 
     def acting_inside(self, series: Tensor) -> Tensor:
         """Return the part of a series of `acting` that the samples of the blocks lie in or between."""

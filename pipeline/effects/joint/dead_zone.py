@@ -18,6 +18,7 @@ class DeadZone(CommandEffect):
     kind = "joint"
     acts_on = "command"
     parameters = (Parameter("width", "N·m", 0.1, 0.0, 1e4),)
+    yields_to = ("coulomb_friction",)
     formula = (
         "command_effective = sign(command) · max(|command| − width / gain, 0), gain = torque_constant · gear_ratio / "
         "resistance for a voltage, 1 for an effort"

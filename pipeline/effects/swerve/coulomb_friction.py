@@ -24,7 +24,7 @@ class DriveCoulombFriction(WrenchEffect):
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction summed on the chassis."""
-        speed, sliding = wheel_speed(signals, constants), constants["sliding_velocity"]
+        speed, sliding = wheel_speed(signals, constants), constants["drive_sliding_velocity"]
         return on_wheels(
             dry_friction(values["level"], speed, signals["drive_torque"], sliding), signals, constants
         )
@@ -47,6 +47,6 @@ class SteerCoulombFriction(WrenchEffect):
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on each module, N·m."""
-        speed, sliding = signals["steer_velocity"], constants["sliding_velocity"]
+        speed, sliding = signals["steer_velocity"], constants["steer_sliding_velocity"]
         applied = steering_torque(signals, constants)
         return on_modules(dry_friction(values["level"], speed, applied, sliding))

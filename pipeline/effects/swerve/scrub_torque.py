@@ -37,7 +37,7 @@ class ScrubTorque(WrenchEffect):
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the torque on each module, N·m."""
-        turning, sliding = signals["steer_velocity"], constants["sliding_velocity"]
+        turning, sliding = signals["steer_velocity"], constants["steer_sliding_velocity"]
         rolling = wheel_speed(signals, constants) * constants["wheel_radius"]
         rubbing = values["patch_radius"] ** 2 * (turning.square() + sliding**2)
         level = values["level"] * torch.sqrt(rubbing / (rubbing + rolling.square()))

@@ -62,7 +62,7 @@ def test_friction_and_drag_take_power_from_whatever_moves(effect, seed):
     assert taken.max() > 0
     # What holds still creeps, ever less the faster it slides; on a swerve some of four axles may be slow.
     held = 4.0 * sum(v for name, v in effect.defaults().items() if name.endswith("level"))
-    slow = 0.3 * held * constants("swerve")["sliding_velocity"] if effect.kind == "swerve" else 0.0
+    slow = 0.3 * held * constants("swerve")["drive_sliding_velocity"] if effect.kind == "swerve" else 0.0
     assert (taken >= -1e-6 * taken.max() - slow).all()
 
 

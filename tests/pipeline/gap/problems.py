@@ -7,7 +7,7 @@ import torch
 from pipeline.effects import Effect, effect_by_key
 from pipeline.gap.diagnosis import Diagnosis, diagnose
 from pipeline.gap.fit import Problem
-from pipeline.gap.residuals import noise_of_rows
+from pipeline.gap.residuals import noise_of_rows, quadrature_of_rows
 from pipeline.gap.scoring import clusters_of
 from pipeline.gap.settings import Gap
 from pipeline.physics.weak_form import window_functions
@@ -26,7 +26,8 @@ def problem_of(recording: Recording, simulator: Simulator) -> Problem:
     """Return what a fit works on, with every run in it."""
     blocks = blocks_of(recording, simulator)
     functions = window_functions(blocks.samples, Gap().test_width, blocks.time_step)
-    return Problem(blocks, functions, noise_of_rows(simulator, blocks, functions), clusters_of(blocks, 3.0))
+    noise, quadrature = (of(simulator, blocks, functions) for of in (noise_of_rows, quadrature_of_rows))
+    return Problem(blocks, functions, noise, quadrature, clusters_of(blocks, 3.0))
 
 
 def at_start(effect: Effect) -> FittedEffect:

@@ -9,7 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.effects import effect_by_key
-from pipeline.gap.residuals import noise_of_rows, residual_rows, row_weights, sample_noise
+from pipeline.gap.residuals import (
+    noise_of_rows,
+    quadrature_of_rows,
+    residual_rows,
+    row_weights,
+    sample_noise,
+)
 from pipeline.physics.weak_form import window_functions
 from pipeline.platforms import Joint, JointMotor
 from pipeline.recordings.recording import Recording
@@ -25,6 +31,8 @@ from tests.pipeline.gap.recordings import (
     joint_simulator,
     racer,
 )
+from tests.pipeline.platforms.machines import MACHINES
+from tests.pipeline.simulation.drives import driven
 
 
 def _as_blocks(simulator: Simulator, states: torch.Tensor, commands: dict, step: float) -> Blocks:
@@ -195,3 +203,28 @@ def test_where_most_windows_hold_a_made_up_command_all_count():
         signals={**problem.blocks.signals, "filled": torch.ones_like(problem.blocks.signals["position"])},
     )
     assert bool((row_weights(marked, problem.functions) == 1.0).all())
+
+
+@pytest.mark.parametrize("step", [0.01, 0.005])
+def test_the_quadrature_of_a_turning_swerve_is_told_from_the_recording(step):
+    """What a drive recorded without noise leaves of its own simulator is the quadrature's, within a factor of two."""
+    simulator = Simulator(MACHINES["swerve"])
+    states, commands = driven(simulator, 2, round(4.0 / step), step, seed=3)
+    inner = motion_of(simulator.platform).signals(states, simulator.constants())
+    samples = states.shape[1]
+    blocks = Blocks(
+        signals=inner | commands, run=torch.arange(2), runs=("a", "b"), start=torch.zeros(2, dtype=torch.float64),
+        time_step=step, margin=2, samples=samples - 4, held_commands=commands,
+    )  # fmt: skip
+    functions = window_functions(blocks.samples, 0.2, step)
+    left = residual_rows(simulator, blocks, functions).square().mean((0, 1)).sqrt()
+    told = quadrature_of_rows(simulator, blocks, functions)
+    assert (told[:3] > 0.5 * left[:3]).all()
+    assert (told[:3] < 2.0 * left[:3]).all()
+
+
+def test_the_midpoint_of_a_linear_axis_misses_nothing():
+    problem = problem_of(joint_recording(Plant(viscous=0.05)), joint_simulator())
+    assert float(quadrature_of_rows(joint_simulator(), problem.blocks, problem.functions)) < 1e-12
+    measured = replace(problem.blocks, held=False)
+    assert float(quadrature_of_rows(joint_simulator(), measured, problem.functions)) == 0.0
