@@ -81,11 +81,20 @@ def total_score(candidate: Candidate) -> float:
 
 def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
     """Return whether one candidate predicts better than another beyond chance, taken over clusters of residuals."""
-    summed = _difference(first, second, cluster)
-    if abs(float(summed.sum())) < _SAME:
+    strict = second.effect.name in first.effect.yields_to
+    return is_beyond_chance(_difference(first, second, cluster), _STRICT_CHANCE if strict else _CHANCE)
+
+
+def is_beyond_chance(ahead: Tensor, chance: float = _CHANCE) -> bool:
+    """Return whether log likelihoods ahead of another's, summed over clusters of residuals, are so by more than chance.
+
+    Args:
+        ahead: (clusters,).
+        chance: of a one-sided t test.
+    """
+    if abs(float(ahead.sum())) < _SAME:
         return False
-    chance = _STRICT_CHANCE if second.effect.name in first.effect.yields_to else _CHANCE
-    return float(stats.ttest_1samp(summed.numpy(), 0.0, alternative="greater").pvalue) <= chance
+    return float(stats.ttest_1samp(ahead.numpy(), 0.0, alternative="greater").pvalue) <= chance
 
 
 def _difference(first: Candidate, second: Candidate, cluster: Tensor) -> Tensor:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from pipeline.effects import MeasurementEffect, ParameterError
 from pipeline.effects.delay import CommandDelay
+from pipeline.gap.competition import BEYOND_NOISE
 from pipeline.gap.fit import Problem, channels_of, excess_beside
 from pipeline.gap.horizon import HorizonError, horizon_errors
 from pipeline.gap.locate import Mismatch, locate
@@ -25,9 +26,6 @@ from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
 
-_BEYOND_NOISE = (
-    4.0  # times the noise's energy: coloured noise may pass for more than the white noise it is measured by
-)
 _NEARLY = 0.3  # of half a sample
 
 
@@ -113,7 +111,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     counted = _counted(naming, mismatches, channels)
     proof = prove(nominal, simulator, proving, functions, counted, held_out, settings.resamples)
     return Diagnosis(
-        verdict=_verdict(naming, bool(unnamed) or any(m.excess > _BEYOND_NOISE for m in mismatches)),
+        verdict=_verdict(naming, bool(unnamed) or any(m.excess > BEYOND_NOISE for m in mismatches)),
         warnings=(*recording.warnings, *prepared.remarks, *_doubts(naming, drifts, held_out)),
         mismatches=mismatches,
         naming=naming,

@@ -1,30 +1,14 @@
 """Which physics is missing: effects compete to explain the residual on runs they were not fitted on."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from pipeline.effects import Effect, MeasurementEffect, ParameterError
-from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
-from pipeline.gap.candidate import Candidate, Judge, Starts
-from pipeline.gap.candidates import candidates_for
-from pipeline.gap.fit import Fit, Problem, excess_beside, fit
-from pipeline.gap.model import drifts_of, unsteadiness_of
-from pipeline.gap.parsimony import single_cause
-from pipeline.gap.probability import Signs, presence_of
-from pipeline.gap.refit import extend, shrink
+from pipeline.gap.ambiguity import Rivalry, is_beyond_chance
+from pipeline.gap.candidate import Candidate
+from pipeline.gap.competition import Competition, Round
+from pipeline.gap.fit import Fit, Problem
 from pipeline.gap.settings import Gap
 from pipeline.simulation import Simulator
-
-_REDUNDANT = 0.2
-_EXCHANGES = 3  # each costs a round for every named effect
-
-
-@dataclass(frozen=True)
-class Round:
-    """A round of the competition: every candidate, and the one that won (None where none may be named)."""
-
-    candidates: tuple[Candidate, ...]
-    winner: Candidate | None
 
 
 @dataclass(frozen=True)
@@ -50,15 +34,22 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     """Let the catalogue compete for the residual of a nominal simulator.
 
     Clock offsets and the platform's own numbers are settled first: what they explain is no missing physics. Then one
-    effect is added at a time; each that stays must earn it again when the others are there.
+    effect is added at a time; each that stays must earn it again when the others are there. Where a number was settled
+    and more than noise is left, it may have stood in for physics that explains more: then the competition is held again
+    with everything in it from the start, and counts where it predicts better.
     """
-    competition = _Competition(simulator, problem, settings)
+    competition = Competition(simulator, problem, settings)
     competition.run(_settled(competition.catalogue))
-    competition.run(competition.catalogue)
-    competition.condense()
-    competition.exchange()
+    competition.finish()
+    if competition.leaves_more_than_noise() and _rests_on_numbers(competition):
+        again = Competition(simulator, problem, settings)
+        again.finish()
+        if is_beyond_chance(again.scores() - competition.scores()):
+            competition = again
     competition.disown()
-    return competition.result()
+    named = tuple(competition.alone(fitted.effect) for fitted in competition.current.simulator.free)
+    rivalries = tuple(rivalry for winner in named if (rivalry := competition.rivalry(winner)))
+    return Naming(competition.base, competition.current, named, tuple(competition.rounds), rivalries)
 
 
 def _settled(catalogue: list[Effect]) -> list[Effect]:
@@ -68,167 +59,5 @@ def _settled(catalogue: list[Effect]) -> list[Effect]:
     return errors + [e for e in catalogue if e.name in mistaken]
 
 
-def _is_preferred(effect: Effect, other: Effect) -> bool:
-    return effect.name in other.yields_to or len(effect.parameters) < len(other.parameters)
-
-
-class _Competition:
-    def __init__(self, simulator: Simulator, problem: Problem, settings: Gap) -> None:
-        self.problem, self.settings = problem, settings
-        self.catalogue = candidates_for(simulator, problem.blocks.signals, settings.effects)
-        self.clusters = int(problem.cluster.max()) + 1
-        self.base = self.current = fit(simulator, problem)
-        self.known = {fitted.effect.key: fitted for fitted in simulator.known}
-        resting = {key: dict(fitted.values) for key, fitted in self.known.items()}
-        self.judge = Judge(problem, settings, self.base, len(self.catalogue), resting)
-        self.starts = Starts()
-        self.rounds: list[Round] = []
-        self.dropped: set[str] = set()
-
-    def run(self, contestants: list[Effect]) -> None:
-        """Add effects until none may be named any more."""
-        while len(self.current.simulator.free) < self.settings.most_effects:
-            present = {fitted.effect.key for fitted in self.current.simulator.free} | self.dropped
-            candidates = [self.candidate(e) for e in contestants if e.key not in present]
-            winner = self.likeliest([candidate for candidate in candidates if not candidate.refusal])
-            self.rounds.append(Round(tuple(candidates), winner))
-            if winner is None:
-                return
-            self.take(winner)
-
-    def take(self, winner: Candidate) -> None:
-        """Fit the simulator with a winner again, and drop what it makes needless."""
-        self.current = fit(winner.fit.simulator, self.problem)
-        self.starts.forget()
-        self.prune()
-
-    def likeliest(self, admitted: list[Candidate]) -> Candidate | None:
-        """Return the one that gains most, or a simpler or likelier cause where nothing tells the two apart."""
-        best = max(admitted, key=total_score, default=None)
-        if best is None:
-            return None
-        return max(self.tied(best, admitted), key=total_score, default=best)
-
-    def tied(self, best: Candidate, others: list[Candidate]) -> list[Candidate]:
-        """Return the simpler or likelier causes that nothing tells from the best."""
-        usual = [c for c in others if _is_preferred(c.effect, best.effect)]
-        return [c for c in usual if not predicts_better(best, c, self.problem.cluster)]
-
-    def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
-        """Refit with the effect added and compare with the simulator without it."""
-        without = without or self.current
-        fitted = extend(without, effect, self.problem, self.starts.of(effect))
-        self.starts.note(fitted)
-        return self.judge(effect, without, fitted)
-
-    def prune(self) -> None:
-        """Drop every effect that the others have made needless, the least needed first; it does not come back."""
-        self.drop(lambda candidate: bool(candidate.refusal), lambda candidate: candidate.gain)
-
-    def disown(self) -> None:
-        """Drop what is less likely there than not: too little evidence, or parameters that follow the manoeuvre."""
-        least = self.settings.least_probability
-        self.drop(lambda candidate: self.presence(candidate) < least, self.presence)
-
-    def drop(self, unwanted: Callable[[Candidate], bool], worth: Callable[[Candidate], float]) -> None:
-        """Drop unwanted effects one by one, the one of least worth first, and fit the others again."""
-        while judged := [self.alone(fitted.effect) for fitted in self.current.simulator.free]:
-            worst = min(filter(unwanted, judged), key=worth, default=None)
-            if worst is None:
-                return
-            self.dropped.add(worst.effect.key)
-            self.current = fit(self.without(worst.effect).simulator, self.problem)
-
-    def condense(self) -> None:
-        """Put one effect in the place of two parameter errors where it explains as much."""
-        simpler = single_cause(self.current, self.catalogue, self.problem, self.known)
-        if simpler is None:
-            return
-        effect, without = simpler
-        kept = {fitted.effect.key for fitted in without.simulator.free}
-        candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in kept)
-        winner = next(candidate for candidate in candidates if candidate.effect.key == effect.key)
-        self.rounds.append(Round(candidates, winner))
-        self.take(winner)
-        self.run(self.catalogue)
-
-    def exchange(self) -> None:
-        """Put another effect in the place of a named one wherever it predicts better there, or as well and is simpler.
-
-        The order in which effects entered, and the platform's numbers coming first, must not decide.
-        """
-        for _ in range(_EXCHANGES):
-            better = [
-                swap for fitted in self.current.simulator.free if (swap := self.better_than(fitted.effect))
-            ]
-            if not better:
-                return
-            _, candidates, winner = max(better, key=lambda swap: swap[0])
-            self.rounds.append(Round(candidates, winner))
-            self.dropped.discard(winner.effect.key)
-            self.take(winner)
-            self.run(self.catalogue)
-
-    def better_than(self, effect: Effect) -> tuple[float, tuple[Candidate, ...], Candidate] | None:
-        """Return by how much another effect would predict better in the place of a named one, the round, and it.
-
-        None where no other predicts better beyond chance, nor a simpler or likelier cause as well.
-        """
-        without, own = self.without(effect), self.alone(effect)
-        present = {fitted.effect.key for fitted in self.current.simulator.free}
-        candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in present)
-        admitted = [candidate for candidate in candidates if not candidate.refusal]
-        better = [c for c in admitted if predicts_better(c, own, self.problem.cluster)]
-        winner = self.likeliest(better or self.tied(own, admitted))
-        return (total_score(winner) - total_score(own), candidates, winner) if winner else None
-
-    def presence(self, candidate: Candidate) -> float:
-        """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
-        drifts = drifts_of(self.current, candidate.effect, self.problem.blocks, self.problem.cluster)
-        return presence_of(
-            Signs(
-                gain=candidate.gain,
-                parameters=len(candidate.effect.parameters),
-                clusters=self.clusters,
-                unsteadiness=unsteadiness_of(drifts),
-                captured=candidate.share,
-                excess=excess_beside(self.current, candidate.effect, self.problem.noise),
-            )
-        )
-
-    def without(self, effect: Effect) -> Fit:
-        """Return the current fit without an effect, or with what was known of it before."""
-        return shrink(self.current, effect, self.problem, self.known.get(effect.key))
-
-    def alone(self, effect: Effect) -> Candidate:
-        """Judge an effect of the current simulator as if it had been the last to enter."""
-        return self.judge(effect, self.without(effect), self.current)
-
-    def result(self) -> Naming:
-        """Judge every named effect for the last time and look for those it cannot be told from."""
-        named = tuple(self.alone(fitted.effect) for fitted in self.current.simulator.free)
-        rivalries = tuple(rivalry for winner in named if (rivalry := self.rivalry(winner)))
-        return Naming(self.base, self.current, named, tuple(self.rounds), rivalries)
-
-    def rivalry(self, winner: Candidate) -> Rivalry | None:
-        """Return the effects that could stand in for a named one."""
-        without = self.without(winner.effect)
-        present = {fitted.effect.key for fitted in self.current.simulator.free}
-        close = [e for e in self.close_to(winner.effect) if e.key not in present]
-        others = [self.candidate(effect, without) for effect in close]
-        rivals = rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
-        return rivalry_of(
-            winner, [rival for rival in rivals if self.is_needless(rival)], self.problem.cluster
-        )
-
-    def close_to(self, winner: Effect) -> list[Effect]:
-        """Return the effects that came close to a winner in the round it won: only they can stand in for it."""
-        for turn in reversed(self.rounds):
-            if turn.winner is not None and turn.winner.effect.key == winner.key:
-                least = 0.5 * turn.winner.share
-                return [c.effect for c in turn.candidates if c.share > least]
-        return self.catalogue
-
-    def is_needless(self, rival: Candidate) -> bool:
-        """Whether the winner leaves nothing for a rival to explain: then both explain the same residual."""
-        return self.candidate(rival.effect).gain < _REDUNDANT * rival.gain
+def _rests_on_numbers(competition: Competition) -> bool:
+    return any(isinstance(fitted.effect, ParameterError) for fitted in competition.current.simulator.free)
