@@ -15,7 +15,6 @@ def shift_in_time(series: Tensor, delay: Tensor | float, time_step: float) -> Te
         time_step: s.
     """
     shift = torch.as_tensor(delay, dtype=series.dtype) / time_step
-    shift = shift.expand(series.shape[0]) if shift.ndim == 0 else shift
     whole = torch.floor(shift.detach())
     fraction = (shift - whole).reshape(-1, *[1] * (series.ndim - 1))
     earlier = _taken(series, whole.long())
@@ -24,5 +23,7 @@ def shift_in_time(series: Tensor, delay: Tensor | float, time_step: float) -> Te
 
 def _taken(series: Tensor, samples: Tensor) -> Tensor:
     place = torch.arange(series.shape[1], device=series.device)
+    if samples.ndim == 0:
+        return series[:, (place - samples).clamp(0, series.shape[1] - 1)]
     index = (place - samples[:, None]).clamp(0, series.shape[1] - 1)
     return series[torch.arange(series.shape[0], device=series.device)[:, None], index]

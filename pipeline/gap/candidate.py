@@ -29,7 +29,8 @@ class Candidate:
         fit: the refitted simulator.
         residual: cross-validated, (blocks, rows, channels).
         gain: cross-validated log likelihood gained, corrected for correlated rows.
-        share: of the excess over the noise floor, in the channel that gains most.
+        channel: in which it explains most of the excess over the noise floor.
+        share: of that excess.
         share_interval: 95 % interval of the share, over clusters of correlated residuals.
         p_value: of the effect's parameters differing from doing nothing.
         design_effect: how many correlated rows count as one.
@@ -40,6 +41,7 @@ class Candidate:
     fit: Fit
     residual: Tensor
     gain: float
+    channel: int
     share: float
     share_interval: tuple[float, float]
     p_value: float
@@ -107,15 +109,22 @@ class Judge:
         neutral = list(self.rest(effect).values())
         significance = significance_of(fitted, columns, neutral, self.clusters)
         gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
-        share, interval, energies = self.explained(before, after)
-        design_effect = significance.design_effect
+        channel, share, interval, energies = self.explained(before, after)
         candidate = Candidate(
-            effect, fitted, after, gain / design_effect, share, interval, significance.p_value, design_effect
+            effect=effect,
+            fit=fitted,
+            residual=after,
+            gain=gain / significance.design_effect,
+            channel=channel,
+            share=share,
+            share_interval=interval,
+            p_value=significance.p_value,
+            design_effect=significance.design_effect,
         )
         return replace(candidate, refusal=self.refusal(candidate, energies))
 
-    def explained(self, before: Tensor, after: Tensor) -> tuple[float, tuple[float, float], Tensor]:
-        """Return the share of the excess over the noise with its interval in the channel that gains most.
+    def explained(self, before: Tensor, after: Tensor) -> tuple[int, float, tuple[float, float], Tensor]:
+        """Return the channel that gains most, the share of its excess over the noise, and the share's interval.
 
         Then the energy that is explained in each channel, (channels,).
         """
@@ -127,7 +136,7 @@ class Judge:
         groups = energy.new_zeros(self.clusters).index_add(0, self.problem.cluster, energy[:, best])
         error = float(groups.std()) * self.clusters**0.5 / len(energy) if self.clusters > 1 else 0.0
         share, width = float(mean[best] / excess[best]), _Z95 * error / float(excess[best])
-        return share, (share - width, share + width), mean
+        return best, share, (share - width, share + width), mean
 
     def refusal(self, candidate: Candidate, energies: Tensor) -> str:
         """Return why a candidate may not be named; empty where it may."""

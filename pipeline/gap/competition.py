@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from pipeline.effects import Effect
+from pipeline.effects import Effect, ParameterError
 from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
 from pipeline.gap.candidate import NOT_SIGNIFICANT, Candidate, Judge, Starts
 from pipeline.gap.candidates import candidates_for
-from pipeline.gap.fit import Fit, Problem, excess_beside, fit
+from pipeline.gap.fit import Fit, Problem, excess_of, fit
 from pipeline.gap.model import drifts_of, unsteadiness_of
 from pipeline.gap.parsimony import single_cause
 from pipeline.gap.probability import Signs, presence_of
@@ -47,6 +47,7 @@ class Competition:
         self.catalogue = candidates_for(simulator, problem.blocks.signals, settings.effects)
         self.clusters = int(problem.cluster.max()) + 1
         self.base = self.current = fit(simulator, problem)
+        self.kept: dict[str, Fit] = {}
         self.known = {fitted.effect.key: fitted for fitted in simulator.known}
         resting = {key: dict(fitted.values) for key, fitted in self.known.items()}
         self.judge = Judge(problem, settings, self.base, len(self.catalogue), resting)
@@ -57,7 +58,7 @@ class Competition:
     def run(self, contestants: list[Effect]) -> None:
         """Add effects until none may be named any more."""
         while len(self.current.simulator.free) < self.settings.most_effects:
-            present = {fitted.effect.key for fitted in self.current.simulator.free} | self.dropped
+            present = self.names() | self.dropped
             candidates = [self.candidate(e) for e in contestants if e.key not in present]
             winner = self.likeliest([candidate for candidate in candidates if not candidate.refusal])
             self.rounds.append(Round(tuple(candidates), winner))
@@ -68,15 +69,18 @@ class Competition:
     def finish(self) -> None:
         """Let everything compete, then pairs, then what is simpler, then what fits better in another's place."""
         self.run(self.catalogue)
-        if self.leaves_more_than_noise():
+        if self.leaves_more_than_noise() and self.has_room():
             self.look_ahead()
         self.condense()
         self.exchange()
 
     def leaves_more_than_noise(self) -> bool:
         """Whether some channel still holds more than the sensors' noise can account for."""
-        energy = self.current.residual.square().mean((0, 1)) / self.problem.noise.square()
-        return float(energy.max()) > BEYOND_NOISE
+        return float(excess_of(self.current, self.problem.noise).max()) > BEYOND_NOISE
+
+    def has_room(self) -> bool:
+        """Whether another two effects may be named."""
+        return len(self.names()) + 2 <= self.settings.most_effects
 
     def scores(self) -> Tensor:
         """Return the cross-validated log likelihood of each cluster of correlated residuals, (clusters,)."""
@@ -88,8 +92,8 @@ class Competition:
         left = [c for c in self.rounds[-1].candidates if c.refusal == NOT_SIGNIFICANT and c.gain > 0]
         current, dropped = self.current, set(self.dropped)
         for first in sorted(left, key=total_score, reverse=True)[:_TRIED]:
-            self.current = first.fit
-            present = {fitted.effect.key for fitted in self.current.simulator.free} | dropped
+            self.become(first.fit)
+            present = self.names() | dropped
             candidates = tuple(self.candidate(e) for e in self.catalogue if e.key not in present)
             second = self.likeliest([candidate for candidate in candidates if not candidate.refusal])
             if second is not None:
@@ -98,12 +102,13 @@ class Competition:
                     self.rounds.append(Round(candidates, second))
                     self.run(self.catalogue)
                     return
-            self.current, self.dropped = current, set(dropped)
+            self.become(current)
+            self.dropped = set(dropped)
             self.starts.forget()
 
     def take(self, winner: Candidate) -> None:
         """Fit the simulator with a winner again, and drop what it makes needless."""
-        self.current = fit(winner.fit.simulator, self.problem)
+        self.become(fit(winner.fit.simulator, self.problem))
         self.starts.forget()
         self.prune()
 
@@ -118,6 +123,11 @@ class Competition:
         """Return the simpler or likelier causes that nothing tells from the best."""
         usual = [c for c in others if _is_preferred(c.effect, best.effect)]
         return [c for c in usual if not predicts_better(best, c, self.problem.cluster)]
+
+    def become(self, current: Fit) -> None:
+        """Go on with another fit; what it would be without each effect is worked out once."""
+        self.current = current
+        self.kept.clear()
 
     def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
         """Refit with the effect added and compare with the simulator without it."""
@@ -142,7 +152,7 @@ class Competition:
             if worst is None:
                 return
             self.dropped.add(worst.effect.key)
-            self.current = fit(self.without(worst.effect).simulator, self.problem)
+            self.become(fit(self.without(worst.effect).simulator, self.problem))
 
     def condense(self) -> None:
         """Put one effect in the place of two parameter errors where it explains as much."""
@@ -162,6 +172,7 @@ class Competition:
 
         The order in which effects entered, and the platform's numbers coming first, must not decide.
         """
+        seen = [self.names()]
         for _ in range(_EXCHANGES):
             better = [
                 swap for fitted in self.current.simulator.free if (swap := self.better_than(fitted.effect))
@@ -173,6 +184,13 @@ class Competition:
             self.dropped.discard(winner.effect.key)
             self.take(winner)
             self.run(self.catalogue)
+            if self.names() in seen:
+                return
+            seen.append(self.names())
+
+    def names(self) -> set[str]:
+        """Return the keys of the effects that are in."""
+        return {fitted.effect.key for fitted in self.current.simulator.free}
 
     def better_than(self, effect: Effect) -> tuple[float, tuple[Candidate, ...], Candidate] | None:
         """Return by how much another effect would predict better in the place of a named one, the round, and it.
@@ -180,8 +198,7 @@ class Competition:
         None where no other predicts better beyond chance, nor a simpler or likelier cause as well.
         """
         without, own = self.without(effect), self.alone(effect)
-        present = {fitted.effect.key for fitted in self.current.simulator.free}
-        candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in present)
+        candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in self.names())
         admitted = [candidate for candidate in candidates if not candidate.refusal]
         better = [c for c in admitted if predicts_better(c, own, self.problem.cluster)]
         winner = self.likeliest(better or self.tied(own, admitted))
@@ -197,13 +214,16 @@ class Competition:
                 clusters=self.clusters,
                 unsteadiness=unsteadiness_of(drifts),
                 captured=candidate.share,
-                excess=excess_beside(self.current, candidate.effect, self.problem.noise),
+                excess=float(excess_of(self.current, self.problem.noise)[candidate.channel]),
+                is_number=isinstance(candidate.effect, ParameterError),
             )
         )
 
     def without(self, effect: Effect) -> Fit:
         """Return the current fit without an effect, or with what was known of it before."""
-        return shrink(self.current, effect, self.problem, self.known.get(effect.key))
+        if effect.key not in self.kept:
+            self.kept[effect.key] = shrink(self.current, effect, self.problem, self.known.get(effect.key))
+        return self.kept[effect.key]
 
     def alone(self, effect: Effect) -> Candidate:
         """Judge an effect of the current simulator as if it had been the last to enter."""
@@ -212,8 +232,7 @@ class Competition:
     def rivalry(self, winner: Candidate) -> Rivalry | None:
         """Return the effects that could stand in for a named one."""
         without = self.without(winner.effect)
-        present = {fitted.effect.key for fitted in self.current.simulator.free}
-        close = [e for e in self.close_to(winner.effect) if e.key not in present]
+        close = [e for e in self.close_to(winner.effect) if e.key not in self.names()]
         others = [self.candidate(effect, without) for effect in close]
         rivals = rivals_of(winner, [c for c in others if not c.refusal], self.problem.cluster)
         return rivalry_of(

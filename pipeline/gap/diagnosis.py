@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pipeline.effects import MeasurementEffect, ParameterError
 from pipeline.effects.delay import CommandDelay
 from pipeline.gap.competition import BEYOND_NOISE
-from pipeline.gap.fit import Problem, channels_of, excess_beside
+from pipeline.gap.fit import Problem, channels_of, excess_of
 from pipeline.gap.horizon import HorizonError, horizon_errors
 from pipeline.gap.locate import Mismatch, locate
 from pipeline.gap.model import Drift, drifts_of, unsteadiness_of
@@ -201,7 +201,8 @@ def _signs(
             clusters=int(problem.cluster.max()) + 1,
             unsteadiness=unsteadiness_of(drifts[c.effect.key]),
             captured=c.share,
-            excess=excess_beside(naming.fit, c.effect, problem.noise),
+            excess=float(excess_of(naming.fit, problem.noise)[c.channel]),
+            is_number=isinstance(c.effect, ParameterError),
             remainder=max((left.get(channel, 0.0) for channel in own), default=0.0),
             weight=weight.get(c.effect.key, 1.0),
         )

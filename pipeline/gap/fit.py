@@ -86,10 +86,9 @@ def channels_of(fit: Fit, effect: Effect) -> list[int]:
     return [index for index, hit in enumerate(touched.tolist()) if hit]
 
 
-def excess_beside(fit: Fit, effect: Effect, noise: Tensor) -> float:
-    """Return the energy that is left beside an effect over the noise's, in the worst of its own channels."""
-    excess = fit.residual.square().mean((0, 1)) / noise.square()
-    return max((float(excess[channel]) for channel in channels_of(fit, effect)), default=1.0)
+def excess_of(fit: Fit, noise: Tensor) -> Tensor:
+    """Return the energy that a fit leaves in each channel over the noise's, (channels,)."""
+    return fit.residual.square().mean((0, 1)) / noise.square()
 
 
 def with_values(simulator: Simulator, values: Tensor) -> Simulator:

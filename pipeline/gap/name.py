@@ -41,7 +41,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     competition = Competition(simulator, problem, settings)
     competition.run(_settled(competition.catalogue))
     competition.finish()
-    if competition.leaves_more_than_noise() and _rests_on_numbers(competition):
+    if competition.leaves_more_than_noise() and competition.has_room() and _rests_on_numbers(competition):
         again = Competition(simulator, problem, settings)
         again.finish()
         if is_beyond_chance(again.scores() - competition.scores()):

@@ -15,6 +15,7 @@ DIRECTIONS = {
     "unsteadiness": -1,
     "captured": 1,
     "excess": -1,
+    "stand_in": -1,
     "remainder": -1,
 }
 """Whether more of a feature speaks for the effect (+1) or against it (−1)."""
@@ -33,8 +34,9 @@ class Signs:
         clusters: number of stretches with independent residuals.
         unsteadiness: greatest certain drift of its parameters between runs, over their values.
         captured: share of the excess over the noise that it explains, in the channel where it explains most.
-        excess: energy that is left beside it over the noise's, in the worst of its own channels.
+        excess: energy that is left beside it over the noise's, in the channel where it explains most.
         remainder: share of the mismatch that a formula without a name explains in its own channels.
+        is_number: whether it is a wrong number of the platform, which bends to much that it is not, and no law.
         weight: of the effect among those that this recording cannot tell from it.
     """
 
@@ -45,6 +47,7 @@ class Signs:
     captured: float = 1.0
     excess: float = 1.0
     remainder: float = 0.0
+    is_number: bool = False
     weight: float = 1.0
 
     @property
@@ -63,6 +66,7 @@ class Signs:
             "unsteadiness": math.log1p(self.unsteadiness),
             "captured": min(max(self.captured, 0.0), 1.0),
             "excess": math.log10(max(self.excess, 1.0)),
+            "stand_in": math.log10(max(self.excess, 1.0)) if self.is_number else 0.0,
             "remainder": self.remainder**2,
         }
 

@@ -45,7 +45,11 @@ class DriveStribeckFriction(_SwerveStribeckFriction):
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction summed on the chassis."""
         speed = wheel_speed(signals, constants)
-        return on_wheels(_friction(speed, signals["drive_torque"], values, constants["drive_sliding_velocity"]), signals, constants)
+        return on_wheels(
+            _friction(speed, signals["drive_torque"], values, constants["drive_sliding_velocity"]),
+            signals,
+            constants,
+        )
 
 
 class SteerStribeckFriction(_SwerveStribeckFriction):
@@ -65,7 +69,9 @@ class SteerStribeckFriction(_SwerveStribeckFriction):
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on each module, N·m."""
         applied = steering_torque(signals, constants)
-        return on_modules(_friction(signals["steer_velocity"], applied, values, constants["steer_sliding_velocity"]))
+        return on_modules(
+            _friction(signals["steer_velocity"], applied, values, constants["steer_sliding_velocity"])
+        )
 
 
 def _friction(speed: Tensor, applied: Tensor, values: Values, sliding_velocity: float) -> Tensor:

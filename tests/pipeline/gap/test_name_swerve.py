@@ -52,7 +52,9 @@ def drives(simulator: Simulator, random: np.random.Generator) -> pd.DataFrame:
 @functools.cache
 def diagnosed(key: str | None, name: str = "", value: float = 0.0) -> Diagnosis:
     effects = () if key is None else (FittedEffect(effect_by_key("swerve", key), {name: value}),)
-    simulator = Simulator(swerve(), effects, settings={"drive_sliding_velocity": 0.05, "steer_sliding_velocity": 0.05})
+    simulator = Simulator(
+        swerve(), effects, settings={"drive_sliding_velocity": 0.05, "steer_sliding_velocity": 0.05}
+    )
     frame = drives(simulator, np.random.default_rng(7))
     split = {f"drive_{run}": "holdout" if run == 0 else "train" for run in range(_RUNS)}
     units = dict.fromkeys(frame.columns[2:], "1")
