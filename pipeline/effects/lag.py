@@ -53,7 +53,7 @@ def _is_one_number(decay: Tensor, target: Tensor) -> bool:
 
 
 def _filtered(decay: Tensor, gained: Tensor) -> Tensor:
-    """Return `accumulated` for one decay by SciPy's recursive filter, several times as fast as passes over all samples."""
+    """Return `accumulated` for one decay, by SciPy's recursive filter in place of passes over all samples."""
     return torch.from_numpy(lfilter([1.0], [1.0, -float(decay)], gained.numpy(), axis=1)).to(gained.dtype)
 
 

@@ -10,9 +10,6 @@ from pipeline.gap.fit import Fit, Problem, columns_of
 from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
 from pipeline.gap.settings import Gap
 
-NOT_SIGNIFICANT = "not significant"
-"""The refusal of an effect whose parameters may as well be what they are when it does nothing."""
-
 _Z95 = 1.96
 _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
@@ -152,7 +149,7 @@ class Judge:
             if imitated or abs(values[0] - resting["ratio"]) < _LEAST_ERROR:
                 return "smaller than the quadrature of the equations can tell"
         if candidate.p_value > self.settings.significance / max(self.contestants, 1):
-            return NOT_SIGNIFICANT
+            return "not significant"
         if candidate.gain <= 0:
             return "does not predict runs it was not fitted on"
         seen = bool((energies > _LEAST_ENERGY * self.problem.noise.square()).any())

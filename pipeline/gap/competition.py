@@ -7,7 +7,7 @@ from torch import Tensor
 
 from pipeline.effects import Effect, ParameterError
 from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
-from pipeline.gap.candidate import NOT_SIGNIFICANT, Candidate, Judge, Starts
+from pipeline.gap.candidate import Candidate, Judge, Starts
 from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Fit, Problem, excess_of, fit
 from pipeline.gap.model import drifts_of, unsteadiness_of
@@ -23,7 +23,6 @@ BEYOND_NOISE = (
 )
 _REDUNDANT = 0.2
 _EXCHANGES = 3  # each costs a round for every named effect
-_TRIED = 3  # first effects of a pair, each of which costs a round
 
 
 @dataclass(frozen=True)
@@ -67,10 +66,8 @@ class Competition:
             self.take(winner)
 
     def finish(self) -> None:
-        """Let everything compete, then pairs, then what is simpler, then what fits better in another's place."""
+        """Let everything compete, then what is simpler, then what fits better in another's place."""
         self.run(self.catalogue)
-        if self.leaves_more_than_noise() and self.has_room():
-            self.look_ahead()
         self.condense()
         self.exchange()
 
@@ -79,32 +76,13 @@ class Competition:
         return float(excess_of(self.current, self.problem.noise).max()) > BEYOND_NOISE
 
     def has_room(self) -> bool:
-        """Whether another two effects may be named."""
-        return len(self.names()) + 2 <= self.settings.most_effects
+        """Whether more effects might have been named."""
+        return len(self.names()) < self.settings.most_effects
 
     def scores(self) -> Tensor:
         """Return the cross-validated log likelihood of each cluster of correlated residuals, (clusters,)."""
         score = log_score(cross_validated(self.current, self.judge.fold), self.current.scale)
         return score.new_zeros(self.clusters).index_add(0, self.problem.cluster, score)
-
-    def look_ahead(self) -> None:
-        """Try pairs: each of two effects may be drowned by the residual of the other."""
-        left = [c for c in self.rounds[-1].candidates if c.refusal == NOT_SIGNIFICANT and c.gain > 0]
-        current, dropped = self.current, set(self.dropped)
-        for first in sorted(left, key=total_score, reverse=True)[:_TRIED]:
-            self.become(first.fit)
-            present = self.names() | dropped
-            candidates = tuple(self.candidate(e) for e in self.catalogue if e.key not in present)
-            second = self.likeliest([candidate for candidate in candidates if not candidate.refusal])
-            if second is not None:
-                self.take(second)
-                if first.effect.key not in self.dropped:
-                    self.rounds.append(Round(candidates, second))
-                    self.run(self.catalogue)
-                    return
-            self.become(current)
-            self.dropped = set(dropped)
-            self.starts.forget()
 
     def take(self, winner: Candidate) -> None:
         """Fit the simulator with a winner again, and drop what it makes needless."""
