@@ -10,12 +10,14 @@ from pipeline.models.fnn import FeedForwardModel
 from pipeline.models.linear import LinearModel
 from pipeline.models.lstm import LongShortTermMemoryModel
 from pipeline.models.settings import ModelSettings
+from pipeline.models.tcn import TemporalConvolutionModel
 from pipeline.stage.mistakes import configuration_mistakes
 
 MODELS: dict[str, type[DynamicsModel]] = {
     "linear": LinearModel,
     "fnn": FeedForwardModel,
     "lstm": LongShortTermMemoryModel,
+    "tcn": TemporalConvolutionModel,
 }
 
 

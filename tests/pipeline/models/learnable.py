@@ -16,6 +16,7 @@ SMALL = {
     "linear": {"sequence_length": 2},
     "fnn": {"sequence_length": 2, "hidden": [16], "learning_rate": 0.01, "dropout": [0.1]},
     "lstm": {"sequence_length": 4, "hidden": [8], "learning_rate": 0.01},
+    "tcn": {"sequence_length": 4, "hidden": [8, 8], "dropout": [], "learning_rate": 0.01},
 }
 QUICK = Training(max_epochs=4, batch_size=128)
 PARTS = {"a": "train", "b": "train", "c": "validation", "d": "holdout"}

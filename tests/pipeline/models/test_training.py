@@ -25,7 +25,7 @@ def parts():
     return recorded, *learnable.parts_of(recorded)
 
 
-@pytest.mark.parametrize("name", ["fnn", "lstm"])
+@pytest.mark.parametrize("name", ["fnn", "lstm", "tcn"])
 @pytest.mark.parametrize("epoch", [0, 1, 4])
 def test_a_killed_training_goes_on_to_the_same_end(name, epoch, parts, tmp_path):
     recorded, train, validation, _ = parts

@@ -1,0 +1,51 @@
+"""Convolutions that look back only, over as long a past as their dilations say."""
+
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+from torch import nn
+
+from pipeline.errors import InputError
+from pipeline.models.registry import model_settings
+from pipeline.models.tcn import TemporalConvolutionModel, TemporalConvolutionSettings
+from tests.pipeline.models import learnable
+
+
+def _network(kernel: int, blocks: int) -> nn.Sequential:
+    settings = TemporalConvolutionSettings(hidden=[4] * blocks, dropout=[], kernel=kernel, sequence_length=64)
+    model = learnable.new_model("tcn", learnable.linear_joint(), hidden=[4] * blocks, dropout=[], kernel=kernel)
+    assert isinstance(model, TemporalConvolutionModel)
+    torch.manual_seed(0)
+    network = TemporalConvolutionModel(model.layout, settings, 0.01).network.double().eval()
+    assert isinstance(network, nn.Sequential)
+    return network
+
+
+@given(kernel=st.integers(1, 4), blocks=st.integers(1, 4), touched=st.integers(0, 63))
+def test_a_sample_moves_only_what_comes_after_it_and_within_reach(kernel, blocks, touched):
+    """Reach: two convolutions of (kernel − 1)·2ⁿ samples in block n."""
+    network = _network(kernel, blocks)
+    convolutions = network[:-2]  # without the average and the head
+    generator = torch.Generator().manual_seed(touched)
+    features = next(m for m in network.modules() if isinstance(m, nn.Conv1d)).in_channels
+    windows = torch.randn((1, 64, features), generator=generator, dtype=torch.float64)
+    changed = windows.clone()
+    changed[:, touched] += 1.0
+    moved = (convolutions(changed) - convolutions(windows)).abs().amax((0, 1)).nonzero().squeeze(1)
+    reach = 2 * (kernel - 1) * (2**blocks - 1)
+    assert (moved >= touched).all()
+    assert (moved <= touched + reach).all()
+
+
+def test_the_kernel_is_checked():
+    with pytest.raises(InputError, match="kernel"):
+        learnable.new_model("tcn", learnable.linear_joint(), kernel=0)
+
+
+def test_the_default_is_the_published_network():
+    settings = model_settings({"name": "tcn"})
+    assert isinstance(settings, TemporalConvolutionSettings)
+    assert len(settings.hidden) == 6  # dilations 1, 2, 4, 8, 16, 32
+    assert settings.dropouts() == [0.2] * 6
+    assert settings.learning_rate == 3e-4
