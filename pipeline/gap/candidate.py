@@ -28,6 +28,7 @@ class Candidate:
         gain: cross-validated log likelihood gained, corrected for correlated rows.
         channel: in which it explains most of the excess over the noise floor.
         share: of that excess.
+        signal: energy that it explains there over the noise's.
         share_interval: 95 % interval of the share, over clusters of correlated residuals.
         p_value: of the effect's parameters differing from doing nothing.
         design_effect: how many correlated rows count as one.
@@ -40,6 +41,7 @@ class Candidate:
     gain: float
     channel: int
     share: float
+    signal: float
     share_interval: tuple[float, float]
     p_value: float
     design_effect: float
@@ -114,6 +116,7 @@ class Judge:
             gain=gain / significance.design_effect,
             channel=channel,
             share=share,
+            signal=float(energies[channel] / self.problem.noise[channel].square()),
             share_interval=interval,
             p_value=significance.p_value,
             design_effect=significance.design_effect,

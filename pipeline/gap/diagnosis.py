@@ -201,6 +201,7 @@ def _signs(
             clusters=int(problem.cluster.max()) + 1,
             unsteadiness=unsteadiness_of(drifts[c.effect.key]),
             captured=c.share,
+            signal=c.signal,
             excess=float(excess_of(naming.fit, problem.noise)[c.channel]),
             is_number=isinstance(c.effect, ParameterError),
             remainder=max((left.get(channel, 0.0) for channel in own), default=0.0),
