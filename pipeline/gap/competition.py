@@ -137,11 +137,11 @@ class Competition:
         simpler = single_cause(self.current, self.catalogue, self.problem, self.known)
         if simpler is None:
             return
-        effect, without = simpler
-        kept = {fitted.effect.key for fitted in without.simulator.free}
-        candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in kept)
-        winner = next(candidate for candidate in candidates if candidate.effect.key == effect.key)
-        self.rounds.append(Round(candidates, winner))
+        effect, fitted, without = simpler
+        winner = self.judge(effect, without, fitted)
+        kept = {effect.key} | {fitted.effect.key for fitted in without.simulator.free}
+        others = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in kept)
+        self.rounds.append(Round((winner, *others), winner))
         self.take(winner)
         self.run(self.catalogue)
 

@@ -35,7 +35,7 @@ class Signs:
         parameters: how many it has.
         clusters: number of stretches with independent residuals.
         unsteadiness: greatest certain drift of its parameters between runs, over their values.
-        captured: share of the excess over the noise that it explains, in the channel where it explains most.
+        captured: share of what the others leave over the noise that it explains, in the channel where it explains most.
         signal: energy that it explains there over the noise's; the less it is, the more else is as small.
         excess: energy that is left beside it over the noise's, in the channel where it explains most.
         remainder: share of the mismatch that a formula without a name explains in its own channels.

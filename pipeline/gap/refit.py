@@ -49,14 +49,21 @@ def extend(
     return _finished(simulator, residual, jacobian, problem)
 
 
+def remove(current: Fit, effect: Effect, problem: Problem, known: FittedEffect | None = None) -> Fit:
+    """Take an effect out of a fit, or put it back to what was known of it, and leave the others as they are."""
+    simulator = _without(current, effect, known)
+    mine = columns_of(current, effect)
+    others = [column for column in range(current.jacobian.shape[-1]) if column not in mine]
+    return _finished(simulator, problem.residual(simulator), current.jacobian[..., others], problem)
+
+
 def shrink(current: Fit, effect: Effect, problem: Problem, known: FittedEffect | None = None) -> Fit:
     """Take an effect out of a fit, or put it back to what was known of it.
 
     The others move by one Newton step where the effect is linear, else by a few with the slopes that they had beside
     it; where those lead nowhere, they are fitted again.
     """
-    kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
-    simulator = current.simulator.with_effects((known, *kept) if known else kept)
+    simulator = _without(current, effect, known)
     mine = columns_of(current, effect)
     others = [column for column in range(current.jacobian.shape[-1]) if column not in mine]
     if not _is_linear(effect):
@@ -67,6 +74,11 @@ def shrink(current: Fit, effect: Effect, problem: Problem, known: FittedEffect |
     if others:
         simulator, residual = _stepped(simulator, residual, jacobian, problem, linear=True)
     return _finished(simulator, residual, jacobian, problem)
+
+
+def _without(current: Fit, effect: Effect, known: FittedEffect | None) -> Simulator:
+    kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
+    return current.simulator.with_effects((known, *kept) if known else kept)
 
 
 def _eased(simulator: Simulator, jacobian: Tensor, problem: Problem) -> Fit | None:
