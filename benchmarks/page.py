@@ -171,7 +171,9 @@ def _residual_part(residual: dict[str, Laps]) -> str:
 ## What the residual costs
 
 The mean of the residuals at the five nearest of 1,000 samples, in seven features, once in a control step; 10,000
-machines. Millions of control steps a second; a cost of 1 is that of the physics.
+machines. Millions of control steps a second; a cost of 1 is that of the physics. All samples are looked at: 1,000
+distances in seven features are 21,000 operations (a difference, a product and a sum each) before the nearest are picked
+out; how many the physics takes stands above.
 
 """
     return text + table(

@@ -83,7 +83,7 @@ def _energies(task: Task, strength: float, folder: Path) -> dict[str, float]:
     nominal = build_simulator(told, SimulatorSettings(), cleaned.units)
     prepared = prepare(cleaned, nominal, config.gap)
     blocks, functions = prepared.problem.blocks, prepared.problem.functions
-    without = {key: values for key, values in effects.items() if key != task.effect}
+    without = {key: values for key, values in effects.items() if not _is_of(key, task.effect)}
     simulators = [
         replace(
             build_simulator(told, SimulatorSettings(effects=known), cleaned.units),
@@ -123,11 +123,23 @@ def _recorded(task: Task, strength: float, folder: Path) -> tuple[Any, dict[str,
     case = next(case for case in cases if case.subject.names == (task.effect,))
     record_sealed(case, folder / "recording.parquet", folder / "key.json")
     key = json.loads((folder / "key.json").read_text(encoding="utf-8"))
-    effects = {
-        effect_name(effect): {name: entry["value"] for name, entry in effect["parameters"].items()}
-        for effect in key["effects"]
-    }
+    effects = {}
+    for effect in key["effects"]:
+        values = {name: entry["value"] for name, entry in effect["parameters"].items()}
+        effects[_key_of(task.kind, effect_name(effect), values)] = values
     return read_recording(folder / "recording.parquet"), case.platform, effects
+
+
+def _key_of(kind: str, name: str, values: dict[str, float]) -> str:
+    """Return the catalogue's key of a concealed effect: one name may stand for each of four rotors."""
+    from pipeline.effects import effects_of
+
+    alike = [effect for effect in effects_of(kind) if _is_of(effect.key, name)]
+    return next(e.key for e in alike if set(values) <= {parameter.name for parameter in e.parameters})
+
+
+def _is_of(key: str, name: str) -> bool:
+    return key == name or key.partition("@")[0] == name
 
 
 def _tasks(config: StrengthsStage) -> list[Task]:

@@ -4,7 +4,6 @@ Source: Krishnan 2001, Electric motor drives, §2; exact for an input held over 
 """
 
 import torch
-from scipy.signal import lfilter
 from torch import Tensor
 
 from pipeline.effects.recurrence import accumulated
@@ -54,6 +53,8 @@ def _is_one_number(decay: Tensor, target: Tensor) -> bool:
 
 def _filtered(decay: Tensor, gained: Tensor) -> Tensor:
     """Return `accumulated` for one decay, by SciPy's recursive filter in place of passes over all samples."""
+    from scipy.signal import lfilter  # its import takes longer than all effects
+
     return torch.from_numpy(lfilter([1.0], [1.0, -float(decay)], gained.numpy(), axis=1)).to(gained.dtype)
 
 

@@ -15,6 +15,7 @@ _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
+_MOST = 0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
 
 
 @dataclass(frozen=True)
@@ -26,8 +27,10 @@ class Candidate:
         fit: the refitted simulator.
         residual: cross-validated, (blocks, rows, channels).
         gain: cross-validated log likelihood gained, corrected for correlated rows.
-        channel: in which it explains most of the excess over the noise floor.
-        share: of that excess.
+        channel: of whose residual it explains the greatest part.
+        share: of the excess over the noise floor that the others leave there.
+        part: of the whole excess there, that of the nominal simulator.
+        signal: energy that it explains there over the noise's.
         share_interval: 95 % interval of the share, over clusters of correlated residuals.
         p_value: of the effect's parameters differing from doing nothing.
         design_effect: how many correlated rows count as one.
@@ -40,6 +43,8 @@ class Candidate:
     gain: float
     channel: int
     share: float
+    part: float
+    signal: float
     share_interval: tuple[float, float]
     p_value: float
     design_effect: float
@@ -75,7 +80,7 @@ class Starts:
 
 
 class Judge:
-    """Measures candidates against the noise floor, the runs left out and the nominal simulator."""
+    """Measures candidates against the noise floor and the runs left out."""
 
     def __init__(
         self,
@@ -106,7 +111,10 @@ class Judge:
         neutral = list(self.rest(effect).values())
         significance = significance_of(fitted, columns, neutral, self.clusters)
         gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
-        channel, share, interval, energies = self.explained(before, after)
+        energy = (before.square() - after.square()).mean(1)  # (blocks, channels)
+        energies = energy.mean(0)
+        channel = int((energies / without.scale.square()).argmax())
+        share, interval = self.share(energy[:, channel], self.excess(before)[channel])
         candidate = Candidate(
             effect=effect,
             fit=fitted,
@@ -114,26 +122,25 @@ class Judge:
             gain=gain / significance.design_effect,
             channel=channel,
             share=share,
+            part=float(energies[channel] / self.excess(self.base.residual)[channel]),
+            signal=float(energies[channel] / self.problem.noise[channel].square()),
             share_interval=interval,
             p_value=significance.p_value,
             design_effect=significance.design_effect,
         )
         return replace(candidate, refusal=self.refusal(candidate, energies))
 
-    def explained(self, before: Tensor, after: Tensor) -> tuple[int, float, tuple[float, float], Tensor]:
-        """Return the channel that gains most, the share of its excess over the noise, and the share's interval.
-
-        Then the energy that is explained in each channel, (channels,).
-        """
+    def excess(self, residual: Tensor) -> Tensor:
+        """Return the energy of residuals over the noise's in each channel, (channels,)."""
         noise = self.problem.noise.square()
-        excess = (self.base.residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
-        energy = (before.square() - after.square()).mean(1)  # (blocks, channels)
-        mean = energy.mean(0)
-        best = int((mean / excess).argmax())
-        groups = energy.new_zeros(self.clusters).index_add(0, self.problem.cluster, energy[:, best])
+        return (residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
+
+    def share(self, energy: Tensor, excess: Tensor) -> tuple[float, tuple[float, float]]:
+        """Return the share of an excess that the energy explained in each block (blocks,) is, and its interval."""
+        groups = energy.new_zeros(self.clusters).index_add(0, self.problem.cluster, energy)
         error = float(groups.std()) * self.clusters**0.5 / len(energy) if self.clusters > 1 else 0.0
-        share, width = float(mean[best] / excess[best]), _Z95 * error / float(excess[best])
-        return best, share, (share - width, share + width), mean
+        share, width = float(energy.mean() / excess), _Z95 * error / float(excess)
+        return share, (share - width, share + width)
 
     def refusal(self, candidate: Candidate, energies: Tensor) -> str:
         """Return why a candidate may not be named; empty where it may."""
@@ -153,9 +160,14 @@ class Judge:
         if candidate.gain <= 0:
             return "does not predict runs it was not fitted on"
         seen = bool((energies > _LEAST_ENERGY * self.problem.noise.square()).any())
-        if candidate.share < self.settings.least_share or not seen:
-            return "explains too little to matter"
-        return ""
+        return "" if seen and self.matters(candidate) else "explains too little to matter"
+
+    def matters(self, candidate: Candidate) -> bool:
+        """Whether a candidate explains enough of the whole gap, or else most of what is left, and more than noise."""
+        if candidate.share < self.settings.least_share:
+            return False
+        rest = candidate.share >= _MOST and candidate.signal > 1.0
+        return candidate.part >= self.settings.least_share or rest
 
     def rest(self, effect: Effect) -> dict[str, float]:
         """Return the values at which an effect changes nothing: those known before, else none of it."""

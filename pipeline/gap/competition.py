@@ -46,7 +46,7 @@ class Competition:
         self.catalogue = candidates_for(simulator, problem.blocks.signals, settings.effects)
         self.clusters = int(problem.cluster.max()) + 1
         self.base = self.current = fit(simulator, problem)
-        self.kept: dict[str, Fit] = {}
+        self.shrunk: dict[str, Fit] = {}
         self.known = {fitted.effect.key: fitted for fitted in simulator.known}
         resting = {key: dict(fitted.values) for key, fitted in self.known.items()}
         self.judge = Judge(problem, settings, self.base, len(self.catalogue), resting)
@@ -105,7 +105,7 @@ class Competition:
     def become(self, current: Fit) -> None:
         """Go on with another fit; what it would be without each effect is worked out once."""
         self.current = current
-        self.kept.clear()
+        self.shrunk.clear()
 
     def candidate(self, effect: Effect, without: Fit | None = None) -> Candidate:
         """Refit with the effect added and compare with the simulator without it."""
@@ -137,11 +137,11 @@ class Competition:
         simpler = single_cause(self.current, self.catalogue, self.problem, self.known)
         if simpler is None:
             return
-        effect, without = simpler
-        kept = {fitted.effect.key for fitted in without.simulator.free}
-        candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in kept)
-        winner = next(candidate for candidate in candidates if candidate.effect.key == effect.key)
-        self.rounds.append(Round(candidates, winner))
+        effect, fitted, without = simpler
+        winner = self.judge(effect, without, fitted)
+        kept = {effect.key} | {fitted.effect.key for fitted in without.simulator.free}
+        others = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in kept)
+        self.rounds.append(Round((winner, *others), winner))
         self.take(winner)
         self.run(self.catalogue)
 
@@ -192,6 +192,7 @@ class Competition:
                 clusters=self.clusters,
                 unsteadiness=unsteadiness_of(drifts),
                 captured=candidate.share,
+                signal=candidate.signal,
                 excess=float(excess_of(self.current, self.problem.noise)[candidate.channel]),
                 is_number=isinstance(candidate.effect, ParameterError),
             )
@@ -199,9 +200,9 @@ class Competition:
 
     def without(self, effect: Effect) -> Fit:
         """Return the current fit without an effect, or with what was known of it before."""
-        if effect.key not in self.kept:
-            self.kept[effect.key] = shrink(self.current, effect, self.problem, self.known.get(effect.key))
-        return self.kept[effect.key]
+        if effect.key not in self.shrunk:
+            self.shrunk[effect.key] = shrink(self.current, effect, self.problem, self.known.get(effect.key))
+        return self.shrunk[effect.key]
 
     def alone(self, effect: Effect) -> Candidate:
         """Judge an effect of the current simulator as if it had been the last to enter."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pipeline.effects import MeasurementEffect, ParameterError
 from pipeline.effects.delay import CommandDelay
 from pipeline.gap.competition import BEYOND_NOISE
-from pipeline.gap.fit import Problem, channels_of, excess_of
+from pipeline.gap.fit import Fit, Problem, channels_of, excess_of, fit
 from pipeline.gap.horizon import HorizonError, horizon_errors
 from pipeline.gap.locate import Mismatch, locate
 from pipeline.gap.model import Drift, drifts_of, unsteadiness_of
@@ -131,16 +131,41 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
 def _named(recording: Recording, nominal: Simulator, settings: Gap) -> tuple[Prepared, Naming]:
     """Name what is missing, with the commands where they act.
 
-    A delay or an offset of half a sample is no physics: it says that commands were measured where they were taken as
-    held, or the other way round. The other reading is taken where it does without.
+    Which of the two readings of a command is right, held or measured, may not show before the physics is known. The
+    other one is tried where what was named leaves less of it, where several names may have made up for a wrong one, and
+    where a delay or an offset of half a sample was needed, which is no physics.
     """
     prepared = prepare(recording, nominal, settings)
     naming = name(prepared.nominal, prepared.problem, settings)
-    if recording.kind not in HELD_KINDS or not _is_late_by_half_a_sample(naming, prepared):
+    if recording.kind not in HELD_KINDS:
         return prepared, naming
+    late = _is_late_by_half_a_sample(naming, prepared)
     other = prepare(recording, nominal, settings, held=not prepared.problem.blocks.held)
+    if (
+        not late
+        and len(naming.named) < 2
+        and _left(_refitted(naming, other), other) >= _left(naming.fit, prepared)
+    ):
+        return prepared, naming
     renamed = name(other.nominal, other.problem, settings)
-    return (prepared, naming) if _is_late_by_half_a_sample(renamed, other) else (other, renamed)
+    if late:
+        return (prepared, naming) if _is_late_by_half_a_sample(renamed, other) else (other, renamed)
+    return min((prepared, naming), (other, renamed), key=lambda reading: _cost(*reading))
+
+
+def _refitted(naming: Naming, prepared: Prepared) -> Fit:
+    """Fit the effects that were named to commands that are read the other way."""
+    return fit(prepared.nominal.with_effects(naming.fit.simulator.effects), prepared.problem)
+
+
+def _left(fitted: Fit, prepared: Prepared) -> float:
+    """Return the logarithm of what a fit leaves over the noise, summed over channels."""
+    return float(excess_of(fitted, prepared.problem.noise).clamp_min(1.0).log().sum())
+
+
+def _cost(prepared: Prepared, naming: Naming) -> float:
+    """Return what is left, and one for each name that it takes: a name is worth a factor of e."""
+    return _left(naming.fit, prepared) + len(naming.named)
 
 
 def _is_late_by_half_a_sample(naming: Naming, prepared: Prepared) -> bool:
@@ -201,6 +226,7 @@ def _signs(
             clusters=int(problem.cluster.max()) + 1,
             unsteadiness=unsteadiness_of(drifts[c.effect.key]),
             captured=c.share,
+            signal=c.signal,
             excess=float(excess_of(naming.fit, problem.noise)[c.channel]),
             is_number=isinstance(c.effect, ParameterError),
             remainder=max((left.get(channel, 0.0) for channel in own), default=0.0),

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from torch import Tensor
 
 from pipeline.effects import Effect, ParameterError
-from pipeline.gap.fit import Fit, Problem
-from pipeline.gap.refit import extend, shrink
+from pipeline.gap.fit import Fit, Problem, fit
+from pipeline.gap.refit import extend, remove, shrink
 from pipeline.simulation import FittedEffect
 
 _NEARLY_ALL = 0.98  # of what the two explain; what is left may still be a small error of one of them
@@ -15,7 +15,7 @@ _NEARLY_ALL = 0.98  # of what the two explain; what is left may still be a small
 
 def single_cause(
     current: Fit, catalogue: Sequence[Effect], problem: Problem, known: Mapping[str, FittedEffect]
-) -> tuple[Effect, Fit] | None:
+) -> tuple[Effect, Fit, Fit] | None:
     """Look for an effect with one parameter that stands in for two parameter errors.
 
     Two wrong numbers of the platform span a family that may hold quite another law: a motor constant and an inertia
@@ -23,21 +23,24 @@ def single_cause(
     two that conspire.
 
     Returns:
-        The effect and the fit without the two that it replaces, or None.
+        The effect, the fit with it and the fit without the two that it replaces, or None.
     """
     present = {fitted.effect.key for fitted in current.simulator.free}
     errors = [f.effect for f in current.simulator.free if isinstance(f.effect, ParameterError)]
     contenders = [e for e in catalogue if e.key not in present and len(e.parameters) == 1]
     for pair in itertools.combinations(errors, 2):
-        without = current
+        without, bare = current, current
         for error in pair:
             without = shrink(without, error, problem, known.get(error.key))
-        tried = [(effect, extend(without, effect, problem)) for effect in contenders]
+            bare = remove(bare, error, problem, known.get(error.key))
+        # The others start from what they are beside the two: without anything in their place they would go astray.
+        tried = [(effect, extend(bare, effect, problem)) for effect in contenders]
         if not tried:
             return None
-        best = max(tried, key=lambda entry: _explained(without, entry[1].residual))
-        if _explained(without, best[1].residual) >= _NEARLY_ALL * _explained(without, current.residual):
-            return best[0], without
+        effect, likeliest = max(tried, key=lambda entry: _explained(without, entry[1].residual))
+        fitted = fit(likeliest.simulator, problem)
+        if _explained(without, fitted.residual) >= _NEARLY_ALL * _explained(without, current.residual):
+            return effect, fitted, without
     return None
 
 

@@ -14,6 +14,7 @@ DIRECTIONS = {
     "evidence": 1,
     "unsteadiness": -1,
     "captured": 1,
+    "signal": 1,
     "excess": -1,
     "stand_in": -1,
     "remainder": -1,
@@ -21,6 +22,7 @@ DIRECTIONS = {
 """Whether more of a feature speaks for the effect (+1) or against it (−1)."""
 
 _MOST = 0.995  # nothing is certain of one recording
+_LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 100.0  # beyond which more or less of it says nothing new
 _MOST_ODDS = 50.0  # of the logarithm, beyond which the exponential says nothing more
 
 
@@ -33,7 +35,8 @@ class Signs:
         parameters: how many it has.
         clusters: number of stretches with independent residuals.
         unsteadiness: greatest certain drift of its parameters between runs, over their values.
-        captured: share of the excess over the noise that it explains, in the channel where it explains most.
+        captured: share of what the others leave over the noise that it explains, in the channel where it explains most.
+        signal: energy that it explains there over the noise's; the less it is, the more else is as small.
         excess: energy that is left beside it over the noise's, in the channel where it explains most.
         remainder: share of the mismatch that a formula without a name explains in its own channels.
         is_number: whether it is a wrong number of the platform, which bends to much that it is not, and no law.
@@ -45,6 +48,7 @@ class Signs:
     clusters: int
     unsteadiness: float = 0.0
     captured: float = 1.0
+    signal: float = 1.0
     excess: float = 1.0
     remainder: float = 0.0
     is_number: bool = False
@@ -65,6 +69,7 @@ class Signs:
             "evidence": math.asinh(self.log_bayes_factor),
             "unsteadiness": math.log1p(self.unsteadiness),
             "captured": min(max(self.captured, 0.0), 1.0),
+            "signal": math.log10(min(max(self.signal, _LEAST_SIGNAL), _MOST_SIGNAL)),
             "excess": math.log10(max(self.excess, 1.0)),
             "stand_in": math.log10(max(self.excess, 1.0)) if self.is_number else 0.0,
             "remainder": self.remainder**2,

@@ -49,18 +49,25 @@ def extend(
     return _finished(simulator, residual, jacobian, problem)
 
 
+def remove(current: Fit, effect: Effect, problem: Problem, known: FittedEffect | None = None) -> Fit:
+    """Take an effect out of a fit, or put it back to what was known of it, and leave the others as they are."""
+    simulator = _without(current, effect, known)
+    mine = columns_of(current, effect)
+    others = [column for column in range(current.jacobian.shape[-1]) if column not in mine]
+    return _finished(simulator, problem.residual(simulator), current.jacobian[..., others], problem)
+
+
 def shrink(current: Fit, effect: Effect, problem: Problem, known: FittedEffect | None = None) -> Fit:
     """Take an effect out of a fit, or put it back to what was known of it.
 
     The others move by one Newton step where the effect is linear, else by a few with the slopes that they had beside
     it; where those lead nowhere, they are fitted again.
     """
-    kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
-    simulator = current.simulator.with_effects((known, *kept) if known else kept)
+    simulator = _without(current, effect, known)
     mine = columns_of(current, effect)
     others = [column for column in range(current.jacobian.shape[-1]) if column not in mine]
     if not _is_linear(effect):
-        return _settled(simulator, current.jacobian[..., others], problem) or fit(simulator, problem)
+        return _eased(simulator, current.jacobian[..., others], problem) or fit(simulator, problem)
     rest = torch.tensor(list((known.values if known else effect.neutral()).values()), dtype=torch.float64)
     residual = current.residual + current.jacobian[..., mine] @ (current.values[mine] - rest)
     jacobian = current.jacobian[..., others]
@@ -69,13 +76,20 @@ def shrink(current: Fit, effect: Effect, problem: Problem, known: FittedEffect |
     return _finished(simulator, residual, jacobian, problem)
 
 
-def _settled(simulator: Simulator, jacobian: Tensor, problem: Problem) -> Fit | None:
+def _without(current: Fit, effect: Effect, known: FittedEffect | None) -> Simulator:
+    kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
+    return current.simulator.with_effects((known, *kept) if known else kept)
+
+
+def _eased(simulator: Simulator, jacobian: Tensor, problem: Problem) -> Fit | None:
     """Move all parameters by a few Newton steps with slopes from nearby; None where the first leads nowhere."""
     residual = problem.residual(simulator)
     for step in range(_STEPS if jacobian.shape[-1] else 0):
         moved, rows = _stepped(simulator, residual, jacobian, problem, linear=False)
-        if moved is simulator and step == 0:
-            return None
+        if moved is simulator:
+            if step == 0:
+                return None
+            break
         simulator, residual = moved, rows
     return _finished(simulator, residual, jacobian, problem)
 

@@ -91,7 +91,9 @@ def _rollout_problem(simulator: Simulator, problem: Problem, horizon: float) -> 
     substeps = substeps_for(simulator, blocks, steps, noise)
     recorded = motion_of(simulator.platform).pack(inner)
     cluster = torch.unique(problem.cluster[part], return_inverse=True)[1]
-    return RolloutProblem(blocks, problem.functions, noise, problem.quadrature, cluster, recorded, substeps)
+    return RolloutProblem(
+        blocks, problem.functions, noise, torch.zeros_like(noise), cluster, recorded, substeps
+    )
 
 
 def _merged(found: Fit, refitted: Fit) -> tuple[Tensor, Tensor]:

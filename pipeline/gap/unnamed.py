@@ -76,7 +76,8 @@ def find_unnamed(
         excess = max(float(nominal_residual[..., i].square().mean()) - noise, 0.01 * noise)
         left = residual[..., i].flatten()
         chosen, explained = _pursue(left, terms, row_fold, row_cluster)
-        if chosen and explained > max(least_share * excess, _LEAST_ENERGY * noise):
+        least = max(least_share * excess, _LEAST_ENERGY * noise, float(problem.quadrature[i]) ** 2)
+        if chosen and explained > least:
             formula = _formula(chosen, left)
             signals = tuple(dict.fromkeys(signal for term in chosen for signal in term.signals))
             found.append(Unnamed(channel, signals, formula, min(explained / excess, 1.0)))

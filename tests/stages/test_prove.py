@@ -103,3 +103,20 @@ def test_strengths_are_measured_with_all_else_known(tmp_path: Path) -> None:
     energies = entry["energies"]
     assert energies["1"]["explained"] > 10 * energies["0.2"]["explained"] > 0
     assert energies["1"]["left"] < 5
+
+
+@pytest.mark.slow
+def test_strengths_know_which_rotor_is_damaged(tmp_path: Path) -> None:
+    """One concealed name stands for four effects of the catalogue, one for each rotor."""
+    output = tmp_path / "out"
+    output.mkdir()
+    config = configured(StrengthsStage, tmp_path)
+    config.prove.kinds = ["quadrotor"]
+    config.prove.quadrotor = {
+        "machines": {"racer": {}},
+        "effects": {"rotor_fault": {"clear": 1.0, "faint": 1.0}},
+        "conditions": {"runs": 2, "duration": 4.0, "rate": 100.0},
+    }
+    strengths(config, StageRun(output))
+    (entry,) = json.loads((tmp_path / "out" / "strengths.json").read_text())
+    assert entry["energies"]["1"]["explained"] > 100 * entry["energies"]["1"]["left"]
