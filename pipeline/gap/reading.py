@@ -33,8 +33,9 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
     ):
         return prepared, naming
     renamed = name(other.nominal, other.problem, settings)
-    if late:
-        return (prepared, naming) if _is_late_by_half_a_sample(renamed, other) else (other, renamed)
+    later = _is_late_by_half_a_sample(renamed, other)
+    if late or later:
+        return (other, renamed) if late and not later else (prepared, naming)
     return min((prepared, naming), (other, renamed), key=lambda reading: _cost(*reading))
 
 
