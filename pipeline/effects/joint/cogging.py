@@ -25,7 +25,7 @@ class Cogging(WrenchEffect):
     parameters = (
         Parameter("sine", "N·m", 0.05, -1e4, 1e4),
         Parameter("cosine", "N·m", 0.02, -1e4, 1e4),
-        Parameter("cycles", "1/rad", 12.0, _LEAST_CYCLES, 1e5, neutral=3.0),
+        Parameter("cycles", "1/rad", 12.0, float(_LEAST_CYCLES), 1e5, neutral=3.0),
     )
     needs = ("position",)
     yields_to = ("constant_load",)
