@@ -12,6 +12,8 @@ from torch import Tensor
 from pipeline.gap.candidate import Candidate
 from pipeline.gap.contract import write_json
 from pipeline.gap.diagnosis import Diagnosis, regimes_on
+from pipeline.gap.learned import LearnedResidual
+from pipeline.gap.prove import gap_closed
 from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
 from pipeline.gap.residuals import channel_series, measured_rows, residual_rows
 from pipeline.gap.scoring import clusters_of
@@ -38,6 +40,10 @@ def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
     write_json(laws(diagnosis), folder / "laws.json")
     write_json(horizons(diagnosis), folder / "horizon.json")
     write_json(regime_maps(diagnosis), folder / "regimes.json")
+    write_json(memories(diagnosis), folder / "memory.json")
+    write_json(learned(diagnosis), folder / "learned.json")
+    for entry in diagnosis.learned:
+        samples(entry).to_parquet(folder / f"learned_{entry.channel.name}.parquet", index=False)
     write_json({m.channel.name: m.runs for m in diagnosis.mismatches}, folder / "runs.json")
 
 
@@ -102,6 +108,38 @@ def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
             table = pd.DataFrame(labels | values | regimes)
             tables.append(table.assign(part=part, channel=channel.name, unit=channel.unit))
     return pd.concat(tables, ignore_index=True)
+
+
+def memories(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Return the correlations of what is left with its own past and with past inputs."""
+    return [asdict(memory) | {"channel": memory.channel.name} for memory in diagnosis.memories]
+
+
+def learned(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the error with what was learned of the rest, in the metric of the fit, and how it was learned."""
+    proof = diagnosis.proof
+    closed = None if proof.learned is None else gap_closed(proof.before, proof.learned, proof.noise_floor)
+    return {
+        "after": proof.learned,
+        "gap_closed": closed,
+        "channels": [
+            {
+                "channel": entry.channel.name,
+                "unit": entry.channel.unit,
+                "features": list(entry.features),
+                "neighbours": entry.neighbours.count,
+                "samples": len(entry.neighbours.inputs),
+                "explained": entry.explained,
+            }
+            for entry in diagnosis.learned
+        ],
+    }
+
+
+def samples(entry: LearnedResidual) -> pd.DataFrame:
+    """Return the windows that a learned residual is looked up in: their features, SI, and what was left."""
+    columns = {name: entry.neighbours.inputs[:, i].numpy() for i, name in enumerate(entry.features)}
+    return pd.DataFrame(columns | {"residual": entry.neighbours.outputs[:, 0].numpy()})
 
 
 def competition(diagnosis: Diagnosis) -> dict[str, Any]:

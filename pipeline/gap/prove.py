@@ -30,6 +30,7 @@ class Proof:
         gap_closed: (before − after) / (before − noise_floor), at most 1; None where nothing could be held out.
         interval: 95 % bootstrap interval of it.
         channels: RMS per channel: before, after, noise floor; (channels, 3).
+        learned: of the simulator with the named effects and what was learned of the rest; None where nothing was.
     """
 
     metric: str
@@ -40,6 +41,7 @@ class Proof:
     gap_closed: float | None
     interval: tuple[float, float] | None
     channels: Tensor
+    learned: float | None
 
 
 def prove(
@@ -50,6 +52,7 @@ def prove(
     counted: list[Channel],
     held_out: bool,
     resamples: int,
+    learned: Tensor | None = None,
 ) -> Proof:
     """Compare two simulators on blocks.
 
@@ -61,6 +64,7 @@ def prove(
         counted: the channels that enter the metric.
         held_out: whether the blocks were used for nothing else.
         resamples: of the bootstrap.
+        learned: what a learned residual predicts beside the augmented simulator, (blocks, rows, channels).
     """
     names = [channel.name for channel in channels_on(nominal, blocks)]
     columns = [names.index(channel.name) for channel in counted]
@@ -89,7 +93,12 @@ def prove(
         channels=torch.stack(
             [before.square().mean((0, 1)).sqrt(), after.square().mean((0, 1)).sqrt(), floor], dim=1
         ),
+        learned=None if learned is None else _rms((after - learned)[..., columns] / size),
     )
+
+
+def _rms(rows: Tensor) -> float:
+    return float(rows.square().mean().sqrt())
 
 
 def _common_unit(counted: list[Channel], before: Tensor) -> tuple[str, Tensor]:

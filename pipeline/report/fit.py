@@ -28,20 +28,23 @@ def fit_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
         return None
     fit = inputs.diagnosis.get("fit") or {}
     horizons = inputs.evidence("horizon.json") or []
+    learned = inputs.evidence("learned.json") or {}
     content = {
         "fit": fit,
         "unknown": why_unknown(fit),
-        "bars": _bars(fit),
+        "bars": _bars(fit | {"learned": learned.get("after")}),
+        "learned": learned,
         "horizons": [_horizon(entry) for entry in horizons if entry.get("horizon")],
     }
     return Section("fit", "Fit before and after", content)
 
 
 def _bars(fit: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the three errors with their lengths as a percentage of the longest."""
+    """Return the errors with their lengths as a percentage of the longest."""
     named = [
         ("before", "Simulator as given"),
         ("after", "With what was found"),
+        ("learned", "And what was learned of the rest"),
         ("noise_floor", "Noise floor"),
     ]
     known = [(key, name, fit[key]) for key, name in named if is_number(fit.get(key))]

@@ -8,6 +8,9 @@ from torch import Tensor
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.joint.common import on_axis
 
+_LEAST_CYCLES = (
+    2  # of a turn: a magnet has two poles, and one wave in a turn is a weight that hangs off the axis
+)
 _MOST_CYCLES = 48
 _PHASES = 3
 
@@ -22,7 +25,7 @@ class Cogging(WrenchEffect):
     parameters = (
         Parameter("sine", "N·m", 0.05, -1e4, 1e4),
         Parameter("cosine", "N·m", 0.02, -1e4, 1e4),
-        Parameter("cycles", "1/rad", 12.0, 0.1, 1e5, neutral=1.0),
+        Parameter("cycles", "1/rad", 12.0, float(_LEAST_CYCLES), 1e5, neutral=3.0),
     )
     needs = ("position",)
     yields_to = ("constant_load",)
@@ -44,7 +47,7 @@ class Cogging(WrenchEffect):
                 "cosine": amplitude * math.sin(angle),
                 "cycles": float(cycles),
             }
-            for cycles in range(1, _MOST_CYCLES + 1)
+            for cycles in range(_LEAST_CYCLES, _MOST_CYCLES + 1)
             for angle in angles
         ]
 

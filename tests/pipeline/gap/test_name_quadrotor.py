@@ -18,8 +18,7 @@ def test_the_concealed_effect_is_named_and_no_other(name):
     found = quick(flight((name, PLANTED[name])), Simulator(racer()))
     assert found.verdict == "missing_physics"
     assert named(found) == [name]
-    # Calibrated: of concealed cases with so much evidence three in four were right, of rotor drag's nineteen in twenty.
-    assert found.probabilities[name] > (0.9 if name.endswith("drag") else 0.7)
+    assert found.probabilities[name] > 0.9
     assert value_of(found, name) == pytest.approx(PLANTED[name], rel=0.1)
     assert found.proof.gap_closed is not None
     assert found.proof.gap_closed > 0.9

@@ -15,6 +15,7 @@ SIGNS = st.builds(
     clusters=st.integers(2, 500),
     unsteadiness=st.floats(0.0, 10.0),
     captured=st.floats(-1.0, 2.0),
+    signal=st.floats(-1.0, 1e6),
     excess=st.floats(0.1, 1e4),
     remainder=st.floats(0.0, 1.0),
     weight=st.floats(0.01, 1.0),
@@ -35,6 +36,12 @@ def test_a_probability_is_one_and_never_certain(signs):
 @given(SIGNS, st.floats(1.0, 100.0))
 def test_more_evidence_never_lowers_a_probability(signs, more):
     richer = Signs(**(vars(signs) | {"gain": signs.gain + more}))
+    assert presence_of(richer) >= presence_of(signs)
+
+
+@given(SIGNS, st.sampled_from(["captured", "signal"]), st.floats(0.0, 100.0))
+def test_explaining_more_never_lowers_a_probability(signs, name, more):
+    richer = Signs(**(vars(signs) | {name: getattr(signs, name) + more}))
     assert presence_of(richer) >= presence_of(signs)
 
 

@@ -1,0 +1,66 @@
+"""Which way a recorded command is read, held or measured, once names say what it does."""
+
+from pipeline.effects import MeasurementEffect
+from pipeline.effects.delay import CommandDelay
+from pipeline.gap.fit import Fit, excess_of, fit
+from pipeline.gap.name import Naming, name
+from pipeline.gap.preparation import Prepared, prepare
+from pipeline.gap.settings import Gap
+from pipeline.gap.timing import HELD_KINDS
+from pipeline.recordings.recording import Recording
+from pipeline.simulation import Simulator
+
+_NEARLY = 0.3  # of half a sample
+
+
+def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tuple[Prepared, Naming]:
+    """Name what is missing, with the commands where they act.
+
+    Which of the two readings of a command is right, held or measured, may not show before the physics is known. The
+    other one is tried where what was named leaves less of it, where several names may have made up for a wrong one, and
+    where a delay or an offset of half a sample was needed, which is no physics.
+    """
+    prepared = prepare(recording, nominal, settings)
+    naming = name(prepared.nominal, prepared.problem, settings)
+    if recording.kind not in HELD_KINDS:
+        return prepared, naming
+    late = _is_late_by_half_a_sample(naming, prepared)
+    other = prepare(recording, nominal, settings, held=not prepared.problem.blocks.held)
+    if (
+        not late
+        and len(naming.named) < 2
+        and _left(_refitted(naming, other), other) >= _left(naming.fit, prepared)
+    ):
+        return prepared, naming
+    renamed = name(other.nominal, other.problem, settings)
+    later = _is_late_by_half_a_sample(renamed, other)
+    if late or later:
+        return (other, renamed) if late and not later else (prepared, naming)
+    return min((prepared, naming), (other, renamed), key=lambda reading: _cost(*reading))
+
+
+def _refitted(naming: Naming, prepared: Prepared) -> Fit:
+    """Fit the effects that were named to commands that are read the other way."""
+    return fit(prepared.nominal.with_effects(naming.fit.simulator.effects), prepared.problem)
+
+
+def _left(fitted: Fit, prepared: Prepared) -> float:
+    """Return the logarithm of what a fit leaves over the noise, summed over channels."""
+    return float(excess_of(fitted, prepared.problem.noise).clamp_min(1.0).log().sum())
+
+
+def _cost(prepared: Prepared, naming: Naming) -> float:
+    """Return what is left, and one for each name that it takes: a name is worth a factor of e."""
+    return _left(naming.fit, prepared) + len(naming.named)
+
+
+def _is_late_by_half_a_sample(naming: Naming, prepared: Prepared) -> bool:
+    half = 0.5 * prepared.problem.blocks.time_step
+    late = -half if prepared.problem.blocks.held else half
+    shifts = [
+        fitted.values[parameter.name]
+        for fitted in naming.fit.simulator.free
+        for parameter in fitted.effect.parameters
+        if isinstance(fitted.effect, MeasurementEffect | CommandDelay) and parameter.unit == "s"
+    ]
+    return any(abs(shift - late) < _NEARLY * half for shift in shifts)
