@@ -116,6 +116,10 @@ class DynamicsModel(ABC):
 
     @torch.no_grad()
     def rollout(self, states: Tensor, actions: Tensor) -> Tensor:
+        """Return what `unroll` does, without its derivatives."""
+        return self.unroll(states, actions)
+
+    def unroll(self, states: Tensor, actions: Tensor) -> Tensor:
         """Return the states of many steps, each fed back as the next window's last sample.
 
         Args:

@@ -58,6 +58,7 @@ class NetworkModel(DynamicsModel):
         self, train: Series, validation: Series, training: Training, context: FitContext | None = None
     ) -> float:
         """Train until the validation loss stops falling, and keep the weights with which it was lowest."""
+        from pipeline.models.rollout_training import train_rollouts
         from pipeline.models.training import train_network
 
         context = context or FitContext()
@@ -72,13 +73,13 @@ class NetworkModel(DynamicsModel):
             self.network, self._scaled(examples), self._scaled(held), self.settings, training, context
         )
         self.network.eval()
+        if training.steps > 1:
+            loss = train_rollouts(self, train, validation, training, context)
         return loss
 
     def increments(self, features: Tensor) -> Tensor:
         """Return the network's increments in their own units."""
-        self.network.eval()
-        with torch.no_grad():
-            scaled = self.network(self.inputs.apply(features.to(self.inputs.centre)).float())
+        scaled = self.network(self.inputs.apply(features.to(self.inputs.centre)).float())
         return self.outputs.undo(scaled.to(self.outputs.centre))
 
     def tensors(self) -> dict[str, Tensor]:

@@ -24,6 +24,9 @@ class Training:
     max_epochs: int = 30
     patience: int = 6  # epochs without a better validation loss before training stops
     batch_size: int = 512  # windows
+    steps: int = (
+        1  # open-loop steps through which a network is trained further, once it predicts the next one
+    )
     horizons: list[int] = field(default_factory=lambda: [1, 10, 50])  # steps at which rollouts are scored
     evaluation_windows: int = 2000  # at most, evenly over the held-out runs
 

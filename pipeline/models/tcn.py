@@ -43,7 +43,9 @@ class TemporalConvolutionModel(NetworkModel):
             raise InputError("a kernel needs at least one sample", "model.kernel", "give a positive number")
         blocks: list[nn.Module] = []
         width = features
-        for number, (size, rate) in enumerate(zip(self.settings.hidden, self.settings.dropouts(), strict=True)):
+        for number, (size, rate) in enumerate(
+            zip(self.settings.hidden, self.settings.dropouts(), strict=True)
+        ):
             blocks.append(_ResidualBlock(width, size, kernel, 2**number, rate))
             width = size
         return nn.Sequential(_TimeLast(), *blocks, _MeanOverTime(), nn.Linear(width, targets))
@@ -53,7 +55,8 @@ class _ResidualBlock(nn.Module):
     def __init__(self, width: int, size: int, kernel: int, dilation: int, dropout: float) -> None:
         super().__init__()
         self.body = nn.Sequential(
-            *_convolution(width, size, kernel, dilation, dropout), *_convolution(size, size, kernel, dilation, dropout)
+            *_convolution(width, size, kernel, dilation, dropout),
+            *_convolution(size, size, kernel, dilation, dropout),
         )
         self.shortcut = nn.Identity() if width == size else nn.Conv1d(width, size, 1)
         self.activation = nn.ReLU()

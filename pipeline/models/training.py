@@ -118,6 +118,29 @@ def train_network(
     Raises:
         InputError: when the loss is not finite from the beginning.
     """
+    module = Regression(network, train, validation, settings, training.batch_size, context.seed)
+    return train_module(module, network, training, context)
+
+
+def train_module(
+    module: lightning.LightningModule,
+    network: nn.Module,
+    training: Training,
+    context: FitContext,
+    clip: float | None = None,
+) -> float:
+    """Train what `train_network` and `train_rollouts` do: early stopping, best weights, resumption after a kill.
+
+    Args:
+        module: logs `VALIDATION_LOSS`.
+        network: that it trains, left with the weights of the lowest loss.
+        training: epochs and patience.
+        context: checkpoint folder, listener.
+        clip: greatest norm of a step's gradient; None: any.
+
+    Raises:
+        InputError: when the loss is not finite from the beginning.
+    """
     _quiet()
     best = KeepBest(network, VALIDATION_LOSS)
     # Decided right after validation, so that at the end of the epoch it is known whether to write a resume point.
@@ -137,12 +160,12 @@ def train_network(
         enable_checkpointing=False,
         enable_model_summary=False,
         enable_progress_bar=sys.stderr.isatty(),
+        gradient_clip_val=clip,
         num_sanity_val_steps=0,
         reload_dataloaders_every_n_epochs=1,
         deterministic=True,
         devices=1,
     )
-    module = Regression(network, train, validation, settings, training.batch_size, context.seed)
     trainer.fit(module, ckpt_path=resume, weights_only=True)
     network.cpu()
     if best.weights is None:

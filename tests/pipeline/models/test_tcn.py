@@ -14,7 +14,9 @@ from tests.pipeline.models import learnable
 
 def _network(kernel: int, blocks: int) -> nn.Sequential:
     settings = TemporalConvolutionSettings(hidden=[4] * blocks, dropout=[], kernel=kernel, sequence_length=64)
-    model = learnable.new_model("tcn", learnable.linear_joint(), hidden=[4] * blocks, dropout=[], kernel=kernel)
+    model = learnable.new_model(
+        "tcn", learnable.linear_joint(), hidden=[4] * blocks, dropout=[], kernel=kernel
+    )
     assert isinstance(model, TemporalConvolutionModel)
     torch.manual_seed(0)
     network = TemporalConvolutionModel(model.layout, settings, 0.01).network.double().eval()

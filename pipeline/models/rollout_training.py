@@ -1,0 +1,144 @@
+"""Training through open-loop predictions, so that those errors are kept small that grow from step to step.
+
+Source: Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic model for multi-step prediction".
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytorch_lightning as lightning
+import torch
+from torch import Tensor
+
+from pipeline.errors import InputError
+from pipeline.models.contract import DynamicsModel, FitContext
+from pipeline.models.network_model import NetworkModel
+from pipeline.models.settings import Training
+from pipeline.models.training import VALIDATION_LOSS, train_module
+from pipeline.models.windows import Series, gather
+
+_VALIDATION_WINDOWS = 2048  # evenly over the validation runs
+_USUAL_WINDOWS = 4096  # from which the usual change of every quantity is taken
+
+
+class Stretches:
+    """Batches of recorded states and inputs, gathered from the series when they are asked for."""
+
+    def __init__(self, series: Series, starts: Tensor, length: int, size: int) -> None:
+        self.series, self.parts, self.length = series, starts.split(size), length
+
+    def __len__(self) -> int:
+        return len(self.parts)
+
+    def __iter__(self) -> Iterator[tuple[Tensor, Tensor]]:
+        """Yield states (batch, length, states) and inputs (batch, length − 1, inputs)."""
+        for starts in self.parts:
+            yield (
+                gather(self.series.states, starts, self.length),
+                gather(self.series.actions, starts, self.length - 1),
+            )
+
+
+class RolloutRegression(lightning.LightningModule):
+    """Mean squared error of open-loop predictions, each quantity and step over its usual change until then.
+
+    Dropout and batch normalisation stay as they are in prediction: what is fed back is what will be.
+    """
+
+    def __init__(
+        self, model: NetworkModel, train: Series, validation: Series, training: Training, seed: int
+    ) -> None:
+        super().__init__()
+        self.model, self.network = model, model.network
+        self.train_series, self.validation_series = _single(train), _single(validation)
+        self.steps, self.size, self.seed = training.steps, training.batch_size, seed
+        self.length = model.settings.sequence_length + training.steps
+        self.usual = usual_changes(model, self.train_series, training.steps)
+
+    def train_dataloader(self) -> Stretches:
+        """Shuffle anew by seed and epoch, so that a resumed epoch is the one that was interrupted."""
+        starts = _starts(self.train_series, self.length, "training")
+        generator = torch.Generator().manual_seed((self.seed * 100_003 + self.current_epoch) % 2**63)
+        order = torch.randperm(len(starts), generator=generator)
+        # Neighbouring windows say nearly the same: an epoch sees as many as there are stretches side by side.
+        kept = max(len(order) // self.steps, self.size)
+        return Stretches(self.train_series, starts[order[:kept]], self.length, self.size)
+
+    def val_dataloader(self) -> Stretches:
+        """Go through windows that are spread evenly over the validation runs."""
+        starts = _starts(self.validation_series, self.length, "validation")
+        return Stretches(
+            self.validation_series, _evenly(starts, _VALIDATION_WINDOWS), self.length, _VALIDATION_WINDOWS
+        )
+
+    def on_train_epoch_start(self) -> None:
+        """Keep the network as it is in prediction."""
+        self.network.eval()
+
+    def training_step(self, batch: tuple[Tensor, Tensor], index: int) -> Tensor:
+        """Return the loss of a batch."""
+        loss = self._loss(batch)
+        self.log("train_loss", loss, on_step=False, on_epoch=True, batch_size=len(batch[0]))
+        return loss
+
+    def validation_step(self, batch: tuple[Tensor, Tensor], index: int) -> None:
+        """Log the loss of a batch."""
+        self.log(VALIDATION_LOSS, self._loss(batch), on_epoch=True, batch_size=len(batch[0]), prog_bar=True)
+
+    def configure_optimizers(self) -> torch.optim.Optimizer:
+        """Return Adam with L2 penalty."""
+        settings = self.model.settings
+        return torch.optim.Adam(
+            self.network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
+        )
+
+    def _loss(self, batch: tuple[Tensor, Tensor]) -> Tensor:
+        states, actions = batch
+        known = self.model.settings.sequence_length
+        predicted = self.model.unroll(states[:, :known], actions)
+        errors = self.model.layout.errors(predicted, states[:, known:])
+        return torch.stack(
+            [(errors[name] / usual).square().mean() for name, usual in self.usual.items()]
+        ).mean()
+
+
+def train_rollouts(
+    model: NetworkModel, train: Series, validation: Series, training: Training, context: FitContext
+) -> float:
+    """Train a network further through predictions of `training.steps` steps; return the lowest validation loss.
+
+    Raises:
+        InputError: when no segment is long enough, or the training diverges from the beginning.
+    """
+    if context.checkpoint is not None:
+        context = replace(context, checkpoint=context.checkpoint / "rollouts")
+    module = RolloutRegression(model, train, validation, training, context.seed)
+    return train_module(module, model.network, training, context, clip=1.0)
+
+
+def usual_changes(model: DynamicsModel, series: Series, steps: int) -> dict[str, Tensor]:
+    """Return by quantity the RMS change from a state to each of the next steps, (steps,)."""
+    starts = _evenly(_starts(series, steps + 1, "training"), _USUAL_WINDOWS)
+    states = gather(series.states, starts, steps + 1)
+    changes = model.layout.errors(states[:, :1].expand(-1, steps, -1), states[:, 1:])
+    return {name: change.square().mean(0).sqrt().clamp_min(1e-9) for name, change in changes.items()}
+
+
+def _starts(series: Series, length: int, what: str) -> Tensor:
+    starts = series.starts(length)
+    if not len(starts):
+        raise InputError(
+            f"no {what} segment holds {length} samples", "train.steps", "lower it, or record longer"
+        )
+    return starts
+
+
+def _evenly(starts: Tensor, most: int) -> Tensor:
+    if len(starts) <= most:
+        return starts
+    return starts[torch.linspace(0, len(starts) - 1, most, dtype=torch.float64).round().long()]
+
+
+def _single(series: Series) -> Series:
+    """Return the series in the precision of the networks."""
+    return replace(series, states=series.states.float(), actions=series.actions.float())
