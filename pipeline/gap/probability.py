@@ -15,6 +15,7 @@ DIRECTIONS = {
     "unsteadiness": -1,
     "captured": 1,
     "signal": 1,
+    "excess": -1,
     "stand_in": -1,
     "remainder": -1,
 }
@@ -69,6 +70,7 @@ class Signs:
             "unsteadiness": math.log1p(self.unsteadiness),
             "captured": min(max(self.captured, 0.0), 1.0),
             "signal": math.log10(min(max(self.signal, _LEAST_SIGNAL), _MOST_SIGNAL)),
+            "excess": math.log10(max(self.excess, 1.0)),
             "stand_in": math.log10(max(self.excess, 1.0)) if self.is_number else 0.0,
             "remainder": self.remainder**2,
         }
