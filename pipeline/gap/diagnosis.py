@@ -200,4 +200,8 @@ def _doubts(
                     f"{candidate.effect.name}: {drift.parameter} differs between runs by {drift.spread:.0%} of its "
                     "value; it may be absorbing something else"
                 )
-    return doubts + [memory.sentence for memory in remembered(memories)]
+    lasting = remembered(memories)
+    if lasting:
+        more = f" (so does that of {len(lasting) - 1} other channels)" if len(lasting) > 1 else ""
+        doubts.append(f"{lasting[0].sentence}{more}")
+    return doubts

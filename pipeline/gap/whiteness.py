@@ -75,12 +75,12 @@ def memories_of(residual: Tensor, channels: Sequence[Channel], problem: Problem)
 
 
 def remembered(found: Sequence[Memory]) -> list[Memory]:
-    """Return the strongest memory of each channel that is notable and beyond chance, over all that were tested."""
+    """Return the strongest memory of each channel that is notable and beyond chance, the strongest channel first."""
     sure = [m for m in found if m.p_value < _CHANCE / len(found) and abs(m.correlation) > _NOTABLE]
     strongest: dict[str, Memory] = {}
     for memory in sorted(sure, key=lambda m: abs(m.correlation)):
         strongest[memory.channel.name] = memory
-    return list(strongest.values())
+    return sorted(strongest.values(), key=lambda m: -abs(m.correlation))
 
 
 def _inputs(problem: Problem) -> dict[str, Tensor]:

@@ -33,7 +33,8 @@ def fit_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
         "fit": fit,
         "unknown": why_unknown(fit),
         "bars": _bars(fit | {"learned": learned.get("after")}),
-        "learned": learned,
+        "learned": learned.get("channels") or [],
+        "learned_closes": learned.get("gap_closed"),
         "horizons": [_horizon(entry) for entry in horizons if entry.get("horizon")],
     }
     return Section("fit", "Fit before and after", content)
