@@ -17,8 +17,8 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
     """Name what is missing, with the commands where they act.
 
     Which of the two readings of a command is right, held or measured, may not show before the physics is known. The
-    other one is tried where what was named leaves less of it, where several names may have made up for a wrong one, and
-    where a delay or an offset of half a sample was needed, which is no physics.
+    other one is tried where it may cost less, and where a delay or an offset of half a sample was needed, which is no
+    physics.
     """
     prepared = prepare(recording, nominal, settings)
     naming = name(prepared.nominal, prepared.problem, settings)
@@ -26,11 +26,7 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
         return prepared, naming
     late = _is_late_by_half_a_sample(naming, prepared)
     other = prepare(recording, nominal, settings, held=not prepared.problem.blocks.held)
-    if (
-        not late
-        and len(naming.named) < 2
-        and _left(_refitted(naming, other), other) >= _left(naming.fit, prepared)
-    ):
+    if not late and not _may_cost_less(other, prepared, naming):
         return prepared, naming
     renamed = name(other.nominal, other.problem, settings)
     later = _is_late_by_half_a_sample(renamed, other)
@@ -39,9 +35,10 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
     return min((prepared, naming), (other, renamed), key=lambda reading: _cost(*reading))
 
 
-def _refitted(naming: Naming, prepared: Prepared) -> Fit:
-    """Fit the effects that were named to commands that are read the other way."""
-    return fit(prepared.nominal.with_effects(naming.fit.simulator.effects), prepared.problem)
+def _may_cost_less(other: Prepared, prepared: Prepared, naming: Naming) -> bool:
+    """Whether the other reading would cost less if all names but one had only made up for a wrong one."""
+    refitted = fit(other.nominal.with_effects(naming.fit.simulator.effects), other.problem)
+    return _left(refitted, other) + min(len(naming.named), 1) < _cost(prepared, naming)
 
 
 def _left(fitted: Fit, prepared: Prepared) -> float:
