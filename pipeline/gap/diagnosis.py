@@ -179,6 +179,7 @@ def _signs(
             signal=c.signal,
             excess=float(excess_of(naming.fit, problem.noise)[c.channel]),
             is_number=isinstance(c.effect, ParameterError),
+            kind=naming.fit.simulator.platform.kind,
             remainder=max((left.get(channel, 0.0) for channel in own), default=0.0),
             weight=weight.get(c.effect.key, 1.0),
         )
