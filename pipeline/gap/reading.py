@@ -32,13 +32,13 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
     later = _is_late_by_half_a_sample(renamed, other)
     if late or later:
         return (other, renamed) if late and not later else (prepared, naming)
-    return min((prepared, naming), (other, renamed), key=lambda reading: _cost(*reading))
+    return min((prepared, naming), (other, renamed), key=lambda reading: cost_of(*reading))
 
 
 def _may_cost_less(other: Prepared, prepared: Prepared, naming: Naming) -> bool:
     """Whether the other reading would cost less if all names but one had only made up for a wrong one."""
     refitted = fit(other.nominal.with_effects(naming.fit.simulator.effects), other.problem)
-    return _left(refitted, other) + min(len(naming.named), 1) < _cost(prepared, naming)
+    return _left(refitted, other) + min(len(naming.named), 1) < cost_of(prepared, naming)
 
 
 def _left(fitted: Fit, prepared: Prepared) -> float:
@@ -46,7 +46,7 @@ def _left(fitted: Fit, prepared: Prepared) -> float:
     return float(excess_of(fitted, prepared.problem.noise).clamp_min(1.0).log().sum())
 
 
-def _cost(prepared: Prepared, naming: Naming) -> float:
+def cost_of(prepared: Prepared, naming: Naming) -> float:
     """Return what is left, and one for each name that it takes: a name is worth a factor of e."""
     return _left(naming.fit, prepared) + len(naming.named)
 
