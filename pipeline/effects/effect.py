@@ -50,6 +50,8 @@ class Effect(ABC):
         acts_on: what the diagnosis reports (`force`, `torque`, `actuator`, `command`, `measurement`, `drive`, ...).
         parameters: what is to be identified.
         needs: signals without which it can be neither simulated nor tested.
+        drivers: slow ones among them, which may be estimated where they were not recorded, by name: the parameter or
+            constant of the platform that is its value where the effect does nothing.
         formula: as a person would write it.
         source: where it comes from.
         sentence: what a person can act on; `{name}` is replaced by the value of a parameter, `{name_unit}` by its unit.
@@ -61,6 +63,7 @@ class Effect(ABC):
     acts_on: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     needs: ClassVar[tuple[str, ...]] = ()
+    drivers: ClassVar[Mapping[str, str]] = {}
     yields_to: ClassVar[tuple[str, ...]] = ()
     """Names that are the likelier cause wherever a recording cannot tell this effect from them."""
     formula: ClassVar[str]
@@ -83,6 +86,10 @@ class Effect(ABC):
     def neutral(self) -> dict[str, float]:
         """Return the values at which the effect does nothing."""
         return {parameter.name: parameter.neutral for parameter in self.parameters}
+
+    def load(self, signals: Signals, constants: Values) -> Tensor | None:
+        """Return what makes the effect's driver give way at once, in any unit, or None where nothing does."""
+        return None
 
     def starts(self) -> list[dict[str, float]]:
         """Return values from which a fit may start; more than one where the cost has several valleys."""

@@ -16,16 +16,24 @@ def candidates_for(
     Raises:
         InputError: when `names` holds an effect that the catalogue does not have.
     """
-    available = set(signals) | _derived(signals)
-    kind = simulator.platform.kind
+    recorded = available_signals(signals)
+    return [e for e in allowed(simulator.platform.kind, names) if set(e.needs) <= recorded]
+
+
+def allowed(kind: str, names: Sequence[str] | None) -> list[Effect]:
+    """Return the effects of a kind that may be named, of all or of some names.
+
+    Raises:
+        InputError: when `names` holds an effect that the catalogue does not have.
+    """
     for wanted in names or ():
         if wanted not in {effect.name for effect in effects_of(kind)}:
             effect_by_key(kind, wanted)
     chosen = [e for e in effects_of(kind) if names is None or {e.name, e.key} & set(names)]
-    return [effect for effect in chosen if effect.names_physics and set(effect.needs) <= available]
+    return [effect for effect in chosen if effect.names_physics]
 
 
-def _derived(signals: Mapping[str, Tensor]) -> set[str]:
-    """Return what a nominal actuator makes of the recorded signals."""
+def available_signals(signals: Mapping[str, Tensor]) -> set[str]:
+    """Return the recorded signals, and what a nominal actuator makes of them."""
     made = {"motor_command": "rotor_speed", "voltage": "effort"}
-    return {product for source, product in made.items() if source in signals}
+    return set(signals) | {product for source, product in made.items() if source in signals}

@@ -195,6 +195,7 @@ class Competition:
                 signal=candidate.signal,
                 excess=float(excess_of(self.current, self.problem.noise)[candidate.channel]),
                 is_number=isinstance(candidate.effect, ParameterError),
+                kind=self.current.simulator.platform.kind,
             )
         )
 

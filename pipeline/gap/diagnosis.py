@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from pipeline.effects import MeasurementEffect, ParameterError
 from pipeline.gap.competition import BEYOND_NOISE
+from pipeline.gap.drivers import name_with_drivers
 from pipeline.gap.fit import Problem, channels_of, excess_of
 from pipeline.gap.horizon import HorizonError, horizon_errors
 from pipeline.gap.learned import LearnedResidual, learn, learned_rows
@@ -87,7 +88,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     Raises:
         InputError: when the recording is too short or of another kind than the platform.
     """
-    prepared, naming = name_as_read(recording, nominal, settings)
+    prepared, naming = name_with_drivers(*name_as_read(recording, nominal, settings), settings)
     nominal, problem, proving = prepared.nominal, prepared.problem, prepared.proving
     fitted, functions, cluster, held_out = (
         problem.blocks,
@@ -179,6 +180,7 @@ def _signs(
             signal=c.signal,
             excess=float(excess_of(naming.fit, problem.noise)[c.channel]),
             is_number=isinstance(c.effect, ParameterError),
+            kind=naming.fit.simulator.platform.kind,
             remainder=max((left.get(channel, 0.0) for channel in own), default=0.0),
             weight=weight.get(c.effect.key, 1.0),
         )

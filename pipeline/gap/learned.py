@@ -16,6 +16,7 @@ from pipeline.simulation.knn_residual import NearestNeighbours
 _COUNTS = (5, 15, 45, 135)  # neighbours that are tried
 _MOST_SAMPLES = 4000  # windows that are looked up
 _CHANCE = 0.05  # of learning a channel in which there is nothing, over all channels
+_ROUNDING = 1e-9  # of a feature's size
 _LEAST_ENERGY = 0.2  # of the noise's, as for a formula: below that nobody would see it
 
 
@@ -58,10 +59,10 @@ def learn(
     """
     known = [regime for regime in regimes if regime.name != "elapsed"]
     features = _features(known, problem.functions)
-    moving = features.flatten(0, 1).std(0) > 0
+    kept = _evenly(len(residual), residual.shape[1])
+    moving = _moving(features[kept].flatten(0, 1))
     names = tuple(regime.name for regime, moves in zip(known, moving.tolist(), strict=True) if moves)
     features = features[..., moving]
-    kept = _evenly(len(residual), residual.shape[1])
     found = []
     for place, channel in enumerate(channels):
         left = residual[..., place]
@@ -97,6 +98,11 @@ def _features(regimes: Sequence[Regime], functions: WindowFunctions) -> Tensor:
     return torch.stack([mean_of(functions, regime.series) for regime in regimes], dim=-1)
 
 
+def _moving(features: Tensor) -> Tensor:
+    """Return which features (windows, features) change by more than their rounding, (features,)."""
+    return features.std(0) > _ROUNDING * features.abs().amax(0)
+
+
 def _evenly(blocks: int, rows: int) -> Tensor:
     """Return blocks, evenly over all of them, whose windows are at most as many as may be looked up."""
     count = max(min(blocks, _MOST_SAMPLES // rows), 1)
@@ -119,7 +125,7 @@ def _best_count(left: Tensor, features: Tensor, fold: Tensor, kept: Tensor) -> t
         mine, others = fold == part, kept[fold[kept] != part]
         known, outcome = features[others].flatten(0, 1), left[others].flatten()[:, None]
         for count in _COUNTS:
-            if len(known) <= count or not bool((known.std(0) > 0).all()):
+            if len(known) <= count or not bool(_moving(known).all()):
                 continue
             predicted = NearestNeighbours(known, outcome, count)(features[mine].flatten(0, 1))
             error = left[mine] - predicted[:, 0].reshape(left[mine].shape)

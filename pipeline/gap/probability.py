@@ -1,6 +1,7 @@
 """How sure a name is: the probability that is written beside it, and the signs that it is made of."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -40,6 +41,7 @@ class Signs:
         excess: energy that is left beside it over the noise's, in the channel where it explains most.
         remainder: share of the mismatch that a formula without a name explains in its own channels.
         is_number: whether it is a wrong number of the platform, which bends to much that it is not, and no law.
+        kind: of platform; names are not as often right for every kind.
         weight: of the effect among those that this recording cannot tell from it.
     """
 
@@ -52,6 +54,7 @@ class Signs:
     excess: float = 1.0
     remainder: float = 0.0
     is_number: bool = False
+    kind: str = ""
     weight: float = 1.0
 
     @property
@@ -76,15 +79,30 @@ class Signs:
         }
 
 
-def presence_of(signs: Signs) -> float:
-    """Return the probability that an effect of this kind is there, whichever of its rivals it is.
+@dataclass(frozen=True)
+class Calibration:
+    """A logistic regression of how often names are right (`simgap calibrate`).
 
-    A logistic regression on the features, fitted to how often names were right on concealed cases (`simgap calibrate`).
+    Attributes:
+        intercept: of all kinds of platform.
+        coefficients: by feature.
+        offsets: of the intercept, by kind of platform.
     """
-    intercept, coefficients = _coefficients()
-    features = signs.features
-    odds = intercept + sum(coefficients[name] * features[name] for name in DIRECTIONS)
-    return min(1.0 / (1.0 + math.exp(-max(min(odds, _MOST_ODDS), -_MOST_ODDS))), _MOST)
+
+    intercept: float
+    coefficients: dict[str, float]
+    offsets: dict[str, float]
+
+    def presence(self, features: Mapping[str, float], kind: str) -> float:
+        """Return the probability of an effect with these features on a platform of this kind."""
+        odds = self.intercept + self.offsets.get(kind, 0.0)
+        odds += sum(self.coefficients[name] * features[name] for name in DIRECTIONS)
+        return 1.0 / (1.0 + math.exp(-max(min(odds, _MOST_ODDS), -_MOST_ODDS)))
+
+
+def presence_of(signs: Signs) -> float:
+    """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
+    return min(_calibration().presence(signs.features, signs.kind), _MOST)
 
 
 def probability_of(signs: Signs) -> float:
@@ -93,7 +111,7 @@ def probability_of(signs: Signs) -> float:
 
 
 @cache
-def _coefficients() -> tuple[float, dict[str, float]]:
-    """Return intercept and coefficients by feature."""
+def _calibration() -> Calibration:
+    """Return what was fitted to concealed cases."""
     content = yaml.safe_load(CALIBRATION.read_text(encoding="utf-8"))
-    return float(content["intercept"]), {name: float(content["coefficients"][name]) for name in DIRECTIONS}
+    return Calibration(content["intercept"], content["coefficients"], content["offsets"])

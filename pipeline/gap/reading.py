@@ -17,8 +17,8 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
     """Name what is missing, with the commands where they act.
 
     Which of the two readings of a command is right, held or measured, may not show before the physics is known. The
-    other one is tried where what was named leaves less of it, where several names may have made up for a wrong one, and
-    where a delay or an offset of half a sample was needed, which is no physics.
+    other one is tried where it may cost less, and where a delay or an offset of half a sample was needed, which is no
+    physics.
     """
     prepared = prepare(recording, nominal, settings)
     naming = name(prepared.nominal, prepared.problem, settings)
@@ -26,22 +26,19 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
         return prepared, naming
     late = _is_late_by_half_a_sample(naming, prepared)
     other = prepare(recording, nominal, settings, held=not prepared.problem.blocks.held)
-    if (
-        not late
-        and len(naming.named) < 2
-        and _left(_refitted(naming, other), other) >= _left(naming.fit, prepared)
-    ):
+    if not late and not _may_cost_less(other, prepared, naming):
         return prepared, naming
     renamed = name(other.nominal, other.problem, settings)
     later = _is_late_by_half_a_sample(renamed, other)
     if late or later:
         return (other, renamed) if late and not later else (prepared, naming)
-    return min((prepared, naming), (other, renamed), key=lambda reading: _cost(*reading))
+    return min((prepared, naming), (other, renamed), key=lambda reading: cost_of(*reading))
 
 
-def _refitted(naming: Naming, prepared: Prepared) -> Fit:
-    """Fit the effects that were named to commands that are read the other way."""
-    return fit(prepared.nominal.with_effects(naming.fit.simulator.effects), prepared.problem)
+def _may_cost_less(other: Prepared, prepared: Prepared, naming: Naming) -> bool:
+    """Whether the other reading would cost less if all names but one had only made up for a wrong one."""
+    refitted = fit(other.nominal.with_effects(naming.fit.simulator.effects), other.problem)
+    return _left(refitted, other) + min(len(naming.named), 1) < cost_of(prepared, naming)
 
 
 def _left(fitted: Fit, prepared: Prepared) -> float:
@@ -49,7 +46,7 @@ def _left(fitted: Fit, prepared: Prepared) -> float:
     return float(excess_of(fitted, prepared.problem.noise).clamp_min(1.0).log().sum())
 
 
-def _cost(prepared: Prepared, naming: Naming) -> float:
+def cost_of(prepared: Prepared, naming: Naming) -> float:
     """Return what is left, and one for each name that it takes: a name is worth a factor of e."""
     return _left(naming.fit, prepared) + len(naming.named)
 

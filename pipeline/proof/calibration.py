@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import InputError
-from pipeline.gap.probability import DIRECTIONS, Signs
+from pipeline.gap.probability import DIRECTIONS, Calibration, Signs
 from pipeline.proof.reliability import brier_score, calibration_error
 
 SEEDS = range(10_000, 20_000)
@@ -27,12 +27,14 @@ class Statement:
     Attributes:
         case: that it was named in.
         features: by name, of `Signs.features`.
+        kind: of platform.
         weight: of the effect among those that the recording cannot tell from it.
         true: whether it is there.
     """
 
     case: str
     features: dict[str, float]
+    kind: str
     weight: float
     true: bool
 
@@ -60,7 +62,9 @@ def statements_of(results: Sequence[Mapping[str, Any]]) -> list[Statement]:
         for key, signs in (result.get("signs") or {}).items():
             name = key if grouped else key.partition("@")[0]
             known = Signs(**signs)
-            statements.append(Statement(result["name"], known.features, known.weight, name in concealed))
+            statements.append(
+                Statement(result["name"], known.features, known.kind, known.weight, name in concealed)
+            )
     return statements
 
 
@@ -68,12 +72,13 @@ def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
     """Fit the logistic regression and say how well it keeps its word on cases that it was not fitted on.
 
     A feature whose coefficient comes out against its direction is left out: more evidence never lowers a probability.
+    Every kind of platform has an intercept of its own, drawn towards that of all (partial pooling).
     Effects with rivals are left out of the fit, since their probability is that of presence times their weight; the
     figures beside it count them.
 
     Returns:
-        `intercept`, `coefficients` by feature, `statements`, `true`, and cross-validated over cases: `brier_score` and
-        `expected_calibration_error`.
+        `intercept`, `coefficients` by feature, `offsets` by kind, `statements`, `true`, and, cross-validated over
+        cases, `brier_score` and `expected_calibration_error`.
 
     Raises:
         InputError: when there are too few statements, or all are alike.
@@ -83,11 +88,9 @@ def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
     if len(alone) < _LEAST_STATEMENTS or right in (0, len(alone)):
         what = f"{len(alone)} statements, {right} of them true, are too few"
         raise InputError(what, "prove.results", "run more cases with calibration seeds")
-    intercept, coefficients = _fitted(statements)
+    fitted = _fitted(statements)
     kept = [(p, s.true) for p, s in zip(_cross_validated(statements), statements, strict=True)]
-    return {
-        "intercept": intercept,
-        "coefficients": coefficients,
+    return asdict(fitted) | {
         "statements": len(statements),
         "true": sum(statement.true for statement in statements),
         "brier_score": brier_score(kept),
@@ -95,26 +98,29 @@ def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
     }
 
 
-def _fitted(statements: Sequence[Statement]) -> tuple[float, dict[str, float]]:
-    """Return intercept and coefficients, in the features' own units."""
+def _fitted(statements: Sequence[Statement]) -> Calibration:
     from sklearn.linear_model import LogisticRegression
 
     alone = [statement for statement in statements if statement.weight == 1.0]
     true = np.array([statement.true for statement in alone])
+    kinds = sorted({statement.kind for statement in alone})
+    own = np.array([[float(statement.kind == kind) for kind in kinds] for statement in alone])
     names = [] if true.all() or not true.any() else list(DIRECTIONS)  # a fold may hold all that is wrong
     while names:
         matrix = np.array([[statement.features[name] for name in names] for statement in alone])
         centre, spread = matrix.mean(0), np.maximum(matrix.std(0), 1e-9)
-        model = LogisticRegression(C=1.0 / _PENALTY, max_iter=1000).fit((matrix - centre) / spread, true)
-        slopes: NDArray[np.float64] = model.coef_[0] / spread
+        table = np.hstack([(matrix - centre) / spread, own])
+        model = LogisticRegression(C=1.0 / _PENALTY, solver="newton-cholesky", tol=1e-8).fit(table, true)
+        slopes: NDArray[np.float64] = model.coef_[0, : len(names)] / spread
         wrong = [name for name, slope in zip(names, slopes, strict=True) if slope * DIRECTIONS[name] < 0]
         if not wrong:
             found = dict(zip(names, slopes.tolist(), strict=True))
             intercept = float(model.intercept_[0] - slopes @ centre)
-            return intercept, {name: found.get(name, 0.0) for name in DIRECTIONS}
+            offsets = dict(zip(kinds, model.coef_[0, len(names) :].tolist(), strict=True))
+            return Calibration(intercept, {name: found.get(name, 0.0) for name in DIRECTIONS}, offsets)
         names = [name for name in names if name not in wrong]
     rate = float((true.sum() + 1.0) / (len(true) + 2.0))
-    return math.log(rate / (1.0 - rate)), dict.fromkeys(DIRECTIONS, 0.0)
+    return Calibration(math.log(rate / (1.0 - rate)), dict.fromkeys(DIRECTIONS, 0.0), {})
 
 
 def _cross_validated(statements: Sequence[Statement]) -> list[float]:
@@ -123,10 +129,9 @@ def _cross_validated(statements: Sequence[Statement]) -> list[float]:
     fold = {case: number % _FOLDS for number, case in enumerate(cases)}
     stated = [0.0] * len(statements)
     for part in range(_FOLDS):
-        others = [statement for statement in statements if fold[statement.case] != part]
-        intercept, coefficients = _fitted(others)
+        fitted = _fitted([statement for statement in statements if fold[statement.case] != part])
         for place, statement in enumerate(statements):
             if fold[statement.case] == part:
-                odds = intercept + sum(coefficients[name] * statement.features[name] for name in coefficients)
-                stated[place] = statement.weight / (1.0 + math.exp(-max(min(odds, 50.0), -50.0)))
+                presence = fitted.presence(statement.features, statement.kind)
+                stated[place] = statement.weight * presence
     return stated

@@ -159,6 +159,7 @@ def overall(results: Sequence[Result]) -> dict[str, Share | float | int]:
         ),
         "decoys named first": named_first(of(results, "decoy")),
         "concealed drivers: effect named first": named_first(of(results, "hidden")),
+        "beside physics without a name: effects found": recall(of(results, "mixed")),
         "ambiguous excitation: named first, or listed as ambiguous with the right one": share_of(
             r["score"]["outcome"] in ("right", "ambiguous") for r in scored(of(results, "ambiguous"))
         ),

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-CATEGORIES = ("clear", "faint", "nothing", "decoy", "pair", "hidden", "ambiguous", "outside")
+CATEGORIES = ("clear", "faint", "nothing", "decoy", "pair", "hidden", "ambiguous", "outside", "mixed")
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,10 @@ def _cards(category: str, table: Mapping[str, Any]) -> list[Subject]:
         return [Subject("pair", pair, "clear") for pair in names if frozenset(pair) not in apart]
     if category == "outside":
         return [Subject("outside", (name,), "clear") for name in table.get("outside", {})]
+    if category == "mixed":
+        return [
+            Subject("mixed", (name, other), "clear") for name in physics for other in table.get("outside", {})
+        ]
     return [
         Subject(category, (entry["effect"],), "clear", number)
         for number, entry in enumerate(table.get(category, ()))

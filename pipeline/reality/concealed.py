@@ -132,9 +132,10 @@ class _Part:
 
 def _parts(table: Mapping[str, Any], subject: Subject) -> list[_Part]:
     """Return what a subject conceals, with what has to be there for it to show (`beside`)."""
-    section = "outside" if subject.category == "outside" else "effects"
-    own = [_Part(section, name, subject.strength) for name in subject.names]
-    beside = [name for part in own for name in table[section][part.name].get("beside", ())]
+    own = [
+        _Part("effects" if n in table["effects"] else "outside", n, subject.strength) for n in subject.names
+    ]
+    beside = [name for part in own for name in table[part.section][part.name].get("beside", ())]
     return own + [_Part("effects", name, "clear") for name in beside if name not in subject.names]
 
 

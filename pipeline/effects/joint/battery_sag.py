@@ -4,7 +4,8 @@ A drive that only sets its duty has a share of one, one that makes up for the su
 voltage, which no platform file of a joint holds, the motor gets what is commanded.
 """
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 from torch import Tensor
 
@@ -23,6 +24,7 @@ class BatterySag(ActuatorEffect):
         Parameter("nominal_voltage", "V", 12.0, 0.5, 2000.0, neutral=24.0),
     )
     needs = ("voltage", "battery_voltage")
+    drivers: ClassVar[Mapping[str, str]] = {"battery_voltage": "nominal_voltage"}
     formula = "voltage_effective = voltage · (1 + share · (battery_voltage / nominal_voltage − 1))"
     source = "Mohan 2003, Electric drives: the mean voltage of a pulse-width-modulated converter"
     sentence = (
@@ -30,6 +32,10 @@ class BatterySag(ActuatorEffect):
         "scale it in the simulator."
     )
     excitation = "the same motion with a full and with an empty battery, or under heavy load and light"
+
+    def load(self, signals: Signals, constants: Values) -> Tensor:
+        """Return what the motor draws, in proportion to its power: a battery gives way to it."""
+        return signals["voltage"] * signals["effort"]
 
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan over the usual supplies."""

@@ -1,6 +1,7 @@
 """A joint's motor that weakens as it warms up."""
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 from torch import Tensor
 
@@ -19,6 +20,7 @@ class TemperatureDerating(ActuatorEffect):
         Parameter("reference", "°C", 25.0, -60.0, 200.0, neutral=20.0),
     )
     needs = ("effort", "temperature")
+    drivers: ClassVar[Mapping[str, str]] = {"temperature": "reference"}
     formula = "effort_effective = effort · (1 − coefficient · (temperature − reference))"
     source = (
         "Krishnan 2010, Permanent magnet synchronous and brushless DC motor drives: remanence and temperature"

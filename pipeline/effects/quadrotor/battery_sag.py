@@ -1,6 +1,7 @@
 """Motors that turn slower on a sagging battery."""
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 from torch import Tensor
 
@@ -15,6 +16,7 @@ class BatterySag(ActuatorEffect):
     acts_on = "actuator"
     parameters = (Parameter("sensitivity", "1", 1.0, 0.0, 2.0),)
     needs = ("motor_command", "battery_voltage")
+    drivers: ClassVar[Mapping[str, str]] = {"battery_voltage": "nominal_voltage"}
     formula = "Ω = motor_speed_max · command · (1 + sensitivity · (voltage / nominal_voltage − 1))"
     source = "Krishnan 2001, Electric motor drives, §2: the speed of an unregulated motor follows its voltage"
     sentence = (
@@ -22,6 +24,10 @@ class BatterySag(ActuatorEffect):
         "speed at the same command; scale the rotor speed with the voltage in the simulator."
     )
     excitation = "fly the same manoeuvre on a full and on an empty battery, and punch the throttle"
+
+    def load(self, signals: Signals, constants: Values) -> Tensor:
+        """Return what the rotors draw, in proportion to their shafts' power."""
+        return (signals["rotor_speed"] ** 3).sum(-1)
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float

@@ -4,7 +4,8 @@ A controller that sets its duty has a sensitivity of one, one that makes up for 
 the motors' nominal voltage they get what is commanded.
 """
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 from torch import Tensor
 
@@ -21,6 +22,15 @@ class _SwerveBatterySag(ActuatorEffect):
     formula = "voltage_effective = voltage · (1 + sensitivity · (battery_voltage / nominal_voltage − 1))"
     source = "Mohan 2003, Electric drives, §4: the mean voltage of a pulse-width-modulated converter"
     excitation = "the same motion with a full and with an empty battery, or under heavy load and light"
+
+    def load(self, signals: Signals, constants: Values) -> Tensor:
+        """Return what all motors draw from the battery that they share, W at nominal torque constants."""
+        power = [
+            (signals[f"{group}_voltage"] * signals[f"{group}_torque"]).sum(-1)
+            / (constants[f"{group}_torque_constant"] * constants[f"{group}_gear_ratio"])
+            for group in ("drive", "steer")
+        ]
+        return power[0] + power[1]
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
@@ -40,6 +50,7 @@ class DriveBatterySag(_SwerveBatterySag):
     """The drive motors' voltage falls with the battery's."""
 
     acts_on = "drive"
+    drivers: ClassVar[Mapping[str, str]] = {"battery_voltage": "drive_nominal_voltage"}
     sentence = (
         "The drive motors' voltage falls by {sensitivity} of the share that the battery loses of their nominal "
         "voltage; scale it in the simulator."
@@ -50,6 +61,7 @@ class SteerBatterySag(_SwerveBatterySag):
     """The steering motors' voltage falls with the battery's."""
 
     acts_on = "steer"
+    drivers: ClassVar[Mapping[str, str]] = {"battery_voltage": "steer_nominal_voltage"}
     sentence = (
         "The steering motors' voltage falls by {sensitivity} of the share that the battery loses of their nominal "
         "voltage; scale it in the simulator."

@@ -1,6 +1,7 @@
 """Probabilities fitted to how often names were right."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from pipeline.proof.calibration import (
 )
 
 SEED = SEEDS.start
+KINDS = ("joint", "quadrotor")
 
 
 def statements(count, rule, seed=0):
@@ -25,7 +27,10 @@ def statements(count, rule, seed=0):
     for number in range(count):
         features = dict(zip(DIRECTIONS, random.standard_normal(len(DIRECTIONS)).tolist(), strict=True))
         probability = 1.0 / (1.0 + math.exp(-rule(features)))
-        drawn.append(Statement(f"case-{number // 2}", features, 1.0, bool(random.random() < probability)))
+        kind = KINDS[number % len(KINDS)]
+        drawn.append(
+            Statement(f"case-{number // 2}", features, kind, 1.0, bool(random.random() < probability))
+        )
     return drawn
 
 
@@ -39,6 +44,15 @@ def test_known_probabilities_are_recovered():
     assert found["statements"] == 6000
 
 
+def test_every_kind_has_its_own_intercept():
+    joints = [replace(s, kind="joint") for s in statements(2000, lambda f: 1.0 + f["evidence"])]
+    others = [replace(s, kind="quadrotor") for s in statements(2000, lambda f: f["evidence"] - 1.0, seed=1)]
+    found = fit_calibration([*joints, *others])
+    assert found["offsets"]["joint"] - found["offsets"]["quadrotor"] == pytest.approx(2.0, abs=0.3)
+    assert found["coefficients"]["evidence"] == pytest.approx(1.0, abs=0.15)
+    assert found["expected_calibration_error"] < 0.03
+
+
 def test_more_evidence_never_lowers_a_probability():
     found = fit_calibration(statements(2000, lambda f: -2.0 * f["evidence"] - 1.0 * f["excess"]))
     assert found["coefficients"]["evidence"] == 0.0
@@ -48,7 +62,7 @@ def test_more_evidence_never_lowers_a_probability():
 
 def test_a_feature_that_never_changes_does_no_harm():
     drawn = [
-        Statement(s.case, s.features | {"captured": 1.0}, 1.0, s.true)
+        Statement(s.case, s.features | {"captured": 1.0}, s.kind, 1.0, s.true)
         for s in statements(500, lambda f: f["evidence"])
     ]
     assert math.isfinite(fit_calibration(drawn)["intercept"])
@@ -58,7 +72,7 @@ def test_rivals_share_what_presence_says():
     random = np.random.default_rng(1)
     drawn = statements(3000, lambda f: 2.0 * f["evidence"])
     shared = [
-        Statement(s.case, s.features, 0.5, s.true and bool(random.random() < 0.5))
+        Statement(s.case, s.features, s.kind, 0.5, s.true and bool(random.random() < 0.5))
         for s in statements(3000, lambda f: 2.0 * f["evidence"], seed=1)
     ]
     found = fit_calibration([*drawn, *shared])
