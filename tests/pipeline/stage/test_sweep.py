@@ -117,6 +117,7 @@ def written(folder: Path) -> dict[str, int]:
     return {path.parent.name: path.stat().st_ino for path in folder.rglob("draws")}
 
 
+@pytest.mark.slow
 def test_what_is_done_is_not_run_again(tiny: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("flight.csv").write_text("t\n")
     sweep = ["-m", "drawing.amount=1,2", "recording=flight.csv", UNTRACKED, "output=out"]
