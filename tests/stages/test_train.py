@@ -103,6 +103,21 @@ def test_a_sweep_keeps_the_outputs_of_its_jobs_apart(tmp_path):
 
 
 @pytest.mark.slow
+def test_both_cores_give_the_numbers_of_one(tmp_path, monkeypatch):
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)  # a job takes one thread by itself
+    small = ("model=fnn,tcn", "model.hidden=[8]", "model.dropout=[0.1]", "train.max_epochs=2")
+    for folder, launcher in (("serial", "basic"), ("parallel", "joblib")):
+        places = (f"output={tmp_path / folder}", f"hydra/launcher={launcher}")
+        command(tmp_path, "-m", *small, *places).check_returncode()
+    files = [
+        path.relative_to(tmp_path / "serial") for path in (tmp_path / "serial").rglob("model.safetensors")
+    ]
+    assert len(files) == 2
+    for file in [*files, *(file.parents[1] / "metrics.json" for file in files)]:
+        assert (tmp_path / "serial" / file).read_bytes() == (tmp_path / "parallel" / file).read_bytes()
+
+
+@pytest.mark.slow
 def test_a_killed_training_ends_like_an_undisturbed_one(tmp_path):
     settings = (
         "model=fnn",

@@ -33,12 +33,17 @@ def test_every_job_has_a_directory_of_its_own(tiny: ModuleType, capfd: pytest.Ca
 
 
 @pytest.mark.slow
-def test_parallel_jobs_give_what_serial_ones_give(tiny: ModuleType) -> None:
+@pytest.mark.parametrize("launcher", ["joblib", "submitit_local"])
+def test_launched_jobs_give_what_serial_ones_give(tiny: ModuleType, launcher: str) -> None:
+    package = f"hydra_plugins.hydra_{launcher.partition('_')[0]}_launcher"
+    pytest.importorskip(package, reason=f"{launcher} is not installed: pip install -e '.[cluster]'")
     sweep = ["-m", "seed=1,2,3", UNTRACKED]
     assert run_command(tiny.tiny_stage, [*sweep, "output=serial"]) == 0
-    assert run_command(tiny.tiny_stage, [*sweep, "output=parallel", "hydra/launcher=joblib"]) == 0
+    assert run_command(tiny.tiny_stage, [*sweep, "output=launched", f"hydra/launcher={launcher}"]) == 0
     assert len(results(Path("serial"))) == 3
-    assert results(Path("serial")) == results(Path("parallel"))
+    assert results(Path("serial")) == results(Path("launched"))
+    serial, launched = (Comparison.read(Path(folder, "comparison")) for folder in ("serial", "launched"))
+    assert [job.metrics for job in serial.jobs] == [job.metrics for job in launched.jobs]
 
 
 def test_jobs_that_cannot_run_are_named_and_the_others_run(
