@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 VALIDATION_SHARE = 0.2
 CHECKPOINTS = "checkpoints"
+NAIVE = "/naive"  # ends the names of the errors of the assumption that nothing changes
 STEPS = "steps"  # beside the quantities: one-step scores by target
 
 
@@ -33,15 +34,11 @@ class TrainStage(StageConfig):
 
 
 def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
-    """Return the errors of a model with its one-step scores, and those of the assumption that nothing changes."""
-    errors = {quantity: horizons for quantity, horizons in metrics.items() if quantity != STEPS}
-    rows = {"": "model", "persistence": "naive"}
-    found = {
-        name: flat({q: {h: pair[whose] for h, pair in horizons.items()} for q, horizons in errors.items()})
-        for name, whose in rows.items()
-    }
-    found[""] |= flat({STEPS: metrics.get(STEPS, {})})
-    return found
+    """Return the scores of a model, and the errors of the assumption that nothing changes."""
+    scores = flat(metrics)
+    naive = {name.removesuffix(NAIVE): value for name, value in scores.items() if name.endswith(NAIVE)}
+    own = {name.removesuffix("/model"): value for name, value in scores.items() if not name.endswith(NAIVE)}
+    return {"": own, "persistence": naive}
 
 
 @stage(TrainStage, compared)

@@ -94,7 +94,12 @@ def _bars(axes: "Axes", table: Table, column: str) -> None:
 
 
 def _named(row: Row, without: str = "") -> str:
-    return ", ".join(str(value) for key, value in row.values.items() if key != without)
+    """Return what a configuration is called beside others: a number says nothing without its key."""
+    return ", ".join(
+        f"{key.rpartition('.')[2]} {value}" if _is_number(value) else str(value)
+        for key, value in row.values.items()
+        if key != without
+    )
 
 
 def _is_number(value: Value) -> bool:

@@ -1,5 +1,6 @@
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from pipeline.models.settings import Training
 from pipeline.models.storage import load_model
 from pipeline.recordings import write_recording
 from pipeline.stage import StageRun
-from stages.train import TrainStage, train
+from stages.train import TrainStage, compared, train
 from tests.pipeline.models import learnable
 
 QUICK = Training(max_epochs=2, batch_size=128, horizons=[1, 10], evaluation_windows=100)
@@ -50,6 +51,23 @@ def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path
     assert model.provenance.value == run.metrics["best_validation_loss"]
     assert model.provenance.training["max_epochs"] == 2
     assert not any((tmp_path / "artifacts").rglob("*.ckpt"))
+
+
+def test_scores_are_compared_with_those_of_persistence_apart():
+    errors = {"h1": {"model": 1.0, "naive": 2.0}}
+    metrics = {
+        "position": errors,
+        "steps": {"velocity": {"mse": 3.0, "r_squared": None}},
+        "free_run": {"mse": 4.0},
+    }
+    own = {
+        "position/h1": 1.0,
+        "steps/velocity/mse": 3.0,
+        "steps/velocity/r_squared": None,
+        "free_run/mse": 4.0,
+    }
+    assert compared(metrics) == {"": own, "persistence": {"position/h1": 2.0}}
+    assert compared({}) == {"": {}, "persistence": {}}
 
 
 def test_without_a_validation_run_the_end_of_the_training_runs_validates(tmp_path):
@@ -100,6 +118,10 @@ def test_a_sweep_keeps_the_outputs_of_its_jobs_apart(tmp_path):
     command(tmp_path, "-m", "model=linear", "model.sequence_length=1,3").check_returncode()
     written = sorted((tmp_path / "artifacts").rglob("model.yaml"))
     assert [yaml.safe_load(path.read_text())["model"]["sequence_length"] for path in written] == [1, 3]
+    (table,) = (tmp_path / "artifacts").rglob("comparison.md")
+    assert {"| 1 | ", "| 3 | ", "| persistence | "} <= set(
+        re.findall(r"(?m)^\| [\w.]+ \| ", table.read_text())
+    )
 
 
 @pytest.mark.slow

@@ -19,6 +19,14 @@ def test_a_number_that_was_swept_is_the_abscissa_and_the_rest_are_curves(tmp_pat
     assert text.count('id="FillBetweenPolyCollection_') == 2
 
 
+def test_numbers_beside_the_abscissa_are_named_by_their_key(tmp_path):
+    jobs = [job(1.0, model__delay=delay, model__width=width) for delay in (1, 2) for width in (3, 4)]
+    text = drawn(sweep(*jobs), tmp_path)
+    assert ">model.delay<" in text
+    assert ">width 3<" in text
+    assert ">width 4<" in text
+
+
 def test_without_numbers_there_are_bars(tmp_path):
     comparison = sweep(job(1.0, model="lstm"), job(2.0, model="tcn"))
     text = drawn(
