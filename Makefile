@@ -3,6 +3,7 @@
 #   make test    install if need be, run linters, type checker, import contracts and tests
 #   make prove   the concealed benchmark: SEED=1 CASES=60 (of each kind) KIND=quadrotor,joint,swerve
 #   make bench   measure the simulator beside its peers, write docs/benchmark.md (leave the machine alone meanwhile)
+#   make bench-training   measure training beside its bare loop, write docs/benchmark_training.md
 # The pins in constraints.txt are made by:
 #   uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --no-header --no-annotate \
 #       --no-emit-index-url -o constraints.txt
@@ -15,7 +16,7 @@ KIND ?= quadrotor,joint,swerve
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-.PHONY: run test prove bench lint install
+.PHONY: run test prove bench bench-training lint install
 
 run: $(STAMP)
 	@$(BIN)/simgap reproduce $(BRANCH)
@@ -34,6 +35,9 @@ lint: $(STAMP)
 
 bench: $(STAMP) .venv-bench/.installed
 	@$(BIN)/python -m benchmarks --peers .venv-bench/bin/python --output docs/benchmark.md
+
+bench-training: $(STAMP)
+	@$(BIN)/python -W ignore -m benchmarks.training --output docs/benchmark_training.md
 
 # The peers have an environment of their own: what they need is no need of the project.
 .venv-bench/.installed: benchmarks/requirements.txt

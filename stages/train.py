@@ -3,10 +3,12 @@
 import json
 import logging
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pipeline.comparison.comparison import Metrics, flat
 from pipeline.models.settings import Training
 from pipeline.stage import StageConfig, StageRun, stage
 
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
 
 VALIDATION_SHARE = 0.2
 CHECKPOINTS = "checkpoints"
+NAIVE = "/naive"  # ends the names of the errors of the assumption that nothing changes
+STEPS = "steps"  # beside the quantities: one-step scores by target
 
 
 @dataclass
@@ -29,7 +33,15 @@ class TrainStage(StageConfig):
     train: Training = field(default_factory=Training)
 
 
-@stage(TrainStage)
+def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
+    """Return the scores of a model, and the errors of the assumption that nothing changes."""
+    scores = flat(metrics)
+    naive = {name.removesuffix(NAIVE): value for name, value in scores.items() if name.endswith(NAIVE)}
+    own = {name.removesuffix("/model"): value for name, value in scores.items() if not name.endswith(NAIVE)}
+    return {"": own, "persistence": naive}
+
+
+@stage(TrainStage, compared)
 def train(config: TrainStage, run: StageRun) -> None:
     """Train a learned dynamics model and score it on held-out runs against persistence."""
     if config.train.enabled:
@@ -88,10 +100,13 @@ def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[S
 def _score(model: "DynamicsModel", held: "Series", settings: Training, run: StageRun) -> None:
     """Write the errors on held-out runs."""
     from pipeline.models.evaluation import rollout_errors
+    from pipeline.models.step_scores import step_scores
 
-    errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows)
-    _write_metrics(_finite(errors), run)
-    run.log_metrics(_flat(errors))
+    history = settings.evaluation_history
+    errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows, history)
+    scores = {**errors, STEPS: step_scores(model, held, history)}
+    _write_metrics(_finite(scores), run)
+    run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
 
 
 def _write_metrics(metrics: dict[str, Any], run: StageRun) -> None:
@@ -121,15 +136,6 @@ def _finite(errors: Any) -> Any:
     if isinstance(errors, dict):
         return {key: _finite(value) for key, value in errors.items()}
     return errors if math.isfinite(errors) else None
-
-
-def _flat(errors: dict[str, dict[str, dict[str, float]]]) -> dict[str, float]:
-    return {
-        f"{quantity}/{horizon}/{whose}": value
-        for quantity, horizons in errors.items()
-        for horizon, pair in horizons.items()
-        for whose, value in pair.items()
-    }
 
 
 if __name__ == "__main__":

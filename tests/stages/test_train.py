@@ -1,5 +1,6 @@
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from pipeline.models.settings import Training
 from pipeline.models.storage import load_model
 from pipeline.recordings import write_recording
 from pipeline.stage import StageRun
-from stages.train import TrainStage, train
+from stages.train import TrainStage, compared, train
 from tests.pipeline.models import learnable
 
 QUICK = Training(max_epochs=2, batch_size=128, horizons=[1, 10], evaluation_windows=100)
@@ -40,14 +41,33 @@ def run_stage(tmp_path, recorded, name="linear", settings=QUICK):
 def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path):
     run = run_stage(tmp_path, learnable.linear_joint(), name)
     metrics = json.loads((run.output / "metrics.json").read_text())
-    assert set(metrics) == {"position", "velocity"}
-    assert set(metrics["velocity"]) == {"h1", "h10"}
+    assert set(metrics) == {"position", "velocity", "steps"}
+    assert set(metrics["velocity"]) == {"h1", "h10", "sum"}
+    assert set(metrics["steps"]) == {"velocity"}
+    assert run.metrics["steps/velocity/mse"] == metrics["steps"]["velocity"]["mse"]
     assert metrics["velocity"]["h1"]["model"] < metrics["velocity"]["h1"]["naive"]
     model = load_model(run.output / "model")
     assert model.provenance.data == next(iter(run.inputs.values()))
     assert model.provenance.value == run.metrics["best_validation_loss"]
     assert model.provenance.training["max_epochs"] == 2
     assert not any((tmp_path / "artifacts").rglob("*.ckpt"))
+
+
+def test_scores_are_compared_with_those_of_persistence_apart():
+    errors = {"h1": {"model": 1.0, "naive": 2.0}}
+    metrics = {
+        "position": errors,
+        "steps": {"velocity": {"mse": 3.0, "r_squared": None}},
+        "free_run": {"mse": 4.0},
+    }
+    own = {
+        "position/h1": 1.0,
+        "steps/velocity/mse": 3.0,
+        "steps/velocity/r_squared": None,
+        "free_run/mse": 4.0,
+    }
+    assert compared(metrics) == {"": own, "persistence": {"position/h1": 2.0}}
+    assert compared({}) == {"": {}, "persistence": {}}
 
 
 def test_without_a_validation_run_the_end_of_the_training_runs_validates(tmp_path):
@@ -98,6 +118,25 @@ def test_a_sweep_keeps_the_outputs_of_its_jobs_apart(tmp_path):
     command(tmp_path, "-m", "model=linear", "model.sequence_length=1,3").check_returncode()
     written = sorted((tmp_path / "artifacts").rglob("model.yaml"))
     assert [yaml.safe_load(path.read_text())["model"]["sequence_length"] for path in written] == [1, 3]
+    (table,) = (tmp_path / "artifacts").rglob("comparison.md")
+    assert {"| 1 | ", "| 3 | ", "| persistence | "} <= set(
+        re.findall(r"(?m)^\| [\w.]+ \| ", table.read_text())
+    )
+
+
+@pytest.mark.slow
+def test_both_cores_give_the_numbers_of_one(tmp_path, monkeypatch):
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)  # a job takes one thread by itself
+    small = ("model=fnn,tcn", "model.hidden=[8]", "model.dropout=[0.1]", "train.max_epochs=2")
+    for folder, launcher in (("serial", "basic"), ("parallel", "joblib")):
+        places = (f"output={tmp_path / folder}", f"hydra/launcher={launcher}")
+        command(tmp_path, "-m", *small, *places).check_returncode()
+    files = [
+        path.relative_to(tmp_path / "serial") for path in (tmp_path / "serial").rglob("model.safetensors")
+    ]
+    assert len(files) == 2
+    for file in [*files, *(file.parents[1] / "metrics.json" for file in files)]:
+        assert (tmp_path / "serial" / file).read_bytes() == (tmp_path / "parallel" / file).read_bytes()
 
 
 @pytest.mark.slow
