@@ -29,6 +29,7 @@ class Training:
     )
     horizons: list[int] = field(default_factory=lambda: [1, 10, 50])  # steps at which rollouts are scored
     evaluation_windows: int = 2000  # at most, evenly over the held-out runs
+    zero_phase: dict[str, float] | None = None  # Hz by channel, of filters that look ahead; null: none
 
 
 @dataclass
@@ -38,3 +39,11 @@ class ModelSettings:
     name: str = ""
     sequence_length: int = 1  # samples in the window from which the next is predicted
     scaling: str = "standard"  # standard (mean, standard deviation) or robust (median, interquartile range)
+
+
+@dataclass
+class TrainedSettings(ModelSettings):
+    """What all models have in common that are trained by gradient."""
+
+    learning_rate: float = 1e-3  # of Adam
+    weight_decay: float = 0.0  # L2 penalty
