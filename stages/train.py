@@ -50,7 +50,7 @@ def _train(config: TrainStage, run: StageRun) -> None:
     path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
     data = run.inputs[str(path)]
     settings = model_settings(config.model)
-    recording = read_recording(path)
+    recording = _prepared(read_recording(path), config.train)
     layout = layout_of(recording, config.train.layout)
     model = model_class(config.model)(layout, settings, recording.time_step)
     require_holdout(recording.split, str(path))
@@ -60,7 +60,7 @@ def _train(config: TrainStage, run: StageRun) -> None:
     model.provenance = Provenance(
         data=data,
         data_source=recording.source,
-        chosen_by="validation loss: one-step mean squared error, scaled",
+        chosen_by=f"validation loss over {config.train.steps} step(s), scaled",
         value=loss,
         seed=config.seed,
         training=asdict(config.train),
@@ -69,6 +69,13 @@ def _train(config: TrainStage, run: StageRun) -> None:
     run.log_metrics({"best_validation_loss": loss})
     _score(model, held, config.train, run)
     _discard(checkpoint)
+
+
+def _prepared(recording: "Recording", settings: Training) -> "Recording":
+    """Return the recording filtered, where that is asked for."""
+    from pipeline.models.zero_phase import zero_phase
+
+    return recording if settings.zero_phase is None else zero_phase(recording, settings.zero_phase)
 
 
 def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[Series, Series, Series]":
