@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 VALIDATION_SHARE = 0.2
 CHECKPOINTS = "checkpoints"
 STEPS = "steps"  # beside the quantities: one-step scores by target
+DISTRIBUTION = "distribution"  # beside the quantities: quantiles of the errors
 
 
 @dataclass
@@ -96,12 +97,18 @@ def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[S
 
 def _score(model: "DynamicsModel", held: "Series", settings: Training, run: StageRun) -> None:
     """Write the errors on held-out runs."""
+    from pipeline.models.error_distribution import error_quantiles
     from pipeline.models.evaluation import rollout_errors
     from pipeline.models.step_scores import step_scores
 
     history = settings.evaluation_history
     errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows, history)
-    scores = {**errors, STEPS: step_scores(model, held, history)}
+    scores: dict[str, Any] = {**errors, STEPS: step_scores(model, held, history)}
+    if settings.quantiles:
+        most = settings.evaluation_windows
+        scores[DISTRIBUTION] = error_quantiles(
+            model, held, settings.horizons, settings.quantiles, most, history
+        )
     _write_metrics(_finite(scores), run)
     run.log_metrics(_flat(scores))
 

@@ -33,6 +33,7 @@ class Training:
     evaluation_history: int = (
         50  # samples before the first scored one: up to it, all windows see the same ones
     )
+    quantiles: list[float] = field(default_factory=list)  # of the errors over the windows, beside their mean
     zero_phase: dict[str, float] | None = None  # Hz by channel, of filters that look ahead; null: none
 
 

@@ -26,7 +26,7 @@ class WhiteBoxSettings(ModelSettings):
     """Settings of the white box, which sees the newest sample of the window alone."""
 
     name: str = "white_box"
-    averaging: float = 0.1  # s, of the windows over which the equations of motion are averaged
+    averaging: float = 0.3  # s, of the windows over which the equations of motion are averaged
 
 
 class WhiteBoxModel(DynamicsModel):
