@@ -5,12 +5,12 @@ import platform
 from collections.abc import Iterable
 from datetime import date
 from importlib import metadata
-from pathlib import Path
 
 import torch
 
 from benchmarks.laps import Laps
 from benchmarks.measure import OURS, Floor
+from pipeline.comparison.machine import processor
 
 _HEAD = """# Benchmark
 
@@ -65,19 +65,10 @@ def written(
 
 def machine(device: str, load_before: float) -> str:
     """Return a sentence on the machine and what else ran on it."""
-    name = next(
-        (
-            line.split(":")[1].strip()
-            for line in Path("/proc/cpuinfo").read_text().splitlines()
-            if line.startswith("model name")
-        ),
-        platform.processor(),
-    )
     graphics = f", {torch.cuda.get_device_name()}" if device == "cuda" else ""
-    cores = len(os.sched_getaffinity(0))
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
     return (
-        f"Machine: {cores} cores of {name}{graphics}, {memory:.0f} GiB; Python {platform.python_version()}, "
+        f"Machine: {processor()}{graphics}, {memory:.0f} GiB; Python {platform.python_version()}, "
         f"PyTorch {metadata.version('torch')}. Load average of the machine before the run {load_before:.1f}, after it "
         f"{os.getloadavg()[0]:.1f} (its own work included)."
     )

@@ -19,6 +19,7 @@ ORDER = (
     "prove",
     "calibrate",
     "strengths",
+    "results",
     "effects",
 )
 

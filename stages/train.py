@@ -3,10 +3,12 @@
 import json
 import logging
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pipeline.comparison.comparison import Metrics, flat
 from pipeline.models.settings import Training
 from pipeline.stage import StageConfig, StageRun, stage
 
@@ -31,7 +33,20 @@ class TrainStage(StageConfig):
     train: Training = field(default_factory=Training)
 
 
-@stage(TrainStage)
+def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
+    """Return a model's errors, one-step scores and quantiles, and the errors if nothing changed."""
+    beside = (STEPS, DISTRIBUTION)
+    errors = {quantity: horizons for quantity, horizons in metrics.items() if quantity not in beside}
+    rows = {"": "model", "persistence": "naive"}
+    found = {
+        name: flat({q: {h: pair[whose] for h, pair in horizons.items()} for q, horizons in errors.items()})
+        for name, whose in rows.items()
+    }
+    found[""] |= flat({part: metrics.get(part, {}) for part in beside})
+    return found
+
+
+@stage(TrainStage, compared)
 def train(config: TrainStage, run: StageRun) -> None:
     """Train a learned dynamics model and score it on held-out runs against persistence."""
     if config.train.enabled:
@@ -110,7 +125,7 @@ def _score(model: "DynamicsModel", held: "Series", settings: Training, run: Stag
             model, held, settings.horizons, settings.quantiles, most, history
         )
     _write_metrics(_finite(scores), run)
-    run.log_metrics(_flat(scores))
+    run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
 
 
 def _write_metrics(metrics: dict[str, Any], run: StageRun) -> None:
@@ -140,13 +155,6 @@ def _finite(errors: Any) -> Any:
     if isinstance(errors, dict):
         return {key: _finite(value) for key, value in errors.items()}
     return errors if math.isfinite(errors) else None
-
-
-def _flat(scores: dict[str, Any], prefix: str = "") -> dict[str, float]:
-    flat: dict[str, float] = {}
-    for key, value in scores.items():
-        flat |= _flat(value, f"{prefix}{key}/") if isinstance(value, dict) else {f"{prefix}{key}": value}
-    return flat
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ from pipeline.models.examples import Examples
 from pipeline.models.layout import Layout
 from pipeline.models.network_model import NetworkModel
 from pipeline.models.recurrent_network import Memory, RecurrentNetwork, dense, silence
+from pipeline.models.scaling import Scaler
 from pipeline.models.settings import ModelSettings, TrainedSettings, Training
 from pipeline.models.windows import Series
 
@@ -69,10 +70,17 @@ class HybridModel(NetworkModel):
 
         context = context or FitContext()
         self.motion.fit(train, validation, training, context)
-        self.prepare(
-            Examples.of_series(train, self.layout, self.settings.sequence_length, "training"), context
-        )
+        examples = Examples.of_series(train, self.layout, self.settings.sequence_length, "training")
+        self.prepare(examples, context)
         return train_rollouts(self, train, validation, training, context)
+
+    def prepare(self, examples: Examples, context: FitContext) -> None:
+        """Scale corrections by what the motion model, fitted before, leaves to be corrected."""
+        super().prepare(examples, context)
+        left = [
+            targets - self.motion.increments(self._recent(windows)) for windows, targets in examples.chunks()
+        ]
+        self.outputs = Scaler.fit(torch.cat(left), "standard")
 
     def increments(self, features: Tensor) -> Tensor:
         """Return what the first step of a rollout adds."""
@@ -80,8 +88,7 @@ class HybridModel(NetworkModel):
 
     def begin(self, window: Tensor) -> HybridMemory:
         """Set the network's state from the known samples; the motion model sees the newest of them."""
-        length = self.motion.settings.sequence_length
-        return HybridMemory(window[:, -length:], self.recurrence.begin(self.scaled(window)))
+        return HybridMemory(self._recent(window), self.recurrence.begin(self.scaled(window)))
 
     def follow(self, memory: HybridMemory, newest: Tensor) -> HybridMemory:
         """Let both see one more sample."""
@@ -109,6 +116,10 @@ class HybridModel(NetworkModel):
     def corrections(self, outputs: Tensor) -> Tensor:
         """Return a network's corrections of increments, in their units."""
         return outputs.to(self.outputs.spread) * self.outputs.spread
+
+    def _recent(self, window: Tensor) -> Tensor:
+        """Return the samples that the motion model sees."""
+        return window[:, -self.motion.settings.sequence_length :]
 
     def _recurrent_network(self, features: int, outputs: int) -> RecurrentNetwork:
         settings = self.settings

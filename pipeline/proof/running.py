@@ -11,6 +11,7 @@ from typing import Any
 
 from pipeline.artifacts import progress
 from pipeline.errors import InputError
+from pipeline.stage.threads import one_thread
 
 RESULT = "result.json"
 
@@ -46,7 +47,7 @@ def _worked(
     if not tasks:
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(tasks)), context, initializer=_alone) as pool:
+    with ProcessPoolExecutor(min(jobs, len(tasks)), context, initializer=one_thread) as pool:
         waiting = {pool.submit(work, task, folder / name): name for name, task in tasks.items()}
         try:
             for done in as_completed(waiting):
@@ -56,14 +57,6 @@ def _worked(
             raise InputError("a process of the benchmark was killed", str(folder), remedy) from error
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _alone() -> None:
-    """Let a process have one thread: the others have theirs."""
-    os.environ |= {"OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-    import torch
-
-    torch.set_num_threads(1)
 
 
 def _done(folder: Path, identity: str) -> dict[str, Any] | None:

@@ -1,4 +1,4 @@
-"""Identified nominal parameters and the scores of the trained model, where those stages ran."""
+"""Identified nominal parameters, where that stage ran."""
 
 from pipeline.report.inputs import ReportInputs, read_json, read_yaml
 from pipeline.report.section import Drawing, Section
@@ -13,9 +13,3 @@ def parameters_section(inputs: ReportInputs, drawing: Drawing) -> Section | None
         return None
     content = {"parameters": parameter_rows(parameters or {}), "tables": metric_tables(metrics or {})}
     return Section("parameters", "Identified parameters", content)
-
-
-def model_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
-    """List the scores of the trained model."""
-    metrics = read_json(inputs.train, "metrics.json")
-    return Section("model", "Trained model", {"tables": metric_tables(metrics)}) if metrics else None

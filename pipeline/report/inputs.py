@@ -23,6 +23,7 @@ class ReportInputs:
         clean: folder of `changes.parquet`, `coverage.parquet`, `recording.parquet`.
         sysid: folder of `parameters.yaml`, `metrics.json`.
         train: folder of `metrics.json`.
+        sweeps: folders of `comparison.json`.
         name: name of the configuration.
     """
 
@@ -30,6 +31,7 @@ class ReportInputs:
     clean: Path | None = None
     sysid: Path | None = None
     train: Path | None = None
+    sweeps: tuple[Path, ...] = ()
     name: str = ""
 
     @classmethod
@@ -39,14 +41,14 @@ class ReportInputs:
             stage: artifacts / stage if (artifacts / stage).is_dir() else None
             for stage in ("diagnose", "clean", "sysid", "train")
         }
-        return cls(**folders, name=name)
+        sweeps = sorted(path.parent for path in artifacts.glob("sweeps/*/*/comparison.json"))
+        return cls(**folders, sweeps=tuple(sweeps), name=name)
 
     @property
     def folders(self) -> list[Path]:
         """The folders that are there."""
-        return [
-            folder for folder in (self.diagnose, self.clean, self.sysid, self.train) if folder is not None
-        ]
+        folders = (self.diagnose, self.clean, self.sysid, self.train, *self.sweeps)
+        return [folder for folder in folders if folder is not None]
 
     @cached_property
     def diagnosis(self) -> dict[str, Any] | None:

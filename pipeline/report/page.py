@@ -15,9 +15,10 @@ from pipeline.report.cleaning import cleaning_section
 from pipeline.report.competition import competition_section
 from pipeline.report.figure import script_json
 from pipeline.report.fit import fit_section
-from pipeline.report.identified import model_section, parameters_section
+from pipeline.report.identified import parameters_section
 from pipeline.report.inputs import ReportInputs
 from pipeline.report.laws import laws_section
+from pipeline.report.models import model_section, sweeps_section
 from pipeline.report.provenance import provenance_section, warnings_section
 from pipeline.report.section import Drawing, Section
 from pipeline.report.tables import cell
@@ -37,6 +38,7 @@ _SECTIONS = (
     cleaning_section,
     parameters_section,
     model_section,
+    sweeps_section,
     warnings_section,
     provenance_section,
 )

@@ -73,7 +73,8 @@ def cell(value: Any) -> str:
 
 
 def _metric(name: str) -> str:
-    return " ".join(_ABBREVIATIONS.get(word.lower(), word) for word in spoken(name).split(" "))
+    words = spoken(name).replace("r squared", "r2").split(" ")
+    return " ".join(_ABBREVIATIONS.get(word.lower(), word) for word in words)
 
 
 def _estimates(entry: Mapping[str, Any], value_key: str, name: str) -> list[dict[str, str]]:

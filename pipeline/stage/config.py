@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from pipeline.comparison.settings import Results
 from pipeline.tracking.config import Tracking
 
 
@@ -16,6 +17,7 @@ class StageConfig:
         seed: of every random draw.
         output: the directory to write; `artifacts/STAGE` when null.
         tracking: where runs are logged.
+        results: how the jobs of a sweep are compared.
     """
 
     name: str = "default"
@@ -23,6 +25,7 @@ class StageConfig:
     seed: int = 0
     output: str | None = None
     tracking: Tracking = field(default_factory=Tracking)
+    results: Results = field(default_factory=Results)
 
     def artifact(self, stage: str, file: str) -> Path:
         """Return the path of a file that a stage of the same branch has written."""

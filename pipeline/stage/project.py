@@ -24,7 +24,7 @@ def described(name: str) -> tuple[str, list[str]] | None:
     module = _parse(name)
     function = _function(module, name)
     decorators = [ast.unparse(entry) for entry in function.decorator_list] if function else []
-    if not decorators or not (named := re.fullmatch(r"stage\((\w+)\)", decorators[0])):
+    if not decorators or not (named := re.match(r"stage\((\w+)", decorators[0])):
         return None
     own = [
         entry.target.id

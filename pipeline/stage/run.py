@@ -78,3 +78,9 @@ class StageRun:
         if self.metrics and not path.exists():
             plain = {key: value if math.isfinite(value) else None for key, value in self.metrics.items()}
             path.write_text(json.dumps(plain, indent=2, sort_keys=True) + "\n")
+
+
+def read_metrics(output: Path) -> dict[str, Any]:
+    """Return the metrics that a stage has written; none where it has not."""
+    path = output / METRICS_FILE
+    return json.loads(path.read_text()) if path.exists() else {}

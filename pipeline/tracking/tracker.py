@@ -90,6 +90,10 @@ class Tracker:
         suffix = "html" if hasattr(figure, "to_html") else "png"
         self._attempt(lambda client: client.log_figure(self._run, figure, f"{name}.{suffix}"))
 
+    def log_folder(self, folder: Path) -> None:
+        """Log the files of a folder under its name."""
+        self._attempt(lambda client: client.log_artifacts(self._run, str(folder), folder.name))
+
     def finish(self, succeeded: bool) -> None:
         """Close the run; one that failed before anything was logged is not opened for it."""
         if not (self._run or succeeded):
@@ -117,23 +121,25 @@ class Tracker:
             self._parent = self._find(client, {PARENT_TAG: self.parent_key}) or self._create(
                 client, self.parent_name, {PARENT_TAG: self.parent_key}
             )
-        tags = {
-            "mlflow.parentRunId": self._parent,
-            "mlflow.source.name": f"simgap {self.stage}",
-            STAGE_TAG: self.stage,
-        }
-        siblings = {
-            "mlflow.parentRunId": self._parent,
-            STAGE_TAG: self.stage,
-            "mlflow.runName": self.run_name,
-        }
-        earlier = self._find(client, siblings)
-        if earlier:  # parameters cannot change, so a run that is repeated takes the place of the earlier one
-            client.delete_run(earlier)
-        hashes = {_tag_name(path): digest for path, digest in self._inputs.items()}
-        self._run = self._create(client, self.run_name, tags | hashes)
-        _log_parameters(client, self._run, self.parameters)
+        self._run = self._begin(client)
         return client
+
+    def _begin(self, client: "MlflowClient") -> str:
+        """Return a new run; parameters cannot change, so it takes the place of an earlier one of its name."""
+        earlier = self._earlier(client)
+        if earlier:
+            client.delete_run(earlier)
+        tags = {"mlflow.source.name": f"simgap {self.stage}"} | self._siblings()
+        hashes = {_tag_name(path): digest for path, digest in self._inputs.items()}
+        run = self._create(client, self.run_name, tags | hashes)
+        _log_parameters(client, run, self.parameters)
+        return run
+
+    def _earlier(self, client: "MlflowClient") -> str | None:
+        return self._find(client, self._siblings() | {"mlflow.runName": self.run_name})
+
+    def _siblings(self) -> dict[str, str]:
+        return {"mlflow.parentRunId": self._parent, STAGE_TAG: self.stage}
 
     def _find(self, client: "MlflowClient", tags: Mapping[str, str]) -> str | None:
         condition = " and ".join(f"tags.`{key}` = '{value}'" for key, value in tags.items())

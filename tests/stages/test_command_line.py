@@ -12,7 +12,7 @@ import pytest
 from pipeline.stage.project import STAGES, commands, described
 from stages.__main__ import ORDER, main
 
-NO_STAGES = {"reproduce", "effects"}
+NO_STAGES = {"reproduce", "results", "effects"}
 
 
 def simgap(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -11,10 +11,10 @@ import yaml
 from pipeline.artifacts import PROJECT_ROOT
 from pipeline.stage.project import CONFIGURATION, commands
 
-# Keys that say where a stage works and what it is called, not what it does.
-PLACES = {"name", "artifacts", "output", "tracking"}
+# Keys that say where a stage works, what it is called and how its sweeps are compared, not what it does.
+PLACES = {"name", "artifacts", "output", "tracking", "results"}
 # Parts of the project that cannot change what a stage writes.
-SILENT = {"pipeline.tracking", "pipeline.errors"}
+SILENT = {"pipeline.tracking", "pipeline.errors", "pipeline.comparison"}
 
 PIPELINE = yaml.safe_load((PROJECT_ROOT / "dvc.yaml").read_text())
 STAGES: dict[str, Any] = {name: entry["do"] for name, entry in PIPELINE["stages"].items()}
@@ -29,7 +29,8 @@ def graph() -> Any:
 
 
 def test_every_stage_is_in_it_for_every_branch() -> None:
-    assert set(STAGES) == set(commands()) - {"reproduce", "prove", "strengths", "calibrate", "effects"}
+    beside = {"reproduce", "prove", "strengths", "calibrate", "results", "effects"}
+    assert set(STAGES) == set(commands()) - beside
     assert {entry["foreach"] for entry in PIPELINE["stages"].values()} == {"${branches}"}
     assert sorted(BRANCHES) == sorted(path.stem for path in (CONFIGURATION / "branch").glob("*.yaml"))
 

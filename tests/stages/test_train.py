@@ -15,7 +15,7 @@ from pipeline.models.settings import Training
 from pipeline.models.storage import load_model
 from pipeline.recordings import write_recording
 from pipeline.stage import StageRun
-from stages.train import TrainStage, train
+from stages.train import TrainStage, compared, train
 from tests.pipeline.models import learnable
 
 QUICK = Training(max_epochs=2, batch_size=128, horizons=[1, 10], evaluation_windows=100)
@@ -60,6 +60,7 @@ def test_filters_that_look_ahead_and_quantiles_are_had_for_the_asking(tmp_path):
     metrics = json.loads((run.output / "metrics.json").read_text())
     assert metrics["velocity"]["h1"] != plain["velocity"]["h1"]
     assert set(metrics["distribution"]["velocity"]["h10"]) == {"q50"}
+    assert compared(metrics)[""]["distribution/velocity/h10/q50"] > 0.0
     assert run.metrics["distribution/velocity/h10/q50"] == metrics["distribution"]["velocity"]["h10"]["q50"]
     assert load_model(run.output / "model").provenance.training["zero_phase"] == {"velocity": 5.0}
 
@@ -112,6 +113,21 @@ def test_a_sweep_keeps_the_outputs_of_its_jobs_apart(tmp_path):
     command(tmp_path, "-m", "model=linear", "model.sequence_length=1,3").check_returncode()
     written = sorted((tmp_path / "artifacts").rglob("model.yaml"))
     assert [yaml.safe_load(path.read_text())["model"]["sequence_length"] for path in written] == [1, 3]
+
+
+@pytest.mark.slow
+def test_both_cores_give_the_numbers_of_one(tmp_path, monkeypatch):
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)  # a job takes one thread by itself
+    small = ("model=fnn,tcn", "model.hidden=[8]", "model.dropout=[0.1]", "train.max_epochs=2")
+    for folder, launcher in (("serial", "basic"), ("parallel", "joblib")):
+        places = (f"output={tmp_path / folder}", f"hydra/launcher={launcher}")
+        command(tmp_path, "-m", *small, *places).check_returncode()
+    files = [
+        path.relative_to(tmp_path / "serial") for path in (tmp_path / "serial").rglob("model.safetensors")
+    ]
+    assert len(files) == 2
+    for file in [*files, *(file.parents[1] / "metrics.json" for file in files)]:
+        assert (tmp_path / "serial" / file).read_bytes() == (tmp_path / "parallel" / file).read_bytes()
 
 
 @pytest.mark.slow

@@ -9,10 +9,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import yaml
 
+from pipeline.comparison.comparison import Comparison, Job
+from pipeline.comparison.figure import FIGURE, draw
+from pipeline.comparison.settings import Results, TableOf
 from tests.pipeline.report.diagnoses import RUNS, diagnosis
 from tests.pipeline.report.evidence import write_evidence, write_json
 
 HOSTILE = '</script><script>window.hacked=1</script><img src=x onerror="window.hacked=2"><b>&amp;{{7*7}}"\'`'
+MODELS = (("lstm", 0, 2.0), ("lstm", 1, 4.0), ("tcn", 0, 1.0), ("tcn", 1, 2.0))  # model, seed, error
 TRAINED = ("square_run1", "square_run2", "random1_run1", "multisine_run1")
 
 
@@ -94,5 +98,24 @@ def _identified(folder: Path, text: str) -> None:
     (folder / "train").mkdir()
     write_json(
         folder / "train" / "metrics.json",
-        {"validation_loss": 0.0312, "epochs": 40, "horizon": {"h1": 0.0013, "h50": 0.12}},
+        {
+            "epochs": 40,
+            "position": {"h1": {"model": 0.001, "naive": 0.004}, "sum": {"model": None, "naive": 4.0}},
+            "steps": {"velocity_x": {"mse": 0.25, "r_squared": 0.9, "increment_r_squared": None}},
+        },
     )
+
+
+def make_sweep(branch: Path, text: str = "") -> Path:
+    """Write what a sweep of two models has shown, with text wherever text goes."""
+    folder = branch / "sweeps" / "train" / "comparison"
+    folder.mkdir(parents=True)
+    jobs = [Job({"model": text or model}, seed, {"position/h1": error}) for model, seed, error in MODELS]
+    settings = Results(text or "Two models", text, [TableOf("position/h1", text)], baseline={"model": "lstm"})
+    failed = [text] if text else ["model=x: no"]
+    comparison = Comparison(
+        text or "train", text, text, jobs, {text or "persistence": {"position/h1": 9.0}}, failed, settings
+    )
+    comparison.write(folder)
+    draw(comparison, folder / FIGURE)
+    return folder

@@ -61,6 +61,7 @@ defaults:
   - drawing: default
   - clean: null
   - tracking: default
+  - results: default
   - _self_
   - override hydra/job_logging: plain
   - override hydra/hydra_logging: plain
@@ -76,6 +77,11 @@ GROUPS = {
     "platform/sparrow": "mass: 0.03",
     "platform/eagle": "mass: 4.0",
     "clean/gently": "crash: true",
+    "experiment/pair": """# @package _global_
+drawing: {scale: 2.0}
+results: {title: A pair, tables: [{metrics: sum}]}
+hydra: {sweeper: {params: {seed: "1,2", drawing.amount: "1,3"}}}
+""",
 }
 
 
@@ -83,7 +89,7 @@ GROUPS = {
 def configuration(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the folder of a small configuration, which takes the place of the project's."""
     folder = tmp_path / "conf"
-    for group in ("hydra", "tracking"):
+    for group in ("hydra", "tracking", "results"):
         shutil.copytree(CONFIGURATION / group, folder / group)
     for name, text in GROUPS.items():
         path = folder / f"{name}.yaml"

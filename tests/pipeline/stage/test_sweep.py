@@ -1,16 +1,21 @@
 """Many configurations of one stage in one command."""
 
+import ast
+import shutil
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
+from pipeline.comparison.comparison import Comparison
+from pipeline.stage import completion
 from pipeline.stage.command import run_command
 from pipeline.stage.sweep import job_name
 from pipeline.tracking.store import open_store
 from pipeline.tracking.tracker import PARENT_TAG
 
 UNTRACKED = "tracking.enabled=false"
+COMPARED = ["comparison.json", "comparison.md", "comparison.svg"]
 
 
 def results(folder: Path) -> dict[str, str]:
@@ -28,12 +33,17 @@ def test_every_job_has_a_directory_of_its_own(tiny: ModuleType, capfd: pytest.Ca
 
 
 @pytest.mark.slow
-def test_parallel_jobs_give_what_serial_ones_give(tiny: ModuleType) -> None:
+@pytest.mark.parametrize("launcher", ["joblib", "submitit_local"])
+def test_launched_jobs_give_what_serial_ones_give(tiny: ModuleType, launcher: str) -> None:
+    package = f"hydra_plugins.hydra_{launcher.partition('_')[0]}_launcher"
+    pytest.importorskip(package, reason=f"{launcher} is not installed: pip install -e '.[cluster]'")
     sweep = ["-m", "seed=1,2,3", UNTRACKED]
     assert run_command(tiny.tiny_stage, [*sweep, "output=serial"]) == 0
-    assert run_command(tiny.tiny_stage, [*sweep, "output=parallel", "hydra/launcher=joblib"]) == 0
+    assert run_command(tiny.tiny_stage, [*sweep, "output=launched", f"hydra/launcher={launcher}"]) == 0
     assert len(results(Path("serial"))) == 3
-    assert results(Path("serial")) == results(Path("parallel"))
+    assert results(Path("serial")) == results(Path("launched"))
+    serial, launched = (Comparison.read(Path(folder, "comparison")) for folder in ("serial", "launched"))
+    assert [job.metrics for job in serial.jobs] == [job.metrics for job in launched.jobs]
 
 
 def test_jobs_that_cannot_run_are_named_and_the_others_run(
@@ -47,6 +57,12 @@ def test_jobs_that_cannot_run_are_named_and_the_others_run(
         " to Integer; correct the value",
     ]
     assert list(results(Path("out"))) == ["drawing.amount=1"]
+    comparison = Comparison.read(Path("out/comparison"))
+    assert [job.values for job in comparison.jobs] == [{"drawing.amount": 1}]
+    assert [reason.partition(": ")[0] for reason in comparison.failed] == [
+        "drawing.amount=-1",
+        "drawing.amount=x",
+    ]
 
 
 def test_a_typo_in_a_sweep_is_one_line(tiny: ModuleType, capfd: pytest.CaptureFixture[str]) -> None:
@@ -58,7 +74,7 @@ def test_a_typo_in_a_sweep_is_one_line(tiny: ModuleType, capfd: pytest.CaptureFi
 
 
 def test_all_jobs_are_children_of_one_parent(tiny: ModuleType, store: str) -> None:
-    for _ in range(2):  # the second time replaces the first
+    for _ in range(2):  # the second time they are done already
         assert run_command(tiny.tiny_stage, ["-m", "seed=1,2", f"tracking.uri={store}"]) == 0
     client, experiment = open_store(store)
     runs = client.search_runs([experiment])
@@ -66,6 +82,71 @@ def test_all_jobs_are_children_of_one_parent(tiny: ModuleType, store: str) -> No
     children = [run for run in runs if run is not parent]
     assert sorted(run.info.run_name for run in children) == ["seed=1", "seed=2"]
     assert {run.data.tags["mlflow.parentRunId"] for run in children} == {parent.info.run_id}
+    logged = client.list_artifacts(parent.info.run_id, "comparison")
+    assert sorted(Path(file.path).name for file in logged) == COMPARED
+
+
+def test_a_sweep_that_grows_has_all_its_jobs_under_its_parent(tiny: ModuleType, store: str) -> None:
+    for seeds in ("1,2", "1,2,3"):
+        assert run_command(tiny.tiny_stage, ["-m", f"seed={seeds}", f"tracking.uri={store}"]) == 0
+    client, experiment = open_store(store)
+    runs = {run.info.run_id: run for run in client.search_runs([experiment])}
+    children = [run for run in runs.values() if "mlflow.parentRunId" in run.data.tags]
+    assert sorted(run.info.run_name for run in children) == [f"seed={n}" for n in (1, 1, 2, 2, 3)]
+    assert all("sum" in run.data.metrics for run in children)
+
+
+def test_the_jobs_of_a_sweep_are_compared(tiny: ModuleType) -> None:
+    sweep = ["-m", "drawing.amount=1,2", "seed=4,5", UNTRACKED]
+    assert run_command(tiny.tiny_stage, sweep) == 0
+    folder = Path("artifacts/default/sweeps/tiny_stage")
+    assert sorted(path.name for path in (folder / "comparison").iterdir()) == COMPARED
+    comparison = Comparison.read(folder / "comparison")
+    assert comparison.command == f"simgap tiny_stage {' '.join(sweep)}"
+    assert [(job.values, job.seed) for job in comparison.jobs] == [
+        ({"drawing.amount": amount}, seed) for amount in (1, 2) for seed in (4, 5)
+    ]
+    for job in comparison.jobs:
+        name = f"drawing.amount={job.values['drawing.amount']},seed={job.seed}"
+        assert job.metrics == {"sum": sum(ast.literal_eval(results(folder)[name])), "undefined": None}
+
+
+def test_a_preset_names_the_folder_and_the_jobs_that_it_sweeps(tiny: ModuleType) -> None:
+    assert run_command(tiny.tiny_stage, ["-m", "+experiment=pair", "drawing.amount=3,4", UNTRACKED]) == 0
+    folder = Path("artifacts/default/sweeps/pair")
+    assert sorted(results(folder)) == [f"seed={s},drawing.amount={n}" for s in (1, 2) for n in (3, 4)]
+    assert Comparison.read(folder / "comparison").results.title == "A pair"
+
+
+def written(folder: Path) -> dict[str, int]:
+    return {path.parent.name: path.stat().st_ino for path in folder.rglob("draws")}
+
+
+@pytest.mark.slow
+def test_what_is_done_is_not_run_again(tiny: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("flight.csv").write_text("t\n")
+    sweep = ["-m", "drawing.amount=1,2", "recording=flight.csv", UNTRACKED, "output=out"]
+
+    def repeated(*more: str) -> list[str]:
+        """Return the jobs that are run when the sweep is started again."""
+        before = written(Path("out"))
+        assert run_command(tiny.tiny_stage, [*sweep, *more]) == 0
+        return sorted(name for name, place in written(Path("out")).items() if before.get(name) != place)
+
+    both = ["drawing.amount=1", "drawing.amount=2"]
+    assert repeated() == both
+    assert repeated() == []
+    assert repeated("results.title=Other") == []
+    shutil.rmtree("out/drawing.amount=2")
+    assert repeated() == both[1:]
+    assert repeated("drawing.scale=3.0") == both
+    Path("flight.csv").write_text("t,x\n")
+    assert repeated("drawing.scale=3.0") == both
+    path = Path("out/drawing.amount=1/job.json")
+    path.write_text(path.read_text().replace(completion.loaded_code()["pipeline/stage/run.py"], "other code"))
+    assert repeated("drawing.scale=3.0") == both[:1]
+    path.write_text("{half")
+    assert repeated("drawing.scale=3.0") == both[:1]
 
 
 def test_the_name_of_a_job_is_the_name_of_a_directory() -> None:

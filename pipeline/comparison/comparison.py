@@ -1,0 +1,103 @@
+"""What the jobs of a sweep have shown, as it is kept in a file."""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pipeline.comparison.settings import Results, TableOf
+from pipeline.errors import InputError
+
+SCHEMA = "simgap.comparison/1"
+FILE = "comparison.json"
+
+Value = int | float | str | bool | None
+Metrics = dict[str, float | None]
+Compared = Callable[[Mapping[str, Any]], dict[str, Metrics]]
+"""From the metrics that a stage has written to those that are compared: the job's own under "", and under other names
+those of what every job is held against."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One job of a sweep.
+
+    Attributes:
+        values: what was swept, without the seed.
+        seed: of its random draws.
+        metrics: by name; None where one is not finite.
+        seconds: that it took.
+    """
+
+    values: dict[str, Value]
+    seed: int
+    metrics: Metrics
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All that a sweep has shown.
+
+    Attributes:
+        name: of the sweep: its preset, or its stage.
+        command: that made it.
+        machine: on which it was made.
+        jobs: those that have ended well.
+        references: metrics of what all jobs are held against, by name.
+        failed: why the other jobs have not, a sentence each.
+        results: how they are laid out.
+    """
+
+    name: str
+    command: str
+    machine: str
+    jobs: list[Job]
+    references: dict[str, Metrics] = field(default_factory=dict)
+    failed: list[str] = field(default_factory=list)
+    results: Results = field(default_factory=Results)
+
+    def write(self, folder: Path) -> None:
+        """Write `comparison.json`."""
+        text = json.dumps({"schema": SCHEMA} | asdict(self), indent=1, ensure_ascii=False)
+        (folder / FILE).write_text(text + "\n", encoding="utf-8")
+
+    @classmethod
+    def read(cls, folder: Path) -> "Comparison":
+        """Read what `write` wrote.
+
+        Raises:
+            InputError: when there is no such file, or it is something else.
+        """
+        path = folder / FILE
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+            if content.pop("schema") != SCHEMA:
+                raise ValueError("of another schema")
+            laid_out = content.pop("results")
+            laid_out["tables"] = [TableOf(**table) for table in laid_out["tables"]]
+            laid_out["figure"] = TableOf(**laid_out["figure"]) if laid_out["figure"] else None
+            jobs = [Job(**job) for job in content.pop("jobs")]
+            return cls(**content, jobs=jobs, results=Results(**laid_out))
+        except OSError as error:
+            remedy = "run the sweep to its end"
+            raise InputError(f"cannot be read ({error.strerror})", str(path), remedy) from error
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise InputError(f"is not a comparison ({error})", str(path), "run the sweep again") from error
+
+
+def flat(metrics: Mapping[str, Any], prefix: str = "") -> Metrics:
+    """Return nested metrics by names like `position/h50`; what is neither a number nor null is left out."""
+    found: Metrics = {}
+    for key, value in metrics.items():
+        if isinstance(value, Mapping):
+            found |= flat(value, f"{prefix}{key}/")
+        elif value is None or (isinstance(value, int | float) and not isinstance(value, bool)):
+            found[f"{prefix}{key}"] = value
+    return found
+
+
+def itself(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
+    """Return all metrics as the job's own."""
+    return {"": flat(metrics)}

@@ -1,0 +1,101 @@
+"""The figure of a comparison: curves over what was swept, or bars where that is no number."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipeline.comparison.comparison import Comparison, Value
+from pipeline.comparison.table import Row, Table, tables_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FIGURE = "comparison.svg"
+
+_SIZE = (7.5, 4.2)  # inches
+_WIDE = 10.0
+
+
+def draw(comparison: Comparison, path: Path) -> bool:
+    """Draw one metric of all configurations as SVG; return whether there was any.
+
+    The first swept key that holds numbers alone is the abscissa; every combination of the others has a curve, with a
+    band of one standard deviation over the seeds. References are dashed lines.
+    """
+    table = _chosen(comparison)
+    if table is None:
+        return False
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    column = table.columns[-1]
+    with matplotlib.rc_context({"svg.hashsalt": comparison.name, "svg.fonttype": "none"}):
+        figure = Figure(figsize=_SIZE, layout="constrained")
+        axes = figure.add_subplot()
+        abscissa = _abscissa(table)
+        _bars(axes, table, column) if abscissa is None else _curves(axes, table, column, abscissa)
+        for number, row in enumerate(row for row in table.rows if row.reference):
+            style = ("--", ":", "-.")[number % 3]
+            axes.axhline(row.entries[column].mean, color="0.4", linestyle=style, label=row.reference)
+        axes.set_ylabel(", ".join(filter(None, [table.title, column])))
+        axes.set_yscale("log" if _is_wide(table, column) else "linear")
+        axes.grid(alpha=0.3)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(frameon=False)
+        figure.savefig(path, format="svg", metadata={"Date": None})
+    return True
+
+
+def _chosen(comparison: Comparison) -> Table | None:
+    """Return the table whose last column is drawn."""
+    wanted = comparison.results.figure
+    if wanted is not None:
+        comparison = replace(comparison, results=replace(comparison.results, tables=[wanted]))
+    return next(iter(tables_of(comparison)), None)
+
+
+def _is_wide(table: Table, column: str) -> bool:
+    """Whether some values are so much greater than others that these would lie flat on a linear axis."""
+    values = [row.entries[column].mean for row in table.rows]
+    return min(values) > 0 and max(values) > _WIDE * min(values)
+
+
+def _abscissa(table: Table) -> str | None:
+    for key in table.keys:
+        values = [row.values.get(key) for row in table.rows if not row.reference]
+        if all(_is_number(value) for value in values) and len(set(values)) > 1:
+            return key
+    return None
+
+
+def _curves(axes: "Axes", table: Table, column: str, abscissa: str) -> None:
+    curves: dict[str, list[Row]] = {}
+    for row in table.rows:
+        if not row.reference:
+            curves.setdefault(_named(row, abscissa), []).append(row)
+    for name, rows in curves.items():
+        rows.sort(key=lambda row: float(row.values[abscissa] or 0))
+        places = [float(row.values[abscissa] or 0) for row in rows]
+        means = [row.entries[column].mean for row in rows]
+        spreads = [row.entries[column].std or 0.0 for row in rows]
+        (line,) = axes.plot(places, means, marker="o", label=name or None)
+        low = [mean - spread for mean, spread in zip(means, spreads, strict=True)]
+        high = [mean + spread for mean, spread in zip(means, spreads, strict=True)]
+        axes.fill_between(places, low, high, color=line.get_color(), alpha=0.2, linewidth=0)
+    axes.set_xlabel(abscissa)
+
+
+def _bars(axes: "Axes", table: Table, column: str) -> None:
+    rows = [row for row in table.rows if not row.reference]
+    means = [row.entries[column].mean for row in rows]
+    places = range(len(rows))
+    axes.bar(places, means, yerr=[row.entries[column].std or 0.0 for row in rows], width=0.6, capsize=4)
+    axes.set_xticks(places, [_named(row) for row in rows], rotation=20 if len(rows) > 4 else 0)
+
+
+def _named(row: Row, without: str = "") -> str:
+    return ", ".join(str(value) for key, value in row.values.items() if key != without)
+
+
+def _is_number(value: Value) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

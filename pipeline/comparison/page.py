@@ -1,0 +1,99 @@
+"""Comparisons in Markdown: tables, what was left out, and sections of `docs/results.md`."""
+
+import math
+import re
+import shutil
+from pathlib import Path
+
+from pipeline.comparison.comparison import Comparison
+from pipeline.comparison.figure import FIGURE
+from pipeline.comparison.table import Row, Table, tables_of
+
+PAGE = "results.md"
+IMAGES = "images"
+
+UNKNOWN = "–"
+
+_HEAD = """# Results
+
+Every section was written by `simgap results` from the sweep whose command stands under its title, and can be made again
+alone. Scores are those of held-out runs; where there are several seeds, mean ± standard deviation over them.
+"""
+_MARK = "<!-- sweep: {} -->"
+_SECTION = re.compile(r"^<!-- sweep: (\S+) -->$", re.MULTILINE)
+
+
+def tables_text(comparison: Comparison) -> str:
+    """Return all tables of a comparison, and what was left out of it."""
+    parts = []
+    for table in tables_of(comparison):
+        parts += [f"**{table.title}**"] if table.title else []
+        parts.append(_markdown(table))
+    parts += [f"Left out: {reason}" for reason in comparison.failed]
+    return "\n\n".join(parts) + "\n"
+
+
+def write_section(sweep: Path, docs: Path) -> None:
+    """Write the section of one sweep into `results.md`, and its figure beside; the other sections stay.
+
+    Args:
+        sweep: folder of the comparison.
+        docs: folder of the documentation.
+
+    Raises:
+        InputError: when there is no comparison.
+    """
+    comparison = Comparison.read(sweep)
+    figure = sweep / FIGURE
+    picture = f"{IMAGES}/results_{comparison.name}{figure.suffix}"
+    if figure.exists():
+        (docs / IMAGES).mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(figure, docs / picture)
+    page = docs / PAGE
+    sections = _sections(page.read_text(encoding="utf-8")) if page.exists() else {}
+    sections[comparison.name] = _section(comparison, picture if figure.exists() else None)
+    parts = [f"{_MARK.format(name)}\n{text}\n" for name, text in sections.items()]
+    page.write_text("\n".join([_HEAD, *parts]), encoding="utf-8")
+
+
+def _sections(page: str) -> dict[str, str]:
+    _, *rest = _SECTION.split(page)
+    return {name: text.strip() for name, text in zip(rest[::2], rest[1::2], strict=True)}
+
+
+def _section(comparison: Comparison, picture: str | None) -> str:
+    title = comparison.results.title or comparison.name
+    seeds = sorted({job.seed for job in comparison.jobs})
+    minutes = sum(job.seconds for job in comparison.jobs) / 60
+    facts = (
+        f"`{comparison.command}`\n\nMade on {comparison.machine}: {len(comparison.jobs)} jobs that took {minutes:.1f} "
+        f"minutes one after the other; seed{'s' if len(seeds) > 1 else ''} {', '.join(map(str, seeds))}."
+    )
+    parts = [f"## {title}", *filter(None, [comparison.results.text]), facts, tables_text(comparison).strip()]
+    return "\n\n".join([*parts, *([f"![{title}]({picture})"] if picture else [])])
+
+
+def _markdown(table: Table) -> str:
+    keys = table.keys or [""]
+    lines = [[*keys, *table.columns], [*["---"] * len(keys), *["--:"] * len(table.columns)]]
+    for row in table.rows:
+        first = (
+            [row.reference] + [""] * (len(keys) - 1) if row.reference else [_value(row, key) for key in keys]
+        )
+        lines.append([*first, *(_cell(table, row, column) for column in table.columns)])
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _value(row: Row, key: str) -> str:
+    return str(row.values.get(key, "")).replace("|", "\\|")
+
+
+def _cell(table: Table, row: Row, column: str) -> str:
+    estimate, change = row.entries[column], table.change(row, column)
+    text = _number(estimate.mean)
+    text += f" ± {estimate.std:.2g}" if estimate.std is not None and text != UNKNOWN else ""
+    return text if change is None else f"{text} ({change:+.0%})"
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if math.isfinite(value) else UNKNOWN

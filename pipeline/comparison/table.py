@@ -1,0 +1,129 @@
+"""A comparison as tables: a row per configuration, with its seeds taken together, and a column per metric."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from pipeline.comparison.comparison import Comparison, Metrics, Value
+from pipeline.comparison.settings import TableOf
+
+MEAN = "mean"
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A metric over seeds.
+
+    Attributes:
+        mean: NaN where a job has none.
+        std: standard deviation; None for one seed.
+    """
+
+    mean: float
+    std: float | None = None
+
+    @classmethod
+    def of(cls, values: Sequence[float | None]) -> "Estimate":
+        """Return mean and standard deviation of the values of all seeds."""
+        known = np.array(values, dtype=float)  # None becomes NaN
+        return cls(float(known.mean()), float(known.std(ddof=1)) if len(known) > 1 else None)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One configuration, or something that all are held against.
+
+    Attributes:
+        values: what was swept, by key; empty for a reference.
+        entries: by column.
+        reference: its name, where it is one.
+    """
+
+    values: Mapping[str, Value]
+    entries: Mapping[str, Estimate]
+    reference: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows and columns.
+
+    Attributes:
+        title: what the metrics are.
+        keys: that were swept.
+        columns: headings of the metrics.
+        rows: configurations in the order in which they first came, then references.
+        baseline: the row that the others are held against, if any.
+    """
+
+    title: str
+    keys: list[str]
+    columns: list[str]
+    rows: list[Row]
+    baseline: Row | None = None
+
+    def change(self, row: Row, column: str) -> float | None:
+        """Return by which share of the baseline a row lies above it; None where that says nothing."""
+        if self.baseline is None or row is self.baseline or row.reference:
+            return None
+        usual = self.baseline.entries[column].mean
+        change = row.entries[column].mean / usual - 1 if usual else math.nan
+        return change if math.isfinite(change) else None
+
+
+def tables_of(comparison: Comparison) -> list[Table]:
+    """Return the tables that are wanted; where none are named, one for each group of metrics (`position/…`)."""
+    names = list(dict.fromkeys(name for job in comparison.jobs for name in job.metrics))
+    groups = dict.fromkeys(name.rpartition("/")[0] for name in names)
+    wanted = comparison.results.tables or [TableOf(f"{group}/*" if group else "*", group) for group in groups]
+    matching = ((table, _matching(names, table.metrics)) for table in wanted)
+    return [_table(comparison, table, columns) for table, columns in matching if columns]
+
+
+def _matching(names: Sequence[str], pattern: str) -> list[str]:
+    return [name for name in names if fnmatchcase(name, pattern) and name.count("/") == pattern.count("/")]
+
+
+def _table(comparison: Comparison, wanted: TableOf, names: Sequence[str]) -> Table:
+    headings = _headings(names)
+    groups: dict[tuple[tuple[str, Value], ...], list[Metrics]] = {}
+    for job in comparison.jobs:
+        entries = _entries(job.metrics, headings, wanted.mean)
+        groups.setdefault(tuple(job.values.items()), []).append(entries)
+    columns = [*headings.values(), *([MEAN] if wanted.mean else [])]
+    rows = [Row(dict(values), _estimates(group, columns)) for values, group in groups.items()]
+    baseline = next((row for row in rows if _is_baseline(row, comparison.results.baseline)), None)
+    references = [
+        Row({}, _estimates([_entries(metrics, headings, wanted.mean)], columns), name)
+        for name, metrics in comparison.references.items()
+        if metrics.keys() & headings.keys()
+    ]
+    keys = list(dict.fromkeys(key for row in rows for key in row.values))
+    return Table(wanted.title, keys, columns, [*rows, *references], baseline)
+
+
+def _headings(names: Sequence[str]) -> dict[str, str]:
+    """Return the names without the parts that all of them share."""
+    parts = {name: name.split("/") for name in names}
+    places = [place for place, words in enumerate(zip(*parts.values(), strict=True)) if len(set(words)) > 1]
+    return {name: "/".join(words[place] for place in places) or name for name, words in parts.items()}
+
+
+def _entries(metrics: Metrics, headings: Mapping[str, str], mean: bool) -> Metrics:
+    entries = {heading: metrics.get(name) for name, heading in headings.items()}
+    if not mean:
+        return entries
+    return entries | {MEAN: float(np.mean(np.array(list(entries.values()), dtype=float)))}
+
+
+def _estimates(group: Sequence[Metrics], columns: Sequence[str]) -> dict[str, Estimate]:
+    return {column: Estimate.of([entries[column] for entries in group]) for column in columns}
+
+
+def _is_baseline(row: Row, values: Mapping[str, Value]) -> bool:
+    return bool(values) and all(
+        key in row.values and row.values[key] == value for key, value in values.items()
+    )

@@ -1,0 +1,52 @@
+"""The page of results, for a person to read; not a stage of the pipeline."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from pipeline.artifacts import PROJECT_ROOT
+from pipeline.errors import InputError
+from pipeline.stage.command import report_mistakes
+
+SWEEPS = "artifacts/*/sweeps/*"
+
+
+def results(sweeps: Sequence[Path], docs: Path) -> None:
+    """Write the sections of docs/results.md from the sweeps that were run; the sections of others stay as they are."""
+    from pipeline.comparison.page import PAGE, write_section
+    from pipeline.stage.comparing import FOLDER
+
+    folders = [sweep / FOLDER for sweep in sweeps] or _titled()
+    if not folders:
+        remedy = "run one: simgap train -m +experiment=NAME"
+        raise InputError("there is no sweep that has a title", SWEEPS, remedy)
+    for folder in folders:
+        write_section(folder, docs)
+        print(f"results: wrote {folder.parent.name} into {docs / PAGE}")
+
+
+def _titled() -> list[Path]:
+    """Return the comparisons below the working directory that are meant for the documentation."""
+    from pipeline.comparison.comparison import FILE, Comparison
+    from pipeline.stage.comparing import FOLDER
+
+    folders = sorted(path.parent for path in Path().glob(f"{SWEEPS}/{FOLDER}/{FILE}"))
+    return [folder for folder in folders if Comparison.read(folder).results.title]
+
+
+def main(argv: list[str] | None = None) -> NoReturn:
+    """Run the command line and exit."""
+    parser = argparse.ArgumentParser(prog="simgap results", description=results.__doc__)
+    parser.add_argument(
+        "sweeps", nargs="*", metavar="SWEEP", type=Path, help=f"its folder; all of {SWEEPS} that have a title"
+    )
+    parser.add_argument("--docs", metavar="DIR", type=Path, default=PROJECT_ROOT / "docs", help="where to")
+    parser.add_argument("--debug", action="store_true", help="show tracebacks")
+    given = parser.parse_args(argv)
+    sys.exit(report_mistakes("results", given.debug, lambda: results(given.sweeps, given.docs)))
+
+
+if __name__ == "__main__":
+    main()

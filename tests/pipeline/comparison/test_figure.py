@@ -1,0 +1,46 @@
+from dataclasses import replace
+
+import pytest
+
+from pipeline.comparison.figure import draw
+from pipeline.comparison.settings import Results, TableOf
+from tests.pipeline.comparison.sweeps import job, lengths, sweep
+
+
+def drawn(comparison, path):
+    assert draw(comparison, path / "figure.svg")
+    return (path / "figure.svg").read_text()
+
+
+def test_a_number_that_was_swept_is_the_abscissa_and_the_rest_are_curves(tmp_path):
+    text = drawn(lengths(), tmp_path)
+    for word in ("model.sequence_length", ">lstm<", ">tcn<", ">persistence<", "position, h10"):
+        assert word in text
+    assert text.count('id="FillBetweenPolyCollection_') == 2
+
+
+def test_without_numbers_there_are_bars(tmp_path):
+    comparison = sweep(job(1.0, model="lstm"), job(2.0, model="tcn"))
+    text = drawn(
+        replace(comparison, results=Results(figure=TableOf("steps/*/mse", "MSE", mean=True))), tmp_path
+    )
+    assert ">lstm<" in text
+    assert ">MSE, mean<" in text
+    assert "FillBetween" not in text
+
+
+@pytest.mark.parametrize(
+    "jobs", [[job(1.0)], [job(1.0, 0), job(2.0, 1)], [job(float("nan"), length=5), job(1.0, length=6)]]
+)
+def test_one_bar_and_gaps_are_drawn_too(tmp_path, jobs):
+    drawn(sweep(*jobs), tmp_path)
+
+
+def test_the_same_comparison_gives_the_same_bytes(tmp_path):
+    first = drawn(lengths(), tmp_path)
+    assert drawn(lengths(), tmp_path) == first
+
+
+def test_nothing_to_draw(tmp_path):
+    assert not draw(sweep(), tmp_path / "figure.svg")
+    assert list(tmp_path.iterdir()) == []
