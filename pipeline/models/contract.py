@@ -58,7 +58,8 @@ class Provenance:
 class DynamicsModel(ABC):
     """Predicts the next state of a machine from a window of states and inputs.
 
-    A window holds the last `sequence_length` samples; its last input is held over the predicted step.
+    A window holds the last `sequence_length` samples; its last input is held over the predicted step. Over many steps
+    a model may remember more than a window: see `begin`, `follow` and `read`.
 
     Attributes:
         layout: what is seen and predicted.

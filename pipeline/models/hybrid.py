@@ -8,8 +8,9 @@ Source: Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic
 """
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 from typing import Any, ClassVar, NamedTuple
 
 import torch
@@ -39,6 +40,10 @@ class HybridSettings(TrainedSettings):
     motion: dict[str, Any] = field(
         default_factory=lambda: {"name": "white_box"}
     )  # any model solved in closed form
+    unseen: list[str] = field(default_factory=list)  # features that no network sees, as gravity_*
+    corrected: list[str] = field(
+        default_factory=lambda: ["*"]
+    )  # targets that networks correct, as body_rate_*
 
 
 class HybridMemory(NamedTuple):
@@ -60,6 +65,8 @@ class HybridModel(NetworkModel):
 
     def __init__(self, layout: Layout, settings: HybridSettings, time_step: float) -> None:
         self.motion = _motion_model(layout, settings, time_step)
+        self.seen = 1.0 - _matching(layout.features, settings.unseen, "model.unseen")
+        self.corrected = _matching(layout.targets, settings.corrected, "model.corrected")
         super().__init__(layout, settings, time_step)
 
     def fit(
@@ -115,7 +122,11 @@ class HybridModel(NetworkModel):
 
     def corrections(self, outputs: Tensor) -> Tensor:
         """Return a network's corrections of increments, in their units."""
-        return outputs.to(self.outputs.spread) * self.outputs.spread
+        return outputs * self.corrected * self.outputs.spread
+
+    def scaled(self, features: Tensor) -> Tensor:
+        """Return features as the networks see them: those that they are not to see are zero."""
+        return super().scaled(features) * self.seen
 
     def _recent(self, window: Tensor) -> Tensor:
         """Return the samples that the motion model sees."""
@@ -191,6 +202,18 @@ class HybridSerialModel(HybridModel):
         increment = self.motion.read(window)
         seen = torch.cat([self.scaled(newest), self.outputs.apply(increment).float()], dim=1)
         return increment + self.corrections(self.network["output"](seen))
+
+
+def _matching(names: Sequence[str], patterns: Sequence[str], where: str) -> Tensor:
+    """Return one for each name that matches a pattern and zero for the others, (names,) float32.
+
+    Raises:
+        InputError: when a pattern matches nothing.
+    """
+    for pattern in patterns:
+        if not any(fnmatchcase(name, pattern) for name in names):
+            raise InputError(f"{pattern!r} matches none of {', '.join(names)}", where, "correct it")
+    return torch.tensor([float(any(fnmatchcase(name, own) for own in patterns)) for name in names])
 
 
 def _motion_model(layout: Layout, settings: HybridSettings, time_step: float) -> DynamicsModel:

@@ -55,6 +55,30 @@ def test_a_hybrid_begins_as_its_motion_model(name, motion):
     assert torch.allclose(model.rollout(states, actions), alone, atol=1e-9)
 
 
+def test_networks_see_and_correct_what_they_are_told_to():
+    recorded = learnable.quadrotor()
+    train, validation, held = learnable.parts_of(recorded)
+    model = learnable.new_model(
+        "hybrid_parallel", recorded, unseen=["gravity_*"], corrected=["body_rate_*"], learning_rate=0.1
+    )
+    model.fit(train, validation, learnable.QUICK)
+    examples = Examples.of_series(held, model.layout, LENGTH, "held-out")
+    windows, _ = examples.take(torch.arange(20))
+    own, alone = model.increments(windows), model.motion.increments(windows)
+    assert torch.equal(own[:, :3], alone[:, :3])
+    assert not torch.allclose(own[:, 3:], alone[:, 3:])
+    turned = windows.clone()
+    turned[..., 3:6] *= -1.0
+    corrections = model.increments(turned) - model.motion.increments(turned)
+    assert torch.allclose(corrections, own - alone, atol=1e-12)
+
+
+@pytest.mark.parametrize("key", ["unseen", "corrected"])
+def test_a_pattern_that_matches_nothing_is_refused(key):
+    with pytest.raises(InputError, match=rf"model\.{key}: 'body\*' matches none of"):
+        learnable.new_model("hybrid_parallel", learnable.linear_joint(), **{key: ["body*"]})
+
+
 @pytest.mark.parametrize(
     ("motion", "complaint"),
     [
