@@ -22,6 +22,7 @@ VALIDATION_SHARE = 0.2
 CHECKPOINTS = "checkpoints"
 NAIVE = "/naive"  # ends the names of the errors of the assumption that nothing changes
 STEPS = "steps"  # beside the quantities: one-step scores by target
+DISTRIBUTION = "distribution"  # beside the quantities: quantiles of the errors
 
 
 @dataclass
@@ -62,16 +63,17 @@ def _train(config: TrainStage, run: StageRun) -> None:
     path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
     data = run.inputs[str(path)]
     settings = model_settings(config.model)
-    recording = read_recording(path)
-    model = model_class(config.model)(layout_of(recording), settings, recording.time_step)
+    recording = _prepared(read_recording(path), config.train)
+    layout = layout_of(recording, config.train.layout)
+    model = model_class(config.model)(layout, settings, recording.time_step)
     require_holdout(recording.split, str(path))
-    fitted, chosen, held = _series(recording, model.layout, run)
+    fitted, chosen, held = _series(recording, layout, run)
     checkpoint = _checkpoint_folder(config, settings, data)
     loss = model.fit(fitted, chosen, config.train, FitContext(config.seed, checkpoint, run.log_metrics))
     model.provenance = Provenance(
         data=data,
         data_source=recording.source,
-        chosen_by="validation loss: one-step mean squared error, scaled",
+        chosen_by=f"validation loss over {config.train.steps} step(s), scaled",
         value=loss,
         seed=config.seed,
         training=asdict(config.train),
@@ -80,6 +82,13 @@ def _train(config: TrainStage, run: StageRun) -> None:
     run.log_metrics({"best_validation_loss": loss})
     _score(model, held, config.train, run)
     _discard(checkpoint)
+
+
+def _prepared(recording: "Recording", settings: Training) -> "Recording":
+    """Return the recording filtered, where that is asked for."""
+    from pipeline.models.zero_phase import zero_phase
+
+    return recording if settings.zero_phase is None else zero_phase(recording, settings.zero_phase)
 
 
 def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[Series, Series, Series]":
@@ -99,12 +108,18 @@ def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[S
 
 def _score(model: "DynamicsModel", held: "Series", settings: Training, run: StageRun) -> None:
     """Write the errors on held-out runs."""
+    from pipeline.models.error_distribution import error_quantiles
     from pipeline.models.evaluation import rollout_errors
     from pipeline.models.step_scores import step_scores
 
     history = settings.evaluation_history
     errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows, history)
-    scores = {**errors, STEPS: step_scores(model, held, history)}
+    scores: dict[str, Any] = {**errors, STEPS: step_scores(model, held, history)}
+    if settings.quantiles:
+        most = settings.evaluation_windows
+        scores[DISTRIBUTION] = error_quantiles(
+            model, held, settings.horizons, settings.quantiles, most, history
+        )
     _write_metrics(_finite(scores), run)
     run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
 

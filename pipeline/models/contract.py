@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import torch
 from torch import Tensor
 
+from pipeline.errors import InputError
 from pipeline.models.layout import Layout
 from pipeline.models.settings import ModelSettings, Training
 from pipeline.models.windows import Series
@@ -57,7 +58,8 @@ class Provenance:
 class DynamicsModel(ABC):
     """Predicts the next state of a machine from a window of states and inputs.
 
-    A window holds the last `sequence_length` samples; its last input is held over the predicted step.
+    A window holds the last `sequence_length` samples; its last input is held over the predicted step. Over many steps
+    a model may remember more than a window: see `begin`, `follow` and `read`.
 
     Attributes:
         layout: what is seen and predicted.
@@ -67,8 +69,17 @@ class DynamicsModel(ABC):
     """
 
     settings_class: ClassVar[type[ModelSettings]]
+    kinds: ClassVar[frozenset[str] | None] = None
+    """Of the layouts whose machines the model knows; None: of any."""
 
     def __init__(self, layout: Layout, settings: ModelSettings, time_step: float) -> None:
+        if self.kinds is not None and layout.kind not in self.kinds:
+            known = ", ".join(sorted(self.kinds))
+            raise InputError(
+                f"{settings.name!r} knows no {layout.kind}",
+                "model.name",
+                f"use another model; it knows {known}",
+            )
         self.layout = layout
         self.settings = settings
         self.time_step = time_step
@@ -80,7 +91,8 @@ class DynamicsModel(ABC):
     ) -> float:
         """Fit to the windows of one series, choose by another, and return the validation loss.
 
-        The loss is the mean squared error of the one-step increments, each scaled by its spread in training.
+        The loss is the mean squared error of the one-step increments, each scaled by its spread in training; of
+        a model trained through open-loop predictions that of the states, see `RolloutRegression`.
 
         Raises:
             InputError: when a series has no window, or the fit diverges.
@@ -130,16 +142,27 @@ class DynamicsModel(ABC):
             (batch, steps, states).
         """
         length = states.shape[1]
-        window = self.layout.encode(states, actions[:, :length])
+        memory = self.begin(self.layout.encode(states, actions[:, :length]))
         state, reached = states[:, -1], []
         for step in range(actions.shape[1] - length + 1):
             if step:
-                newest = self.layout.encode(state, actions[:, length - 1 + step])
-                window = torch.cat([window[:, 1:], newest[:, None]], dim=1)
-            increment = self.increments(window).to(state.dtype)
+                memory = self.follow(memory, self.layout.encode(state, actions[:, length - 1 + step]))
+            increment = self.read(memory).to(state.dtype)
             state = self.layout.advance(state, increment, self.time_step)
             reached.append(state)
         return torch.stack(reached, dim=1)
+
+    def begin(self, window: Tensor) -> Any:
+        """Return what is remembered of known samples (batch, length, features): the window itself, or a state."""
+        return window
+
+    def follow(self, memory: Any, newest: Tensor) -> Any:
+        """Return what is remembered once the features (batch, features) of one more sample are seen."""
+        return torch.cat([memory[:, 1:], newest[:, None]], dim=1)
+
+    def read(self, memory: Any) -> Tensor:
+        """Return the increments (batch, targets) that follow from what is remembered."""
+        return self.increments(memory)
 
     def save(self, folder: Path) -> None:
         """Write `model.yaml` and `model.safetensors`; see `pipeline.models.storage.load_model`."""

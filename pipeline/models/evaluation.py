@@ -39,7 +39,8 @@ def rollout_errors(
         remedy = "shorten them, or train.evaluation_history"
         raise InputError("no held-out segment is long enough", "train.horizons", remedy)
     starts = evenly(scored_starts(model, series, possible[-1], history), most)
-    by_step = _errors_by_step(model, series, starts, possible[-1])
+    errors = window_errors(model, series, starts, possible[-1])
+    by_step = {name: {whose: own.mean(0) for whose, own in pair.items()} for name, pair in errors.items()}
     return {
         quantity: {
             f"h{steps}": {whose: float(error[steps - 1]) for whose, error in pair.items()}
@@ -61,14 +62,14 @@ def scored_starts(model: DynamicsModel, series: Series, steps: int, history: int
     return series.starts(skipped + length + steps) + skipped
 
 
-def _errors_by_step(
+def window_errors(
     model: DynamicsModel, series: Series, starts: Tensor, steps: int
 ) -> dict[str, dict[str, Tensor]]:
-    """Return by quantity the mean errors (steps,) of the model and of the last known state kept."""
+    """Return by quantity the errors (windows, steps) of the `model`, and `naive` of the last known state kept."""
     length = model.settings.sequence_length
     states = gather(series.states, starts, length + steps)
     actions = gather(series.actions, starts, length + steps - 1)
     known, true = states[:, :length], states[:, length:]
     own = model.layout.errors(model.rollout(known, actions), true)
     naive = model.layout.errors(known[:, -1:].expand_as(true), true)
-    return {name: {"model": own[name].mean(0), "naive": naive[name].mean(0)} for name in own}
+    return {name: {"model": own[name], "naive": naive[name]} for name in own}

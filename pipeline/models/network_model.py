@@ -13,18 +13,16 @@ from pipeline.models.examples import Examples
 from pipeline.models.layout import Layout
 from pipeline.models.restoring import take_tensors
 from pipeline.models.scaling import Scaler
-from pipeline.models.settings import ModelSettings, Training
+from pipeline.models.settings import TrainedSettings, Training
 from pipeline.models.windows import Series
 
 
 @dataclass
-class NetworkSettings(ModelSettings):
-    """What all networks have in common."""
+class NetworkSettings(TrainedSettings):
+    """What all networks of stacked layers have in common."""
 
     hidden: list[int] = field(default_factory=lambda: [64, 64])  # units of each hidden layer
     dropout: list[float] = field(default_factory=list)  # after each hidden layer; none where the list ends
-    learning_rate: float = 1e-3  # of Adam
-    weight_decay: float = 0.0  # L2 penalty
 
     def dropouts(self) -> list[float]:
         """Return the dropout of every hidden layer.
@@ -44,9 +42,9 @@ class NetworkSettings(ModelSettings):
 class NetworkModel(DynamicsModel):
     """Scales features and increments; the rest is a network of (batch, length, features) in float32."""
 
-    settings: NetworkSettings
+    settings: TrainedSettings
 
-    def __init__(self, layout: Layout, settings: NetworkSettings, time_step: float) -> None:
+    def __init__(self, layout: Layout, settings: TrainedSettings, time_step: float) -> None:
         super().__init__(layout, settings, time_step)
         self.network = self.build_network(len(layout.features), len(layout.targets))
 
@@ -65,10 +63,7 @@ class NetworkModel(DynamicsModel):
         length = self.settings.sequence_length
         examples = Examples.of_series(train, self.layout, length, "training")
         held = Examples.of_series(validation, self.layout, length, "validation")
-        self.inputs = Scaler.fit(examples.features, self.settings.scaling)
-        self.outputs = Scaler.fit(examples.targets[examples.seen()], "standard")
-        torch.manual_seed(context.seed)
-        self.network = self.build_network(examples.features.shape[1], examples.targets.shape[1])
+        self.prepare(examples, context)
         loss = train_network(
             self.network, self._scaled(examples), self._scaled(held), self.settings, training, context
         )
@@ -77,10 +72,24 @@ class NetworkModel(DynamicsModel):
             loss = train_rollouts(self, train, validation, training, context)
         return loss
 
+    def prepare(self, examples: Examples, context: FitContext) -> None:
+        """Fit the scaling and draw new weights."""
+        self.inputs = Scaler.fit(examples.features, self.settings.scaling)
+        self.outputs = Scaler.fit(examples.targets[examples.seen()], "standard")
+        torch.manual_seed(context.seed)
+        self.network = self.build_network(examples.features.shape[1], examples.targets.shape[1])
+
     def increments(self, features: Tensor) -> Tensor:
         """Return the network's increments in their own units."""
-        scaled = self.network(self.inputs.apply(features.to(self.inputs.centre)).float())
-        return self.outputs.undo(scaled.to(self.outputs.centre))
+        return self.unscaled(self.network(self.scaled(features)))
+
+    def scaled(self, features: Tensor) -> Tensor:
+        """Return features as the network sees them."""
+        return self.inputs.apply(features.to(self.inputs.centre)).float()
+
+    def unscaled(self, outputs: Tensor) -> Tensor:
+        """Return what the network gives in the units of the increments."""
+        return self.outputs.undo(outputs.to(self.outputs.centre))
 
     def tensors(self) -> dict[str, Tensor]:
         """Return weights and scaling."""

@@ -5,12 +5,15 @@ from difflib import get_close_matches
 from typing import Any
 
 from pipeline.errors import InputError
+from pipeline.models.black_box import BlackBoxModel
 from pipeline.models.contract import DynamicsModel
 from pipeline.models.fnn import FeedForwardModel
+from pipeline.models.hybrid import HybridParallelModel, HybridSerialModel
 from pipeline.models.linear import LinearModel
 from pipeline.models.lstm import LongShortTermMemoryModel
 from pipeline.models.settings import ModelSettings
 from pipeline.models.tcn import TemporalConvolutionModel
+from pipeline.models.white_box import WhiteBoxModel
 from pipeline.stage.mistakes import configuration_mistakes
 
 MODELS: dict[str, type[DynamicsModel]] = {
@@ -18,6 +21,10 @@ MODELS: dict[str, type[DynamicsModel]] = {
     "fnn": FeedForwardModel,
     "lstm": LongShortTermMemoryModel,
     "tcn": TemporalConvolutionModel,
+    "white_box": WhiteBoxModel,
+    "black_box": BlackBoxModel,
+    "hybrid_parallel": HybridParallelModel,
+    "hybrid_serial": HybridSerialModel,
 }
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pytorch_lightning as lightning
 import torch
+from pytorch_lightning.utilities.types import OptimizerLRSchedulerConfig
 from torch import Tensor
 
 from pipeline.errors import InputError
@@ -18,6 +19,7 @@ from pipeline.models.training import VALIDATION_LOSS, train_module
 from pipeline.models.windows import Series, evenly, gather
 
 _VALIDATION_WINDOWS = 2048  # evenly over the validation runs
+_THINNING = 10  # windows of the training runs to one that an epoch sees: neighbours say nearly the same
 _USUAL_WINDOWS = 4096  # from which the usual change of every quantity is taken
 
 
@@ -40,7 +42,9 @@ class Stretches:
 
 
 class RolloutRegression(lightning.LightningModule):
-    """Mean squared error of open-loop predictions, each quantity and step over its usual change until then.
+    """Mean error of open-loop predictions, each quantity and step over its usual change until then.
+
+    Not squared, as a squared error would be about the few windows in which a prediction runs away.
 
     Dropout and batch normalisation stay as they are in prediction: what is fed back is what will be.
     """
@@ -52,6 +56,7 @@ class RolloutRegression(lightning.LightningModule):
         self.model, self.network = model, model.network
         self.train_series, self.validation_series = _single(train), _single(validation)
         self.steps, self.size, self.seed = training.steps, training.batch_size, seed
+        self.epochs = training.max_epochs
         self.length = model.settings.sequence_length + training.steps
         self.usual = usual_changes(model, self.train_series, training.steps)
 
@@ -60,8 +65,7 @@ class RolloutRegression(lightning.LightningModule):
         starts = _starts(self.train_series, self.length, "training")
         generator = torch.Generator().manual_seed((self.seed * 100_003 + self.current_epoch) % 2**63)
         order = torch.randperm(len(starts), generator=generator)
-        # Neighbouring windows say nearly the same: an epoch sees as many as there are stretches side by side.
-        kept = max(len(order) // self.steps, self.size)
+        kept = max(len(order) // _THINNING, self.size)
         return Stretches(self.train_series, starts[order[:kept]], self.length, self.size)
 
     def val_dataloader(self) -> Stretches:
@@ -85,21 +89,21 @@ class RolloutRegression(lightning.LightningModule):
         """Log the loss of a batch."""
         self.log(VALIDATION_LOSS, self._loss(batch), on_epoch=True, batch_size=len(batch[0]), prog_bar=True)
 
-    def configure_optimizers(self) -> torch.optim.Optimizer:
-        """Return Adam with L2 penalty."""
+    def configure_optimizers(self) -> OptimizerLRSchedulerConfig:
+        """Return Adam with L2 penalty, and a learning rate that falls to zero along half a cosine."""
         settings = self.model.settings
-        return torch.optim.Adam(
+        optimizer = torch.optim.Adam(
             self.network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
         )
+        schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, T_max=self.epochs)
+        return {"optimizer": optimizer, "lr_scheduler": {"scheduler": schedule}}
 
     def _loss(self, batch: tuple[Tensor, Tensor]) -> Tensor:
         states, actions = batch
         known = self.model.settings.sequence_length
         predicted = self.model.unroll(states[:, :known], actions)
         errors = self.model.layout.errors(predicted, states[:, known:])
-        return torch.stack(
-            [(errors[name] / usual).square().mean() for name, usual in self.usual.items()]
-        ).mean()
+        return torch.stack([(errors[name] / usual).mean() for name, usual in self.usual.items()]).mean()
 
 
 def train_rollouts(
@@ -117,11 +121,11 @@ def train_rollouts(
 
 
 def usual_changes(model: DynamicsModel, series: Series, steps: int) -> dict[str, Tensor]:
-    """Return by quantity the RMS change from a state to each of the next steps, (steps,)."""
+    """Return by quantity the mean change from a state to each of the next steps, (steps,)."""
     starts = evenly(_starts(series, steps + 1, "training"), _USUAL_WINDOWS)
     states = gather(series.states, starts, steps + 1)
     changes = model.layout.errors(states[:, :1].expand(-1, steps, -1), states[:, 1:])
-    return {name: change.square().mean(0).sqrt().clamp_min(1e-9) for name, change in changes.items()}
+    return {name: change.mean(0).clamp_min(1e-9) for name, change in changes.items()}
 
 
 def _starts(series: Series, length: int, what: str) -> Tensor:

@@ -21,6 +21,7 @@ class Training:
     """The configuration group `train`."""
 
     enabled: bool = True  # false: nothing is trained, as where there is no run to hold out
+    layout: str | None = None  # what is state, input, feature and target; null: the recording's kind says it
     max_epochs: int = 30
     patience: int = 6  # epochs without a better validation loss before training stops
     batch_size: int = 512  # windows
@@ -32,6 +33,8 @@ class Training:
     evaluation_history: int = (
         50  # samples before the first scored one: up to it, all windows see the same ones
     )
+    quantiles: list[float] = field(default_factory=list)  # of the errors over the windows, beside their mean
+    zero_phase: dict[str, float] | None = None  # Hz by channel, of filters that look ahead; null: none
 
 
 @dataclass
@@ -41,3 +44,11 @@ class ModelSettings:
     name: str = ""
     sequence_length: int = 1  # samples in the window from which the next is predicted
     scaling: str = "standard"  # standard (mean, standard deviation) or robust (median, interquartile range)
+
+
+@dataclass
+class TrainedSettings(ModelSettings):
+    """What all models have in common that are trained by gradient."""
+
+    learning_rate: float = 1e-3  # of Adam
+    weight_decay: float = 0.0  # L2 penalty

@@ -12,8 +12,7 @@ from pipeline.errors import InputError
 from pipeline.models.callbacks import KeepBest, ResumePoint, Tell
 from pipeline.models.contract import FitContext
 from pipeline.models.examples import Examples
-from pipeline.models.network_model import NetworkSettings
-from pipeline.models.settings import Training
+from pipeline.models.settings import TrainedSettings, Training
 
 VALIDATION_LOSS = "validation_loss"
 _VALIDATION_BATCH = 8192
@@ -42,7 +41,7 @@ class Regression(lightning.LightningModule):
         network: nn.Module,
         train: Examples,
         validation: Examples,
-        settings: NetworkSettings,
+        settings: TrainedSettings,
         size: int,
         seed: int,
     ) -> None:
@@ -101,7 +100,7 @@ def train_network(
     network: nn.Module,
     train: Examples,
     validation: Examples,
-    settings: NetworkSettings,
+    settings: TrainedSettings,
     training: Training,
     context: FitContext,
 ) -> float:

@@ -70,6 +70,19 @@ def test_scores_are_compared_with_those_of_persistence_apart():
     assert compared({}) == {"": {}, "persistence": {}}
 
 
+def test_filters_that_look_ahead_and_quantiles_are_had_for_the_asking(tmp_path):
+    plain = json.loads((run_stage(tmp_path, learnable.linear_joint()).output / "metrics.json").read_text())
+    asked = replace(QUICK, zero_phase={"velocity": 5.0}, quantiles=[0.5])
+    (tmp_path / "asked").mkdir()
+    run = run_stage(tmp_path / "asked", learnable.linear_joint(), settings=asked)
+    metrics = json.loads((run.output / "metrics.json").read_text())
+    assert metrics["velocity"]["h1"] != plain["velocity"]["h1"]
+    assert set(metrics["distribution"]["velocity"]["h10"]) == {"q50"}
+    assert compared(metrics)[""]["distribution/velocity/h10/q50"] > 0.0
+    assert run.metrics["distribution/velocity/h10/q50"] == metrics["distribution"]["velocity"]["h10"]["q50"]
+    assert load_model(run.output / "model").provenance.training["zero_phase"] == {"velocity": 5.0}
+
+
 def test_without_a_validation_run_the_end_of_the_training_runs_validates(tmp_path):
     recorded = learnable.linear_joint()
     split = {run: "holdout" if run == "d" else "train" for run in recorded.runs}

@@ -17,6 +17,10 @@ SMALL = {
     "fnn": {"sequence_length": 2, "hidden": [16], "learning_rate": 0.01, "dropout": [0.1]},
     "lstm": {"sequence_length": 4, "hidden": [8], "learning_rate": 0.01},
     "tcn": {"sequence_length": 4, "hidden": [8, 8], "dropout": [], "learning_rate": 0.01},
+    "white_box": {},
+    "black_box": {"sequence_length": 4, "units": 8, "delays": 2, "learning_rate": 0.01},
+    "hybrid_parallel": {"sequence_length": 4, "units": 8, "learning_rate": 0.01},
+    "hybrid_serial": {"sequence_length": 4, "units": 8, "learning_rate": 0.01},
 }
 QUICK = Training(max_epochs=4, batch_size=128)
 PARTS = {"a": "train", "b": "train", "c": "validation", "d": "holdout"}

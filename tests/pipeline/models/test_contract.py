@@ -11,7 +11,7 @@ import yaml
 
 from pipeline.artifacts import hash_path
 from pipeline.errors import InputError
-from pipeline.models.contract import FitContext, Provenance
+from pipeline.models.contract import DynamicsModel, FitContext, Provenance
 from pipeline.models.evaluation import rollout_errors
 from pipeline.models.registry import MODELS
 from pipeline.models.storage import DESCRIPTION_FILE, TENSOR_FILE, load_model
@@ -19,6 +19,8 @@ from pipeline.models.windows import gather
 from tests.pipeline.models import learnable
 
 RECORDINGS = {"joint": learnable.linear_joint, "swerve": learnable.swerve, "quadrotor": learnable.quadrotor}
+
+STATELESS = [name for name, model in MODELS.items() if model.begin is DynamicsModel.begin]
 
 every_model = pytest.mark.parametrize("name", MODELS)
 every_kind = pytest.mark.parametrize("kind", RECORDINGS)
@@ -58,8 +60,8 @@ def test_predictions_and_rollouts_agree_in_shape_and_first_step(name, kind):
     assert torch.equal(model.predict(states, actions[:, :length]), rolled[:, 0])
 
 
-@every_model
-def test_a_rollout_is_predictions_fed_back(name):
+@pytest.mark.parametrize("name", STATELESS)
+def test_a_rollout_of_what_remembers_its_window_is_predictions_fed_back(name):
     model, _, held = fitted(name)
     states, actions, _ = windows(model, held, steps=4)
     length, window = model.settings.sequence_length, states
@@ -67,6 +69,27 @@ def test_a_rollout_is_predictions_fed_back(name):
         following = model.predict(window, actions[:, step : step + length])
         window = torch.cat([window[:, 1:], following[:, None]], dim=1)
     assert torch.allclose(model.rollout(states, actions)[:, -1], window[:, -1], atol=1e-6)
+
+
+@every_model
+@every_kind
+def test_what_comes_later_changes_nothing_before(name, kind):
+    model, _, held = fitted(name, kind)
+    states, actions, _ = windows(model, held, steps=6)
+    longer = model.rollout(states, actions)
+    changed = actions.clone()
+    changed[:, -3:] += 1.0
+    assert torch.equal(model.rollout(states, changed)[:, :3], longer[:, :3])
+    assert torch.allclose(model.rollout(states, actions[:, :-3]), longer[:, :3], atol=1e-6)
+
+
+def test_a_machine_that_a_model_does_not_know_is_refused():
+    class Known(MODELS["linear"]):
+        kinds = frozenset({"quadrotor"})
+
+    layout = learnable.layout_of(learnable.linear_joint())
+    with pytest.raises(InputError, match=r"model\.name: 'linear' knows no joint"):
+        Known(layout, Known.settings_class(), 0.02)
 
 
 @every_model

@@ -8,6 +8,7 @@ from torch import Tensor
 
 from pipeline.errors import InputError
 from pipeline.models.contract import DynamicsModel
+from pipeline.models.error_distribution import error_quantiles
 from pipeline.models.evaluation import rollout_errors, scored_starts
 from pipeline.models.joint_layout import JointLayout
 from pipeline.models.settings import ModelSettings
@@ -62,6 +63,19 @@ def test_errors_grow_and_add_up_as_the_model_says():
     assert errors["h1"] == pytest.approx({"model": 0.25, "naive": 1.0})
     assert errors["h4"] == pytest.approx({"model": 1.0, "naive": 4.0})
     assert errors["sum"] == pytest.approx({"model": 0.25 * 10, "naive": 10.0})
+
+
+def test_quantiles_are_those_of_the_errors_of_the_windows():
+    """Of a velocity k² that is kept as it is: 2·k + 1 after one step, 4·k + 4 after two, from window k."""
+    series = moving(speeding(13) ** 2)
+    found = error_quantiles(Constant(0.0), series, [1, 2], [0.0, 0.5, 1.0], most=100)["velocity"]
+    assert found["h1"] == pytest.approx({"q0": 1.0, "q50": 11.0, "q100": 21.0})
+    assert found["h2"] == pytest.approx({"q0": 4.0, "q50": 24.0, "q100": 44.0})
+
+
+def test_what_is_no_share_is_refused():
+    with pytest.raises(InputError, match=r"train\.quantiles"):
+        error_quantiles(Constant(0.0), moving(speeding(13)), [1], [50.0], most=100)
 
 
 def test_a_horizon_longer_than_every_segment_is_left_out():

@@ -1,0 +1,49 @@
+"""The black box: a recurrent network that knows nothing of the machine and predicts many steps.
+
+Source: Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic model for multi-step prediction".
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from torch import Tensor
+
+from pipeline.models.network_model import NetworkModel
+from pipeline.models.recurrent_network import Memory, RecurrentNetwork
+from pipeline.models.settings import ModelSettings, TrainedSettings
+
+
+@dataclass
+class BlackBoxSettings(TrainedSettings):
+    """Settings of the black box."""
+
+    name: str = "black_box"
+    sequence_length: int = 20
+    units: int = 64  # of the LSTM
+    delays: int = 1  # newest samples that the network sees at each step
+    learning_rate: float = 2e-3
+
+
+class BlackBoxModel(NetworkModel):
+    """An LSTM whose state is set from the known samples and carried over the horizon."""
+
+    settings_class: ClassVar[type[ModelSettings]] = BlackBoxSettings
+    settings: BlackBoxSettings
+    network: RecurrentNetwork
+
+    def build_network(self, features: int, targets: int) -> RecurrentNetwork:
+        """Return initialiser, delay line, LSTM and head."""
+        settings = self.settings
+        return RecurrentNetwork(features, settings.sequence_length, settings.delays, settings.units, targets)
+
+    def begin(self, window: Tensor) -> Memory:
+        """Set the network's state."""
+        return self.network.begin(self.scaled(window))
+
+    def follow(self, memory: Memory, newest: Tensor) -> Memory:
+        """Let the network read one more sample."""
+        return self.network.follow(memory, self.scaled(newest))
+
+    def read(self, memory: Memory) -> Tensor:
+        """Return the network's increments in their own units."""
+        return self.unscaled(self.network.read(memory))

@@ -1,0 +1,70 @@
+"""Low-pass filters without delay, which look ahead: no machine can run them live.
+
+They are part of the protocol of the nanodrone benchmark (arXiv 2512.14450): its published errors are of filtered runs.
+Only to compare with such a table are recordings to be filtered like this, those that are scored included.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from pipeline.errors import InputError
+from pipeline.recordings.recording import Recording
+
+ORDER = 4  # of the Butterworth filter, which runs forwards and backwards
+
+
+def zero_phase(recording: Recording, frequencies: Mapping[str, float]) -> Recording:
+    """Return the recording with some channels filtered, segment by segment.
+
+    Args:
+        recording: cleaned.
+        frequencies: by the name of a channel, or what the names of several begin with, the frequency in Hz at which
+            each of the two passes halves the power. Quaternions `attitude` are made continuous, and unit length again.
+
+    Raises:
+        InputError: when there is no such channel, or the frequency is not between zero and half the sampling rate.
+    """
+    frame = recording.frame.copy()
+    keys = ["run", "segment"] if "segment" in frame else ["run"]
+    rows = list(frame.groupby(keys, sort=False).indices.values())
+    for name, frequency in frequencies.items():
+        columns = _columns(recording, name)
+        sections = _sections(name, frequency, recording.time_step)
+        values = frame[columns].to_numpy(dtype=np.float64, copy=True)
+        for own in rows:
+            values[own] = _filtered(values[own], sections, quaternion=name == "attitude")
+        frame[columns] = values
+    return replace(recording, frame=frame)
+
+
+def _columns(recording: Recording, name: str) -> list[str]:
+    columns = [
+        channel for channel in recording.channels if channel.rpartition("_")[0] == name or channel == name
+    ]
+    if not columns:
+        raise InputError("is no channel of the recording", f"train.zero_phase.{name}", "remove it")
+    return columns
+
+
+def _sections(name: str, frequency: float, time_step: float) -> np.ndarray:
+    highest = 0.5 / time_step
+    if not 0.0 < frequency < highest:
+        raise InputError(
+            f"{frequency:g} Hz is not between 0 and half the sampling rate",
+            f"train.zero_phase.{name}",
+            f"stay below {highest:g} Hz",
+        )
+    return np.asarray(butter(ORDER, frequency, fs=1.0 / time_step, output="sos"))
+
+
+def _filtered(values: np.ndarray, sections: np.ndarray, quaternion: bool) -> np.ndarray:
+    """Filter one segment (samples, channels); the ends are continued as far as the filter remembers, or there is."""
+    if quaternion:
+        turned = np.sum(values[1:] * values[:-1], axis=1) < 0.0
+        values[1:] *= np.where(np.cumsum(turned) % 2, -1.0, 1.0)[:, None]
+    padding = min(3 * (2 * len(sections) + 1), len(values) - 1)
+    smooth = sosfiltfilt(sections, values, axis=0, padlen=padding)
+    return smooth / np.linalg.norm(smooth, axis=1, keepdims=True) if quaternion else smooth
