@@ -51,9 +51,10 @@ def _train(config: TrainStage, run: StageRun) -> None:
     data = run.inputs[str(path)]
     settings = model_settings(config.model)
     recording = read_recording(path)
-    model = model_class(config.model)(layout_of(recording), settings, recording.time_step)
+    layout = layout_of(recording, config.train.layout)
+    model = model_class(config.model)(layout, settings, recording.time_step)
     require_holdout(recording.split, str(path))
-    fitted, chosen, held = _series(recording, model.layout, run)
+    fitted, chosen, held = _series(recording, layout, run)
     checkpoint = _checkpoint_folder(config, settings, data)
     loss = model.fit(fitted, chosen, config.train, FitContext(config.seed, checkpoint, run.log_metrics))
     model.provenance = Provenance(

@@ -22,6 +22,7 @@ Positions, attitudes and angles follow from the velocities by kinematics, so the
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from difflib import get_close_matches
 from typing import Any, ClassVar
 
 from torch import Tensor
@@ -89,9 +90,28 @@ class Layout(ABC):
         return {"kind": self.kind} | values
 
 
-def layout_of(recording: Recording) -> Layout:
-    """Return the layout of a recording by its kind."""
-    return _layouts()[recording.kind].of_recording(recording)
+def layout_of(recording: Recording, name: str | None = None) -> Layout:
+    """Return the layout through which a recording is seen.
+
+    Args:
+        recording: cleaned.
+        name: of the layout; None: that of the recording's kind.
+
+    Raises:
+        InputError: when there is no such layout, or the recording lacks a column of it.
+    """
+    layouts = _layouts()
+    name = recording.kind if name is None else name
+    if name not in layouts:
+        near = get_close_matches(name, layouts, n=1)
+        remedy = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(layouts)}"
+        raise InputError(f"there is no layout {name!r}", "train.layout", remedy)
+    layout = layouts[name].of_recording(recording)
+    missing = [column for column in (*layout.states, *layout.inputs) if column not in recording.frame]
+    if missing:
+        found = f"the layout {name!r} needs the column {missing[0]!r}, which was not recorded"
+        raise InputError(found, "train.layout", "choose another layout, or none")
+    return layout
 
 
 def layout_from_mapping(values: Mapping[str, Any]) -> Layout:

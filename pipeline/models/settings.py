@@ -21,6 +21,7 @@ class Training:
     """The configuration group `train`."""
 
     enabled: bool = True  # false: nothing is trained, as where there is no run to hold out
+    layout: str | None = None  # what is state, input, feature and target; null: the recording's kind says it
     max_epochs: int = 30
     patience: int = 6  # epochs without a better validation loss before training stops
     batch_size: int = 512  # windows

@@ -69,3 +69,17 @@ def test_full_turns_do_not_matter_to_a_turning_joint():
 def test_nonsense_is_no_layout():
     with pytest.raises(InputError, match="describes no known platform"):
         layout_from_mapping({"kind": "joint", "wheels": 3})
+
+
+def test_a_layout_is_found_by_its_name():
+    recorded = learnable.swerve()
+    assert layout_of(recorded, "swerve") == layout_of(recorded)
+
+
+@pytest.mark.parametrize(
+    ("name", "complaint"),
+    [("swerv", "did you mean 'swerve'"), ("joint", "needs the column 'position', which was not recorded")],
+)
+def test_a_layout_that_does_not_fit_the_recording_is_refused(name, complaint):
+    with pytest.raises(InputError, match=complaint):
+        layout_of(learnable.swerve(), name)
