@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 VALIDATION_SHARE = 0.2
 CHECKPOINTS = "checkpoints"
+STEPS = "steps"  # beside the quantities: one-step scores by target
 
 
 @dataclass
@@ -89,10 +90,13 @@ def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[S
 def _score(model: "DynamicsModel", held: "Series", settings: Training, run: StageRun) -> None:
     """Write the errors on held-out runs."""
     from pipeline.models.evaluation import rollout_errors
+    from pipeline.models.step_scores import step_scores
 
-    errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows)
-    _write_metrics(_finite(errors), run)
-    run.log_metrics(_flat(errors))
+    history = settings.evaluation_history
+    errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows, history)
+    scores = {**errors, STEPS: step_scores(model, held, history)}
+    _write_metrics(_finite(scores), run)
+    run.log_metrics(_flat(scores))
 
 
 def _write_metrics(metrics: dict[str, Any], run: StageRun) -> None:
@@ -124,13 +128,11 @@ def _finite(errors: Any) -> Any:
     return errors if math.isfinite(errors) else None
 
 
-def _flat(errors: dict[str, dict[str, dict[str, float]]]) -> dict[str, float]:
-    return {
-        f"{quantity}/{horizon}/{whose}": value
-        for quantity, horizons in errors.items()
-        for horizon, pair in horizons.items()
-        for whose, value in pair.items()
-    }
+def _flat(scores: dict[str, Any], prefix: str = "") -> dict[str, float]:
+    flat: dict[str, float] = {}
+    for key, value in scores.items():
+        flat |= _flat(value, f"{prefix}{key}/") if isinstance(value, dict) else {f"{prefix}{key}": value}
+    return flat
 
 
 if __name__ == "__main__":

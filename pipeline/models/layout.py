@@ -53,7 +53,7 @@ class Layout(ABC):
     @property
     @abstractmethod
     def targets(self) -> tuple[str, ...]:
-        """Names of what `increment` returns."""
+        """Names of what `increment` returns: those of the states that move by them."""
 
     @classmethod
     @abstractmethod

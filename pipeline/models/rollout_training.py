@@ -15,7 +15,7 @@ from pipeline.models.contract import DynamicsModel, FitContext
 from pipeline.models.network_model import NetworkModel
 from pipeline.models.settings import Training
 from pipeline.models.training import VALIDATION_LOSS, train_module
-from pipeline.models.windows import Series, gather
+from pipeline.models.windows import Series, evenly, gather
 
 _VALIDATION_WINDOWS = 2048  # evenly over the validation runs
 _USUAL_WINDOWS = 4096  # from which the usual change of every quantity is taken
@@ -68,7 +68,7 @@ class RolloutRegression(lightning.LightningModule):
         """Go through windows that are spread evenly over the validation runs."""
         starts = _starts(self.validation_series, self.length, "validation")
         return Stretches(
-            self.validation_series, _evenly(starts, _VALIDATION_WINDOWS), self.length, _VALIDATION_WINDOWS
+            self.validation_series, evenly(starts, _VALIDATION_WINDOWS), self.length, _VALIDATION_WINDOWS
         )
 
     def on_train_epoch_start(self) -> None:
@@ -118,7 +118,7 @@ def train_rollouts(
 
 def usual_changes(model: DynamicsModel, series: Series, steps: int) -> dict[str, Tensor]:
     """Return by quantity the RMS change from a state to each of the next steps, (steps,)."""
-    starts = _evenly(_starts(series, steps + 1, "training"), _USUAL_WINDOWS)
+    starts = evenly(_starts(series, steps + 1, "training"), _USUAL_WINDOWS)
     states = gather(series.states, starts, steps + 1)
     changes = model.layout.errors(states[:, :1].expand(-1, steps, -1), states[:, 1:])
     return {name: change.square().mean(0).sqrt().clamp_min(1e-9) for name, change in changes.items()}
@@ -131,12 +131,6 @@ def _starts(series: Series, length: int, what: str) -> Tensor:
             f"no {what} segment holds {length} samples", "train.steps", "lower it, or record longer"
         )
     return starts
-
-
-def _evenly(starts: Tensor, most: int) -> Tensor:
-    if len(starts) <= most:
-        return starts
-    return starts[torch.linspace(0, len(starts) - 1, most, dtype=torch.float64).round().long()]
 
 
 def _single(series: Series) -> Series:

@@ -30,6 +30,9 @@ class Training:
     )
     horizons: list[int] = field(default_factory=lambda: [1, 10, 50])  # steps at which rollouts are scored
     evaluation_windows: int = 2000  # at most, evenly over the held-out runs
+    evaluation_history: int = (
+        50  # samples before the first scored one: up to it, all windows see the same ones
+    )
 
 
 @dataclass

@@ -62,3 +62,10 @@ def series_of(recording: Recording, layout: Layout, runs: Sequence[str]) -> Seri
 def gather(series: Tensor, starts: Tensor, length: int) -> Tensor:
     """Return windows (starts, length, ...) of a series (samples, ...)."""
     return series[starts[:, None] + torch.arange(length, device=starts.device)]
+
+
+def evenly(starts: Tensor, most: int) -> Tensor:
+    """Return at most so many of the starts, spread evenly."""
+    if len(starts) <= most:
+        return starts
+    return starts[torch.linspace(0, len(starts) - 1, most, dtype=torch.float64).round().long()]

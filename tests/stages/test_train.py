@@ -40,8 +40,10 @@ def run_stage(tmp_path, recorded, name="linear", settings=QUICK):
 def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path):
     run = run_stage(tmp_path, learnable.linear_joint(), name)
     metrics = json.loads((run.output / "metrics.json").read_text())
-    assert set(metrics) == {"position", "velocity"}
-    assert set(metrics["velocity"]) == {"h1", "h10"}
+    assert set(metrics) == {"position", "velocity", "steps"}
+    assert set(metrics["velocity"]) == {"h1", "h10", "sum"}
+    assert set(metrics["steps"]) == {"velocity"}
+    assert run.metrics["steps/velocity/mse"] == metrics["steps"]["velocity"]["mse"]
     assert metrics["velocity"]["h1"]["model"] < metrics["velocity"]["h1"]["naive"]
     model = load_model(run.output / "model")
     assert model.provenance.data == next(iter(run.inputs.values()))

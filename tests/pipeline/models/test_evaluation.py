@@ -1,0 +1,126 @@
+"""Scores of models whose errors are known beforehand."""
+
+import math
+
+import pytest
+import torch
+from torch import Tensor
+
+from pipeline.errors import InputError
+from pipeline.models.contract import DynamicsModel
+from pipeline.models.evaluation import rollout_errors, scored_starts
+from pipeline.models.joint_layout import JointLayout
+from pipeline.models.settings import ModelSettings
+from pipeline.models.step_scores import step_scores
+from pipeline.models.windows import Series, evenly
+
+TIME_STEP = 0.1
+
+
+class Constant(DynamicsModel):
+    """Adds the same to the velocity at every step."""
+
+    settings_class = ModelSettings
+
+    def __init__(self, increment: float, length: int = 1) -> None:
+        super().__init__(
+            JointLayout(("effort",), sliding=True), ModelSettings(sequence_length=length), TIME_STEP
+        )
+        self.increment = increment
+
+    def fit(self, train, validation, training, context=None) -> float:
+        raise NotImplementedError
+
+    def increments(self, features: Tensor) -> Tensor:
+        return torch.full((len(features), 1), self.increment, dtype=features.dtype)
+
+    def tensors(self):
+        raise NotImplementedError
+
+    def restore(self, tensors):
+        raise NotImplementedError
+
+
+def moving(velocity: Tensor, *bounds: tuple[int, int]) -> Series:
+    """Return a mass with these velocities, cut into segments."""
+    position = TIME_STEP * torch.cumsum(velocity, 0)
+    return Series(
+        states=torch.stack([position, velocity], dim=1),
+        actions=torch.zeros(len(velocity), 1, dtype=torch.float64),
+        bounds=torch.tensor(bounds or [(0, len(velocity))]),
+        time_step=TIME_STEP,
+    )
+
+
+def speeding(samples: int) -> Tensor:
+    return torch.arange(samples, dtype=torch.float64)
+
+
+def test_errors_grow_and_add_up_as_the_model_says():
+    errors = rollout_errors(Constant(0.75), moving(speeding(20)), [4, 1], most=100)["velocity"]
+    assert list(errors) == ["h1", "h4", "sum"]
+    assert errors["h1"] == pytest.approx({"model": 0.25, "naive": 1.0})
+    assert errors["h4"] == pytest.approx({"model": 1.0, "naive": 4.0})
+    assert errors["sum"] == pytest.approx({"model": 0.25 * 10, "naive": 10.0})
+
+
+def test_a_horizon_longer_than_every_segment_is_left_out():
+    errors = rollout_errors(Constant(1.0), moving(speeding(20), (0, 8), (8, 20)), [1, 10, 20], most=100)
+    assert list(errors["velocity"]) == ["h1", "h10", "sum"]
+    assert errors["velocity"]["sum"]["naive"] == pytest.approx(sum(range(1, 11)))
+
+
+@pytest.mark.parametrize("history", [7, 20])
+def test_models_of_any_window_are_scored_on_the_same_samples(history):
+    series = moving(speeding(60), (0, 25), (25, 60))
+    first = [
+        (scored_starts(Constant(0.0, length), series, 3, history) + length).tolist() for length in (1, 4, 7)
+    ]
+    assert first[0] == first[1] == first[2]
+    assert first[0][0] == history
+    assert 25 + history in first[0]
+    assert max(first[0]) == 60 - 3
+
+
+def test_a_window_longer_than_the_history_is_never_cut():
+    starts = scored_starts(Constant(0.0, 10), moving(speeding(30)), 2, history=5)
+    assert starts.tolist() == list(range(30 - 12 + 1))
+
+
+def test_what_is_too_short_is_refused():
+    series = moving(speeding(20))
+    with pytest.raises(InputError, match=r"train\.horizons: no held-out segment is long enough"):
+        rollout_errors(Constant(0.0), series, [5], most=100, history=16)
+    with pytest.raises(InputError, match=r"model\.sequence_length: no held-out segment is long enough"):
+        step_scores(Constant(0.0, 20), series)
+
+
+def test_scores_of_one_step_are_those_of_their_definitions():
+    generator = torch.Generator().manual_seed(0)
+    velocity = torch.cumsum(torch.randn(500, generator=generator, dtype=torch.float64), 0)
+    scores = step_scores(Constant(0.5), moving(velocity))
+    assert set(scores) == {"velocity"}
+    change, following = velocity.diff(), velocity[1:]
+    squared = (change - 0.5).square()
+    expected = {
+        "mse": squared.mean(),
+        "r_squared": 1 - squared.mean() / following.var(correction=0),
+        "increment_r_squared": 1 - squared.mean() / change.var(correction=0),
+        "correlation": torch.corrcoef(torch.stack([velocity[:-1] + 0.5, following]))[0, 1],
+    }
+    assert scores["velocity"] == pytest.approx({key: float(value) for key, value in expected.items()})
+
+
+def test_a_perfect_model_scores_one():
+    score = step_scores(Constant(2.0), moving(2.0 * speeding(50)))["velocity"]
+    assert score["mse"] == pytest.approx(0.0, abs=1e-20)
+    assert [score["r_squared"], score["correlation"]] == pytest.approx([1.0, 1.0])
+    assert math.isnan(
+        score["increment_r_squared"]
+    )  # all increments are alike: nothing is there to be explained
+
+
+def test_starts_are_thinned_evenly():
+    starts = torch.arange(100)
+    assert evenly(starts, 100).tolist() == list(range(100))
+    assert evenly(starts, 4).tolist() == [0, 33, 66, 99]
