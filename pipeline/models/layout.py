@@ -16,6 +16,18 @@ joint
     features   sine and cosine of the position (of a sliding joint the position), velocity, input
     predicted  increment of velocity
 
+swerve_chassis, of a swerve's recording
+    state      chassis velocity and rate, drive velocities, steer velocities, steer angles
+    input      drive and steer voltages
+    features   velocities, cosine and sine of the steer angles, voltages
+    predicted  increments of all velocities
+steering, of a swerve's recording
+    state      steer velocities
+    input      steer voltages
+    features   velocities and their signs, voltages
+    predicted  increments of the steer velocities
+
+The first three are taken by the kind of a recording, the others by `train.layout`.
 Positions, attitudes and angles follow from the velocities by kinematics, so they are never learned.
 """
 
@@ -63,6 +75,10 @@ class Layout(ABC):
     @abstractmethod
     def encode(self, state: Tensor, action: Tensor) -> Tensor:
         """Return the features (..., features) of states (..., states) and inputs (..., inputs)."""
+
+    def regressors(self, features: Tensor) -> Tensor:
+        """Return the features, and the products in which a state space is linear as well, (..., regressors)."""
+        return features
 
     @abstractmethod
     def increment(self, state: Tensor, following: Tensor) -> Tensor:
@@ -130,6 +146,9 @@ def layout_from_mapping(values: Mapping[str, Any]) -> Layout:
 def _layouts() -> dict[str, type[Layout]]:
     from pipeline.models.joint_layout import JointLayout
     from pipeline.models.quadrotor_layout import QuadrotorLayout
+    from pipeline.models.steering_layout import SteeringLayout
+    from pipeline.models.swerve_chassis_layout import SwerveChassisLayout
     from pipeline.models.swerve_layout import SwerveLayout
 
-    return {layout.kind: layout for layout in (QuadrotorLayout, SwerveLayout, JointLayout)}
+    layouts = (QuadrotorLayout, SwerveLayout, JointLayout, SwerveChassisLayout, SteeringLayout)
+    return {layout.kind: layout for layout in layouts}
