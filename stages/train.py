@@ -66,9 +66,10 @@ def _train(config: TrainStage, run: StageRun) -> None:
         seed=config.seed,
         training=asdict(config.train),
     )
+    before = _correct(model, chosen, held, config.train) if config.train.bias_correction else {}
     model.save(run.output / "model")
     run.log_metrics({"best_validation_loss": loss})
-    _score(model, held, config.train, run)
+    _score(model, held, config.train, before, run)
     _discard(checkpoint)
 
 
@@ -87,14 +88,32 @@ def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[S
     return fitted, chosen, held
 
 
-def _score(model: "DynamicsModel", held: "Series", settings: Training, run: StageRun) -> None:
-    """Write the errors on held-out runs."""
+def _correct(
+    model: "DynamicsModel", chosen: "Series", held: "Series", settings: Training
+) -> dict[str, dict[str, float]]:
+    """Correct a model by the runs that chose it; return by target the error on held-out runs before."""
+    from pipeline.models.step_scores import step_scores
+
+    before = step_scores(model, held, settings.evaluation_history)
+    model.correct(chosen)
+    return {target: {"mse_uncorrected": scores["mse"]} for target, scores in before.items()}
+
+
+def _score(
+    model: "DynamicsModel",
+    held: "Series",
+    settings: Training,
+    before: dict[str, dict[str, float]],
+    run: StageRun,
+) -> None:
+    """Write the errors on held-out runs, beside the one-step errors before a correction."""
     from pipeline.models.evaluation import rollout_errors
     from pipeline.models.step_scores import step_scores
 
     history = settings.evaluation_history
     errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows, history)
-    scores = {**errors, STEPS: step_scores(model, held, history)}
+    steps = step_scores(model, held, history)
+    scores = {**errors, STEPS: {target: own | before.get(target, {}) for target, own in steps.items()}}
     _write_metrics(_finite(scores), run)
     run.log_metrics(_flat(scores))
 

@@ -52,6 +52,15 @@ def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path
     assert not any((tmp_path / "artifacts").rglob("*.ckpt"))
 
 
+def test_errors_before_and_after_a_correction_are_reported(tmp_path):
+    run = run_stage(tmp_path, learnable.linear_joint(), "fnn", replace(QUICK, bias_correction=True))
+    scores = json.loads((run.output / "metrics.json").read_text())["steps"]["velocity"]
+    model = load_model(run.output / "model")
+    assert model.correction is not None
+    assert scores["mse"] != scores["mse_uncorrected"]
+    assert run.metrics["steps/velocity/mse_uncorrected"] == scores["mse_uncorrected"]
+
+
 def test_without_a_validation_run_the_end_of_the_training_runs_validates(tmp_path):
     recorded = learnable.linear_joint()
     split = {run: "holdout" if run == "d" else "train" for run in recorded.runs}
