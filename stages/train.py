@@ -66,10 +66,14 @@ def _train(config: TrainStage, run: StageRun) -> None:
         seed=config.seed,
         training=asdict(config.train),
     )
-    before = _correct(model, chosen, held, config.train) if config.train.bias_correction else {}
+    machines = _machines(recording, layout) | {"": held}
+    before: dict[str, dict[str, float]] = {}
+    if config.train.bias_correction:
+        before = _steps(model, machines, config.train.evaluation_history)
+        model.correct(chosen)
     model.save(run.output / "model")
     run.log_metrics({"best_validation_loss": loss})
-    _score(model, held, config.train, before, run)
+    _score(model, machines, config.train, before, run)
     _discard(checkpoint)
 
 
@@ -88,34 +92,46 @@ def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[S
     return fitted, chosen, held
 
 
-def _correct(
-    model: "DynamicsModel", chosen: "Series", held: "Series", settings: Training
+def _machines(recording: "Recording", layout: "Layout") -> "dict[str, Series]":
+    """Return the held-out series of each of a layout's machines."""
+    from pipeline.models.windows import series_of
+    from pipeline.recordings.split import runs_of
+
+    runs = runs_of(recording.split, "holdout")
+    return {name: series_of(recording, layout, runs, [name]) for name in layout.machines()}
+
+
+def _steps(
+    model: "DynamicsModel", machines: "dict[str, Series]", history: int
 ) -> dict[str, dict[str, float]]:
-    """Correct a model by the runs that chose it; return by target the error on held-out runs before."""
+    """Return one-step scores by target, of all machines together and of each."""
     from pipeline.models.step_scores import step_scores
 
-    before = step_scores(model, held, settings.evaluation_history)
-    model.correct(chosen)
-    return {target: {"mse_uncorrected": scores["mse"]} for target, scores in before.items()}
+    return {
+        f"{target}{name}": scores
+        for name, series in machines.items()
+        for target, scores in step_scores(model, series, history).items()
+    }
 
 
 def _score(
     model: "DynamicsModel",
-    held: "Series",
+    machines: "dict[str, Series]",
     settings: Training,
     before: dict[str, dict[str, float]],
     run: StageRun,
 ) -> None:
-    """Write the errors on held-out runs, beside the one-step errors before a correction."""
+    """Write the errors on held-out runs, one-step errors beside those before a correction."""
     from pipeline.models.evaluation import rollout_errors
-    from pipeline.models.step_scores import step_scores
 
     history = settings.evaluation_history
-    errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows, history)
-    steps = step_scores(model, held, history)
-    scores = {**errors, STEPS: {target: own | before.get(target, {}) for target, own in steps.items()}}
-    _write_metrics(_finite(scores), run)
-    run.log_metrics(_flat(scores))
+    errors = rollout_errors(model, machines[""], settings.horizons, settings.evaluation_windows, history)
+    steps = _steps(model, machines, history)
+    for target, scores in before.items():
+        steps[target]["mse_uncorrected"] = scores["mse"]
+    metrics = {**errors, STEPS: steps}
+    _write_metrics(_finite(metrics), run)
+    run.log_metrics(_flat(metrics))
 
 
 def _write_metrics(metrics: dict[str, Any], run: StageRun) -> None:

@@ -21,11 +21,11 @@ swerve_chassis, of a swerve's recording
     input      drive and steer voltages
     features   velocities, cosine and sine of the steer angles, voltages
     predicted  increments of all velocities
-steering, of a swerve's recording
-    state      steer velocities
-    input      steer voltages
-    features   velocities and their signs, voltages
-    predicted  increments of the steer velocities
+steering, of a swerve's recording, whose four modules are machines of one kind
+    state      steer velocity
+    input      steer voltage
+    features   velocity and its sign, voltage
+    predicted  increment of the steer velocity
 
 The first three are taken by the kind of a recording, the others by `train.layout`.
 Positions, attitudes and angles follow from the velocities by kinematics, so they are never learned.
@@ -66,6 +66,13 @@ class Layout(ABC):
     @abstractmethod
     def targets(self) -> tuple[str, ...]:
         """Names of what `increment` returns: those of the states that move by them."""
+
+    def machines(self) -> dict[str, tuple[str, ...]]:
+        """Return the recorded columns of states and inputs, by the suffix that tells machines of one kind apart.
+
+        Most layouts see all that was recorded as one machine.
+        """
+        return {"": (*self.states, *self.inputs)}
 
     @classmethod
     @abstractmethod
@@ -123,7 +130,8 @@ def layout_of(recording: Recording, name: str | None = None) -> Layout:
         remedy = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(layouts)}"
         raise InputError(f"there is no layout {name!r}", "train.layout", remedy)
     layout = layouts[name].of_recording(recording)
-    missing = [column for column in (*layout.states, *layout.inputs) if column not in recording.frame]
+    columns = (column for machine in layout.machines().values() for column in machine)
+    missing = [column for column in columns if column not in recording.frame]
     if missing:
         found = f"the layout {name!r} needs the column {missing[0]!r}, which was not recorded"
         raise InputError(found, "train.layout", "choose another layout, or none")

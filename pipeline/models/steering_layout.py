@@ -1,4 +1,4 @@
-"""What a learned model of the four steering motors of a swerve drive sees and predicts."""
+"""What a learned model of a steering motor of a swerve drive sees and predicts."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -7,47 +7,53 @@ import torch
 from torch import Tensor
 
 from pipeline.models.layout import Layout
-from pipeline.models.swerve_layout import four
 from pipeline.recordings.recording import Recording
 
 
 @dataclass(frozen=True)
 class SteeringLayout(Layout):
-    """States: steer velocities of the four modules.
+    """State: steer velocity of a module. The four modules are machines of one kind, each seen by itself.
 
     A linear model of two samples is the direct-current motor's law, V against sign(v), v and its difference.
     """
 
     kind: ClassVar[str] = "steering"
-    states: ClassVar[tuple[str, ...]] = four("steer_velocity")
+    states: ClassVar[tuple[str, ...]] = ("steer_velocity",)
 
     @property
     def features(self) -> tuple[str, ...]:
-        """Velocities rad/s, their signs, voltages V."""
-        return (*self.states, *four("steer_sign"), *self.inputs)
+        """Velocity rad/s, its sign, voltage V."""
+        return ("steer_velocity", "steer_sign", *self.inputs)
 
     @property
     def targets(self) -> tuple[str, ...]:
-        """Increments of the steer velocities, rad/s."""
+        """Increment of the steer velocity, rad/s."""
         return self.states
+
+    def machines(self) -> dict[str, tuple[str, ...]]:
+        """Return the columns of each module."""
+        return {
+            f"_{number}": tuple(f"{name}_{number}" for name in (*self.states, *self.inputs))
+            for number in range(1, 5)
+        }
 
     @classmethod
     def of_recording(cls, recording: Recording) -> "SteeringLayout":
         """Every swerve recording has the same columns."""
-        return cls(four("steer_voltage"))
+        return cls(("steer_voltage",))
 
     def encode(self, state: Tensor, action: Tensor) -> Tensor:
-        """The signs are those of dry friction."""
+        """The sign is that of dry friction."""
         return torch.cat([state, torch.sign(state), action], dim=-1)
 
     def increment(self, state: Tensor, following: Tensor) -> Tensor:
-        """Return the changes of the velocities."""
+        """Return the change of the velocity."""
         return following - state
 
     def advance(self, state: Tensor, increment: Tensor, time_step: float) -> Tensor:
-        """Return the next velocities."""
+        """Return the next velocity."""
         return state + increment
 
     def errors(self, predicted: Tensor, true: Tensor) -> dict[str, Tensor]:
-        """Euclidean norm over the four modules, rad/s."""
-        return {"steer_velocity": torch.linalg.vector_norm(predicted - true, dim=-1)}
+        """Absolute difference, rad/s."""
+        return {"steer_velocity": (predicted - true).abs()[..., 0]}

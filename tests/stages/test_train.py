@@ -52,6 +52,19 @@ def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path
     assert not any((tmp_path / "artifacts").rglob("*.ckpt"))
 
 
+def test_modules_are_trained_on_together_and_scored_one_by_one(tmp_path):
+    settings = replace(QUICK, layout="steering")
+    run = run_stage(tmp_path, learnable.swerve(), "linear", settings)
+    steps = json.loads((run.output / "metrics.json").read_text())["steps"]
+    names = [f"steer_velocity_{number}" for number in range(1, 5)]
+    assert set(steps) == {"steer_velocity", *names}
+    mean = sum(steps[name]["mse"] for name in names) / 4
+    assert steps["steer_velocity"]["mse"] == pytest.approx(mean)
+    assert len({steps[name]["mse"] for name in names}) == 4
+    assert load_model(run.output / "model").layout.kind == "steering"
+    assert load_model(run.output / "model").provenance.training["layout"] == "steering"
+
+
 def test_errors_before_and_after_a_correction_are_reported(tmp_path):
     run = run_stage(tmp_path, learnable.linear_joint(), "fnn", replace(QUICK, bias_correction=True))
     scores = json.loads((run.output / "metrics.json").read_text())["steps"]["velocity"]
