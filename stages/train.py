@@ -78,9 +78,14 @@ def _train(config: TrainStage, run: StageRun) -> None:
         seed=config.seed,
         training=asdict(config.train),
     )
+    machines = _machines(recording, layout) | {"": held}
+    before: dict[str, dict[str, float]] = {}
+    if config.train.bias_correction:
+        before = _steps(model, machines, config.train.evaluation_history)
+        model.correct(chosen)
     model.save(run.output / "model")
     run.log_metrics({"best_validation_loss": loss})
-    _score(model, held, config.train, run)
+    _score(model, machines, config.train, before, run)
     _discard(checkpoint)
 
 
@@ -106,15 +111,46 @@ def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[S
     return fitted, chosen, held
 
 
-def _score(model: "DynamicsModel", held: "Series", settings: Training, run: StageRun) -> None:
-    """Write the errors on held-out runs."""
-    from pipeline.models.error_distribution import error_quantiles
-    from pipeline.models.evaluation import rollout_errors
+def _machines(recording: "Recording", layout: "Layout") -> "dict[str, Series]":
+    """Return the held-out series of each of a layout's machines."""
+    from pipeline.models.windows import series_of
+    from pipeline.recordings.split import runs_of
+
+    runs = runs_of(recording.split, "holdout")
+    return {name: series_of(recording, layout, runs, [name]) for name in layout.machines()}
+
+
+def _steps(
+    model: "DynamicsModel", machines: "dict[str, Series]", history: int
+) -> dict[str, dict[str, float]]:
+    """Return one-step scores by target, of all machines together and of each."""
     from pipeline.models.step_scores import step_scores
 
+    return {
+        f"{target}{name}": scores
+        for name, series in machines.items()
+        for target, scores in step_scores(model, series, history).items()
+    }
+
+
+def _score(
+    model: "DynamicsModel",
+    machines: "dict[str, Series]",
+    settings: Training,
+    before: dict[str, dict[str, float]],
+    run: StageRun,
+) -> None:
+    """Write the errors on held-out runs, one-step errors beside those before a correction."""
+    from pipeline.models.error_distribution import error_quantiles
+    from pipeline.models.evaluation import rollout_errors
+
     history = settings.evaluation_history
+    held = machines[""]
     errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows, history)
-    scores: dict[str, Any] = {**errors, STEPS: step_scores(model, held, history)}
+    steps = _steps(model, machines, history)
+    for target, values in before.items():
+        steps[target]["mse_uncorrected"] = values["mse"]
+    scores: dict[str, Any] = {**errors, STEPS: steps}
     if settings.quantiles:
         most = settings.evaluation_windows
         scores[DISTRIBUTION] = error_quantiles(

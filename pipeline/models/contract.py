@@ -10,9 +10,12 @@ import torch
 from torch import Tensor
 
 from pipeline.errors import InputError
+from pipeline.models.bias_correction import BiasCorrection
+from pipeline.models.examples import Examples
 from pipeline.models.layout import Layout
 from pipeline.models.settings import ModelSettings, Training
 from pipeline.models.windows import Series
+
 
 
 def _log_nothing(metrics: Mapping[str, float], step: int) -> None:
@@ -66,6 +69,7 @@ class DynamicsModel(ABC):
         settings: of the model.
         time_step: s.
         provenance: where the model comes from.
+        correction: of the increments that it predicts; None: they are taken as they are.
     """
 
     settings_class: ClassVar[type[ModelSettings]]
@@ -84,6 +88,7 @@ class DynamicsModel(ABC):
         self.settings = settings
         self.time_step = time_step
         self.provenance = Provenance()
+        self.correction: BiasCorrection | None = None
 
     @abstractmethod
     def fit(
@@ -147,7 +152,7 @@ class DynamicsModel(ABC):
         for step in range(actions.shape[1] - length + 1):
             if step:
                 memory = self.follow(memory, self.layout.encode(state, actions[:, length - 1 + step]))
-            increment = self.read(memory).to(state.dtype)
+            increment = self._corrected(self.read(memory).to(state.dtype))
             state = self.layout.advance(state, increment, self.time_step)
             reached.append(state)
         return torch.stack(reached, dim=1)
@@ -164,6 +169,23 @@ class DynamicsModel(ABC):
         """Return the increments (batch, targets) that follow from what is remembered."""
         return self.increments(memory)
 
+    @torch.no_grad()
+    def correct(self, series: Series) -> None:
+        """Fit a line to true over predicted increments of a series, and correct by it whatever is predicted.
+
+        Raises:
+            InputError: when the series has no window.
+        """
+        examples = Examples.of_series(series, self.layout, self.settings.sequence_length, "validation")
+        pieces = [
+            (self.increments(windows).double(), targets) for windows, targets in examples.chunks()
+        ]
+        predicted, true = (torch.cat(part) for part in zip(*pieces, strict=True))
+        self.correction = BiasCorrection.fit(predicted, true)
+
+    def _corrected(self, increments: Tensor) -> Tensor:
+        return increments if self.correction is None else self.correction.apply(increments)
+
     def save(self, folder: Path) -> None:
         """Write `model.yaml` and `model.safetensors`; see `pipeline.models.storage.load_model`."""
         from pipeline.models.storage import save_model
@@ -177,4 +199,5 @@ class DynamicsModel(ABC):
             "layout": self.layout.as_mapping(),
             "time_step": self.time_step,
             "provenance": asdict(self.provenance),
+            "correction": self.correction and self.correction.as_mapping(),
         }

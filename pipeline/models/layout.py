@@ -16,6 +16,18 @@ joint
     features   sine and cosine of the position (of a sliding joint the position), velocity, input
     predicted  increment of velocity
 
+swerve_chassis, of a swerve's recording
+    state      chassis velocity and rate, drive velocities, steer velocities, steer angles
+    input      drive and steer voltages
+    features   velocities, cosine and sine of the steer angles, voltages
+    predicted  increments of all velocities
+steering, of a swerve's recording, whose four modules are machines of one kind
+    state      steer velocity
+    input      steer voltage
+    features   velocity and its sign, voltage
+    predicted  increment of the steer velocity
+
+The first three are taken by the kind of a recording, the others by `train.layout`.
 Positions, attitudes and angles follow from the velocities by kinematics, so they are never learned.
 """
 
@@ -55,6 +67,13 @@ class Layout(ABC):
     def targets(self) -> tuple[str, ...]:
         """Names of what `increment` returns: those of the states that move by them."""
 
+    def machines(self) -> dict[str, tuple[str, ...]]:
+        """Return the recorded columns of states and inputs, by the suffix that tells machines of one kind apart.
+
+        Most layouts see all that was recorded as one machine.
+        """
+        return {"": (*self.states, *self.inputs)}
+
     @classmethod
     @abstractmethod
     def of_recording(cls, recording: Recording) -> "Layout":
@@ -63,6 +82,10 @@ class Layout(ABC):
     @abstractmethod
     def encode(self, state: Tensor, action: Tensor) -> Tensor:
         """Return the features (..., features) of states (..., states) and inputs (..., inputs)."""
+
+    def regressors(self, features: Tensor) -> Tensor:
+        """Return the features, and the products in which a state space is linear as well, (..., regressors)."""
+        return features
 
     @abstractmethod
     def increment(self, state: Tensor, following: Tensor) -> Tensor:
@@ -107,7 +130,8 @@ def layout_of(recording: Recording, name: str | None = None) -> Layout:
         remedy = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(layouts)}"
         raise InputError(f"there is no layout {name!r}", "train.layout", remedy)
     layout = layouts[name].of_recording(recording)
-    missing = [column for column in (*layout.states, *layout.inputs) if column not in recording.frame]
+    columns = (column for machine in layout.machines().values() for column in machine)
+    missing = [column for column in columns if column not in recording.frame]
     if missing:
         found = f"the layout {name!r} needs the column {missing[0]!r}, which was not recorded"
         raise InputError(found, "train.layout", "choose another layout, or none")
@@ -130,6 +154,9 @@ def layout_from_mapping(values: Mapping[str, Any]) -> Layout:
 def _layouts() -> dict[str, type[Layout]]:
     from pipeline.models.joint_layout import JointLayout
     from pipeline.models.quadrotor_layout import QuadrotorLayout
+    from pipeline.models.steering_layout import SteeringLayout
+    from pipeline.models.swerve_chassis_layout import SwerveChassisLayout
     from pipeline.models.swerve_layout import SwerveLayout
 
-    return {layout.kind: layout for layout in (QuadrotorLayout, SwerveLayout, JointLayout)}
+    layouts = (QuadrotorLayout, SwerveLayout, JointLayout, SwerveChassisLayout, SteeringLayout)
+    return {layout.kind: layout for layout in layouts}

@@ -36,8 +36,8 @@ class LinearModel(DynamicsModel):
         length = self.settings.sequence_length
         examples = Examples.of_series(train, self.layout, length, "training")
         held = Examples.of_series(validation, self.layout, length, "validation")
-        self.scaler = Scaler.fit(examples.features, self.settings.scaling)
-        columns = length * examples.features.shape[1] + 1
+        self.scaler = Scaler.fit(self.regressors(examples.features), self.settings.scaling)
+        columns = length * len(self.scaler.centre) + 1
         gram = torch.zeros(columns, columns, dtype=torch.float64)
         moment = torch.zeros(columns, examples.targets.shape[1], dtype=torch.float64)
         for windows, targets in examples.chunks():
@@ -60,14 +60,22 @@ class LinearModel(DynamicsModel):
 
     def restore(self, tensors: Mapping[str, Tensor]) -> None:
         """Take over coefficients and scaling."""
-        features, targets = len(self.layout.features), len(self.layout.targets)
-        rows = self.settings.sequence_length * features + 1
-        shapes = {"coefficients": (rows, targets), "centre": (features,), "spread": (features,)}
+        width = self.regressors(torch.zeros(len(self.layout.features))).shape[-1]
+        rows = self.settings.sequence_length * width + 1
+        shapes = {
+            "coefficients": (rows, len(self.layout.targets)),
+            "centre": (width,),
+            "spread": (width,),
+        }
         own = take_tensors(tensors, shapes)
         self.coefficients = own["coefficients"]
         self.scaler = Scaler(own["centre"], own["spread"])
 
+    def regressors(self, features: Tensor) -> Tensor:
+        """Return what the model is linear in, (..., regressors), of features (..., features): the features."""
+        return features
+
     def _design(self, windows: Tensor) -> Tensor:
-        """Return scaled features in a row, and a constant, (batch, length · features + 1)."""
-        flat = self.scaler.apply(windows).flatten(1)
+        """Return scaled regressors in a row, and a constant, (batch, length · regressors + 1)."""
+        flat = self.scaler.apply(self.regressors(windows)).flatten(1)
         return torch.cat([flat, torch.ones_like(flat[:, :1])], dim=1)

@@ -12,12 +12,14 @@ from pipeline.models.hybrid import HybridParallelModel, HybridSerialModel
 from pipeline.models.linear import LinearModel
 from pipeline.models.lstm import LongShortTermMemoryModel
 from pipeline.models.settings import ModelSettings
+from pipeline.models.state_space import StateSpaceModel
 from pipeline.models.tcn import TemporalConvolutionModel
 from pipeline.models.white_box import WhiteBoxModel
 from pipeline.stage.mistakes import configuration_mistakes
 
 MODELS: dict[str, type[DynamicsModel]] = {
     "linear": LinearModel,
+    "state_space": StateSpaceModel,
     "fnn": FeedForwardModel,
     "lstm": LongShortTermMemoryModel,
     "tcn": TemporalConvolutionModel,

@@ -28,6 +28,9 @@ class Training:
     steps: int = (
         1  # open-loop steps through which a network is trained further, once it predicts the next one
     )
+    bias_correction: bool = (
+        False  # whether predictions are corrected by a line that is fitted on validation runs
+    )
     horizons: list[int] = field(default_factory=lambda: [1, 10, 50])  # steps at which rollouts are scored
     evaluation_windows: int = 2000  # at most, evenly over the held-out runs
     evaluation_history: int = (

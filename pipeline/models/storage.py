@@ -10,6 +10,7 @@ from safetensors.torch import save as tensors_to_bytes
 
 from pipeline.artifacts import hash_path
 from pipeline.errors import InputError
+from pipeline.models.bias_correction import BiasCorrection
 from pipeline.models.contract import DynamicsModel, Provenance
 from pipeline.models.layout import layout_from_mapping
 from pipeline.models.registry import model_class, model_settings
@@ -46,6 +47,8 @@ def load_model(folder: Path) -> DynamicsModel:
         layout = layout_from_mapping(document["layout"])
         model = model_class(document["model"])(layout, settings, float(document["time_step"]))
         model.provenance = Provenance(**document["provenance"])
+        if document.get("correction") is not None:
+            model.correction = BiasCorrection.from_mapping(document["correction"], len(layout.targets))
         expected = document["tensors"]["sha256"]
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(

@@ -12,7 +12,8 @@ from pipeline.recordings.recording import Recording
 _GROUPS = ("drive_velocity", "steer_velocity", "steer_angle")
 
 
-def _four(stem: str) -> tuple[str, ...]:
+def four(stem: str) -> tuple[str, ...]:
+    """Return the names of a quantity of all modules."""
     return tuple(f"{stem}_{number}" for number in range(1, 5))
 
 
@@ -21,23 +22,23 @@ class SwerveLayout(Layout):
     """States: drive velocities (motor), steer velocities and steer angles (module) of the four modules."""
 
     kind: ClassVar[str] = "swerve"
-    states: ClassVar[tuple[str, ...]] = tuple(name for stem in _GROUPS for name in _four(stem))
+    states: ClassVar[tuple[str, ...]] = tuple(name for stem in _GROUPS for name in four(stem))
 
     @property
     def features(self) -> tuple[str, ...]:
         """Velocities rad/s, cosine and sine of the steer angles, voltages V."""
         stems = ("drive_velocity", "steer_velocity", "steer_cosine", "steer_sine")
-        return (*(name for stem in stems for name in _four(stem)), *self.inputs)
+        return (*(name for stem in stems for name in four(stem)), *self.inputs)
 
     @property
     def targets(self) -> tuple[str, ...]:
         """Increments of drive and steer velocities, rad/s."""
-        return (*_four("drive_velocity"), *_four("steer_velocity"))
+        return (*four("drive_velocity"), *four("steer_velocity"))
 
     @classmethod
     def of_recording(cls, recording: Recording) -> "SwerveLayout":
         """Every swerve recording has the same columns."""
-        return cls((*_four("drive_voltage"), *_four("steer_voltage")))
+        return cls((*four("drive_voltage"), *four("steer_voltage")))
 
     def encode(self, state: Tensor, action: Tensor) -> Tensor:
         """Angles enter by their cosine and sine, since they wind."""

@@ -1,6 +1,6 @@
 """Windows over recorded series, by index: the samples stay in one tensor and are gathered per batch."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -44,13 +44,15 @@ class Series:
         return replace(self, bounds=before), replace(self, bounds=after)
 
 
-def series_of(recording: Recording, layout: Layout, runs: Sequence[str]) -> Series:
-    """Return the series of some runs of a cleaned recording."""
+def series_of(
+    recording: Recording, layout: Layout, runs: Sequence[str], machines: Collection[str] | None = None
+) -> Series:
+    """Return the series of some runs of a cleaned recording, of all machines of a layout or of some."""
     width = len(layout.states)
-    columns = [*layout.states, *layout.inputs]
-    pieces = [segment.columns(columns) for segment in segments(recording, runs)]
+    chosen = [columns for name, columns in layout.machines().items() if machines is None or name in machines]
+    pieces = [segment.columns(columns) for columns in chosen for segment in segments(recording, runs)]
     ends = np.cumsum([0, *map(len, pieces)])
-    samples = torch.from_numpy(np.concatenate([np.zeros((0, len(columns))), *pieces]))
+    samples = torch.from_numpy(np.concatenate([np.zeros((0, width + len(layout.inputs))), *pieces]))
     return Series(
         states=samples[:, :width],
         actions=samples[:, width:],

@@ -83,6 +83,28 @@ def test_filters_that_look_ahead_and_quantiles_are_had_for_the_asking(tmp_path):
     assert load_model(run.output / "model").provenance.training["zero_phase"] == {"velocity": 5.0}
 
 
+def test_modules_are_trained_on_together_and_scored_one_by_one(tmp_path):
+    settings = replace(QUICK, layout="steering")
+    run = run_stage(tmp_path, learnable.swerve(), "linear", settings)
+    steps = json.loads((run.output / "metrics.json").read_text())["steps"]
+    names = [f"steer_velocity_{number}" for number in range(1, 5)]
+    assert set(steps) == {"steer_velocity", *names}
+    mean = sum(steps[name]["mse"] for name in names) / 4
+    assert steps["steer_velocity"]["mse"] == pytest.approx(mean)
+    assert len({steps[name]["mse"] for name in names}) == 4
+    assert load_model(run.output / "model").layout.kind == "steering"
+    assert load_model(run.output / "model").provenance.training["layout"] == "steering"
+
+
+def test_errors_before_and_after_a_correction_are_reported(tmp_path):
+    run = run_stage(tmp_path, learnable.linear_joint(), "fnn", replace(QUICK, bias_correction=True))
+    scores = json.loads((run.output / "metrics.json").read_text())["steps"]["velocity"]
+    model = load_model(run.output / "model")
+    assert model.correction is not None
+    assert scores["mse"] != scores["mse_uncorrected"]
+    assert run.metrics["steps/velocity/mse_uncorrected"] == scores["mse_uncorrected"]
+
+
 def test_without_a_validation_run_the_end_of_the_training_runs_validates(tmp_path):
     recorded = learnable.linear_joint()
     split = {run: "holdout" if run == "d" else "train" for run in recorded.runs}

@@ -9,7 +9,7 @@ from pipeline.reality.concealment import Concealed, check_chosen
 from pipeline.reality.conditions import check_listed, check_logger, check_noise
 from pipeline.reality.swerve.effects import CONCEALABLE, OUTSIDE
 
-MANOEUVRES = ("weave", "spin", "shuttle", "curve", "straight", "cruise")
+MANOEUVRES = ("weave", "spin", "shuttle", "curve", "straight", "cruise", "arena")
 RECORDABLE = ("chassis", "battery_voltage", "current")
 _TYPICAL = 0.5  # of what is greatest
 
@@ -60,6 +60,7 @@ class SwerveCase:
         steering_rate: greatest that directions are laid out for, rad/s.
         gentlest: size of the gentlest run over that of the wildest.
         bandwidth: of the steering loops, rad/s.
+        held: whether commands change only when a sample is taken.
         channels: what is recorded besides the motors (see `RECORDABLE`).
         jitter: standard deviation of the sampling instant, s.
         dropped: share of the samples that are lost.
@@ -78,6 +79,7 @@ class SwerveCase:
     steering_rate: float = 8.0
     gentlest: float = 0.4
     bandwidth: float = 40.0
+    held: bool = False
     channels: list[str] = field(default_factory=lambda: ["chassis"])
     jitter: float = 0.0
     dropped: float = 0.002

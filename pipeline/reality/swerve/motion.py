@@ -140,19 +140,26 @@ def move(
     controller = ModuleController(platform, case, reference)
     shape = reference.angle.shape
     noise = case.sensors.scale * case.sensors.steer_angle * random.standard_normal(shape)
-    drive = Commands(effects.get("command_delay@drive", "delay"), STEP, shape)
-    steer = Commands(effects.get("command_delay@steer", "delay"), STEP, shape)
+    drive = Commands(effects.get("command_delay@drive", "delay"), STEP, shape, case.held)
+    steer = Commands(effects.get("command_delay@steer", "delay"), STEP, shape, case.held)
+    every = round(1.0 / (case.rate * STEP)) if case.held else 1
     rows: list[tuple[Array, ...]] = []
     for count in range(shape[0]):
-        drive.note(count, controller.drive(count, robot.motor_speed()))
+        if count % every == 0:
+            drive.note(count, controller.drive(count, robot.motor_speed()))
+        else:
+            drive.keep(count)
         torque = robot.wheel_torque(drive.at(count))
         truth = robot.motor_speed(), robot.rate(), robot.angle(), robot.drive.current
         rows.append((*truth, robot.steer.current, robot.chassis.twist, robot.voltage))
         robot.modules.travel(STEP)
         robot.chassis.advance(robot.angle(), torque, STEP)
         ahead = min(count + 1, shape[0] - 1)
-        foreseen = robot.modules.foreseen[-1].reshape(robot.shape)
-        steer.note(ahead, controller.steer(ahead, robot.angle() + noise[ahead], foreseen))
+        if ahead % every == 0:
+            foreseen = robot.modules.foreseen[-1].reshape(robot.shape)
+            steer.note(ahead, controller.steer(ahead, robot.angle() + noise[ahead], foreseen))
+        else:
+            steer.keep(ahead)
         drawn = robot.drive.drawn(drive.at(count)) + robot.steer.drawn(steer.at(ahead))
         robot.voltage = robot.battery.voltage(drawn, STEP)
         robot.turn(steer.at(ahead))

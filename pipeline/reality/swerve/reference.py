@@ -7,6 +7,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from pipeline.platforms import Swerve
 from pipeline.reality.rotation import Array
+from pipeline.reality.swerve.arena import laps
 from pipeline.reality.swerve.case import SwerveCase
 
 _GOLDEN = (5**0.5 - 1) / 2  # spreads sizes evenly over the manoeuvres
@@ -47,9 +48,11 @@ def references(case: SwerveCase, platform: Swerve, times: Array, random: np.rand
     angles, speeds = [], []
     for run in range(case.runs):
         name = case.manoeuvres[run % len(case.manoeuvres)]
-        direction = _direction(name, case, modules, times, random)
-        swing = _swing(name, case, times, random)
-        angle, speed, yaw = _modules(direction, swing, modules)
+        if name == "arena":
+            angle, speed, yaw = laps(case, modules, times, random)
+        else:
+            direction = _direction(name, case, modules, times, random)
+            angle, speed, yaw = _modules(direction, _swing(name, case, times, random), modules)
         step = times[1] - times[0]
         limits = (
             np.abs(speed).max() / case.speed,

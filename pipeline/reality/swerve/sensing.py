@@ -4,10 +4,11 @@ import numpy as np
 import pandas as pd
 
 from pipeline.reality.rotation import Array
-from pipeline.reality.sampling import at, instants, kept, quantised
+from pipeline.reality.sampling import at, held_at, instants, kept, quantised
 from pipeline.reality.swerve.case import SwerveCase
 from pipeline.reality.swerve.motion import SETTLING, STEP, Log
 
+_COMMANDED = ("drive_voltage", "steer_voltage")
 _LATE = ("drive_velocity", "steer_velocity", "steer_angle", "twist")
 
 
@@ -34,6 +35,9 @@ def record(
             key: at(getattr(log, key)[:, run], times - (offset if key in _LATE else 0.0), STEP, SETTLING)
             for key in Log.__dataclass_fields__
         }
+        if case.held:  # its controllers log a command at their own tick
+            ticks = np.arange(samples) / case.rate
+            truth |= {key: held_at(getattr(log, key)[:, run], ticks, STEP, SETTLING) for key in _COMMANDED}
         frame = pd.DataFrame(
             {"run": name, "t": times, **_modules(truth, case, noise), **_extra(truth, case, extra)}
         )

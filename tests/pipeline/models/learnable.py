@@ -14,6 +14,7 @@ from tests.pipeline.models.synthetic import flight, recording
 
 SMALL = {
     "linear": {"sequence_length": 2},
+    "state_space": {},
     "fnn": {"sequence_length": 2, "hidden": [16], "learning_rate": 0.01, "dropout": [0.1]},
     "lstm": {"sequence_length": 4, "hidden": [8], "learning_rate": 0.01},
     "tcn": {"sequence_length": 4, "hidden": [8, 8], "dropout": [], "learning_rate": 0.01},
@@ -53,7 +54,7 @@ def linear_joint(samples: int = 300) -> Recording:
 
 
 def swerve(samples: int = 200) -> Recording:
-    """Return four runs of four modules that follow their voltages with a lag."""
+    """Return four runs of four modules that follow their voltages with a lag, and of a chassis that follows them."""
     frames = []
     for seed, run in enumerate(PARTS):
         rng = np.random.default_rng(seed)
@@ -66,6 +67,8 @@ def swerve(samples: int = 200) -> Recording:
                     speed[k + 1] = 0.9 * speed[k] + 0.3 * voltage[k]
                 data |= {f"{group}_voltage_{number}": voltage, f"{group}_velocity_{number}": speed}
             data[f"steer_angle_{number}"] = np.cumsum(data[f"steer_velocity_{number}"]) * 0.02
+        for number, name in enumerate(("velocity_x", "velocity_y", "rate"), start=1):
+            data[f"chassis_{name}"] = 0.1 * (data["drive_velocity_4"] + data[f"drive_velocity_{number}"])
         time = 0.02 * np.arange(samples)
         frames.append(pd.DataFrame({"run": run, "t": time, "segment": 0} | data))
     return recording(pd.concat(frames, ignore_index=True), "swerve", PARTS)
@@ -77,9 +80,9 @@ def quadrotor() -> Recording:
     return recording(pd.concat(frames, ignore_index=True), "quadrotor", PARTS)
 
 
-def parts_of(recorded: Recording) -> tuple[Series, Series, Series]:
+def parts_of(recorded: Recording, layout_name: str | None = None) -> tuple[Series, Series, Series]:
     """Return training, validation and held-out series."""
-    layout = layout_of(recorded)
+    layout = layout_of(recorded, layout_name)
     train, validation, held = (
         series_of(recorded, layout, [run for run in recorded.runs if PARTS[run] == part])
         for part in ("train", "validation", "holdout")

@@ -5,15 +5,21 @@ from pipeline.errors import InputError
 from pipeline.models.layout import layout_from_mapping, layout_of
 from tests.pipeline.models import learnable
 
-RECORDINGS = {"joint": learnable.linear_joint, "swerve": learnable.swerve, "quadrotor": learnable.quadrotor}
+RECORDINGS = {
+    "joint": learnable.linear_joint,
+    "swerve": learnable.swerve,
+    "swerve_chassis": learnable.swerve,
+    "steering": learnable.swerve,
+    "quadrotor": learnable.quadrotor,
+}
 
 
 @pytest.fixture(params=RECORDINGS)
 def steps(request):
     """Layout, states, the states after them, inputs and time step of a run."""
     recorded = RECORDINGS[request.param]()
-    layout = layout_of(recorded)
-    train, _, _ = learnable.parts_of(recorded)
+    layout = layout_of(recorded, request.param)
+    train, _, _ = learnable.parts_of(recorded, request.param)
     last = int(train.bounds[0, 1])
     return layout, train.states[: last - 1], train.states[1:last], train.actions[: last - 1], train.time_step
 
@@ -30,6 +36,7 @@ def test_what_is_named_is_what_there_is(steps):
     layout, states, following, actions, _ = steps
     assert layout.encode(states, actions).shape[1] == len(layout.features)
     assert layout.increment(states, following).shape[1] == len(layout.targets)
+    assert set(layout.targets) <= set(layout.states)
 
 
 def test_no_difference_is_no_error(steps):

@@ -79,6 +79,23 @@ def test_the_null_case_turns_its_modules_by_the_nominal_equations(machine, null_
         np.testing.assert_allclose(summed(moment, 1000.0), momentum, atol=2e-3 * np.abs(momentum).max())
 
 
+def test_held_voltages_change_at_samples_and_are_logged_as_they_are_held(robot):
+    options = {"runs": 2, "duration": 2.0, "dropped": 0.0, "sensors": PERFECT, "bandwidth": 20.0}
+    sampled = record_case(SwerveCase(rate=50.0, held=True, **options), robot, seed=5)[0].frame
+    motor, names = robot.steer.motor, [f"steer_{part}_1" for part in ("voltage", "velocity")]
+    lag = (
+        robot.steer.inertia
+        * motor.resistance
+        / (robot.steer.gear_ratio**2 * motor.torque_constant * motor.back_emf_constant)
+    )
+    decay = np.exp(-0.02 / lag)
+    for _, run in sampled.groupby("run"):
+        voltage, rate = (run[name].to_numpy() for name in names)
+        settled = voltage / (robot.steer.gear_ratio * motor.back_emf_constant)
+        predicted = decay * rate[:-1] + (1.0 - decay) * settled[:-1]
+        np.testing.assert_allclose(rate[1:], predicted, atol=0.01 * np.abs(rate).max())
+
+
 def test_the_same_seed_gives_the_same_recording_and_another_another(robot):
     case = SwerveCase(effects={"coulomb_friction@drive": {}}, **SHORT)
     first, again, other = (record_case(case, robot, seed)[0].frame for seed in (3, 3, 4))

@@ -34,6 +34,36 @@ def test_modules_turn_on_without_jumps(robot):
     assert [name.split("_")[0] for name in names(case)] == case.manoeuvres * 2
 
 
+def test_an_arena_is_driven_in_all_directions_with_the_robot_turning_both_ways(robot):
+    case = SwerveCase(manoeuvres=["arena"], runs=4, duration=40.0)
+    times = np.arange(-800, 40_001) * STEP
+    reference = references(case, robot, times, np.random.default_rng(4))
+    places = np.array(robot.module_positions)
+    along = np.stack((np.cos(reference.angle), np.sin(reference.angle)), axis=-1) * reference.speed[..., None]
+    velocity = along.mean(axis=2)
+    moving = np.hypot(velocity[..., 0], velocity[..., 1]) > 0.3 * case.speed
+    eighths = (np.arctan2(velocity[..., 1], velocity[..., 0])[moving] // (np.pi / 4)).astype(int)
+    assert set(eighths) == set(range(-4, 4))
+    yaw = (places[:, 0] * along[..., 1] - places[:, 1] * along[..., 0]).sum(axis=2) / (places**2).sum()
+    assert yaw.min() < -0.5 * case.yaw_rate
+    assert yaw.max() > 0.5 * case.yaw_rate
+    assert np.abs(yaw[moving]).min() > 0.1
+
+
+def test_modules_turn_by_a_quarter_at_most_at_the_stops_of_an_arena(robot):
+    case = SwerveCase(manoeuvres=["arena"], runs=4, duration=40.0)
+    times = np.arange(-800, 40_001) * STEP
+    reference = references(case, robot, times, np.random.default_rng(4))
+    assert np.abs(np.diff(reference.angle, axis=0)).max() < 3.0 * case.steering_rate * STEP
+    meanwhile = 0.3  # rad by which the course goes on during a stop
+    for run in range(case.runs):
+        standing = np.flatnonzero((reference.speed[:, run] == 0.0).all(axis=1))
+        stops = np.split(standing, np.flatnonzero(np.diff(standing) > 1) + 1)
+        assert len(stops) > 5
+        turned = [np.ptp(reference.angle[stop, run], axis=0).max() for stop in stops]
+        assert max(turned) < 0.5 * np.pi + meanwhile
+
+
 def test_the_motion_is_recorded_late_and_with_the_stated_noise():
     case = SwerveCase(runs=1, duration=4.0, rate=500.0, dropped=0.1, channels=["chassis"])
     wave = np.sin(3.0 * TIMES)

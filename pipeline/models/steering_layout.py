@@ -1,0 +1,59 @@
+"""What a learned model of a steering motor of a swerve drive sees and predicts."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import torch
+from torch import Tensor
+
+from pipeline.models.layout import Layout
+from pipeline.recordings.recording import Recording
+
+
+@dataclass(frozen=True)
+class SteeringLayout(Layout):
+    """State: steer velocity of a module. The four modules are machines of one kind, each seen by itself.
+
+    A linear model of two samples is the direct-current motor's law, V against sign(v), v and its difference.
+    """
+
+    kind: ClassVar[str] = "steering"
+    states: ClassVar[tuple[str, ...]] = ("steer_velocity",)
+
+    @property
+    def features(self) -> tuple[str, ...]:
+        """Velocity rad/s, its sign, voltage V."""
+        return ("steer_velocity", "steer_sign", *self.inputs)
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """Increment of the steer velocity, rad/s."""
+        return self.states
+
+    def machines(self) -> dict[str, tuple[str, ...]]:
+        """Return the columns of each module."""
+        return {
+            f"_{number}": tuple(f"{name}_{number}" for name in (*self.states, *self.inputs))
+            for number in range(1, 5)
+        }
+
+    @classmethod
+    def of_recording(cls, recording: Recording) -> "SteeringLayout":
+        """Every swerve recording has the same columns."""
+        return cls(("steer_voltage",))
+
+    def encode(self, state: Tensor, action: Tensor) -> Tensor:
+        """The sign is that of dry friction."""
+        return torch.cat([state, torch.sign(state), action], dim=-1)
+
+    def increment(self, state: Tensor, following: Tensor) -> Tensor:
+        """Return the change of the velocity."""
+        return following - state
+
+    def advance(self, state: Tensor, increment: Tensor, time_step: float) -> Tensor:
+        """Return the next velocity."""
+        return state + increment
+
+    def errors(self, predicted: Tensor, true: Tensor) -> dict[str, Tensor]:
+        """Absolute difference, rad/s."""
+        return {"steer_velocity": (predicted - true).abs()[..., 0]}
