@@ -25,6 +25,7 @@ class TrainStage(StageConfig):
     """What training reads of the configuration."""
 
     recording: str | None = None
+    platform: dict[str, Any] = field(default_factory=dict)
     model: dict[str, Any] = field(default_factory=dict)
     train: Training = field(default_factory=Training)
 
@@ -51,9 +52,11 @@ def _train(config: TrainStage, run: StageRun) -> None:
     data = run.inputs[str(path)]
     settings = model_settings(config.model)
     recording = read_recording(path)
-    model = model_class(config.model)(layout_of(recording), settings, recording.time_step)
+    layout = layout_of(recording, config.train.layout).on(config.platform)
+    model = model_class(config.model)(layout, settings, recording.time_step)
     require_holdout(recording.split, str(path))
     fitted, chosen, held = _series(recording, model.layout, run)
+    fitted = fitted.excerpt(config.train.share, config.train.shift)
     checkpoint = _checkpoint_folder(config, settings, data)
     loss = model.fit(fitted, chosen, config.train, FitContext(config.seed, checkpoint, run.log_metrics))
     model.provenance = Provenance(
@@ -88,10 +91,18 @@ def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[S
 def _score(model: "DynamicsModel", held: "Series", settings: Training, run: StageRun) -> None:
     """Write the errors on held-out runs."""
     from pipeline.models.evaluation import rollout_errors
+    from pipeline.models.free_run import free_run_scores
+    from pipeline.models.residual_ratios import residual_ratios
 
-    errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows)
-    _write_metrics(_finite(errors), run)
-    run.log_metrics(_flat(errors))
+    metrics: dict[str, Any] = dict(
+        rollout_errors(model, held, settings.horizons, settings.evaluation_windows)
+    )
+    if settings.free_run:
+        metrics["free_run"] = free_run_scores(model, held, settings.free_run)
+    if settings.residual_ratios:
+        metrics["residual_ratios"] = residual_ratios(model, held)
+    _write_metrics(_finite(metrics), run)
+    run.log_metrics(_flat(metrics))
 
 
 def _write_metrics(metrics: dict[str, Any], run: StageRun) -> None:
@@ -123,13 +134,15 @@ def _finite(errors: Any) -> Any:
     return errors if math.isfinite(errors) else None
 
 
-def _flat(errors: dict[str, dict[str, dict[str, float]]]) -> dict[str, float]:
-    return {
-        f"{quantity}/{horizon}/{whose}": value
-        for quantity, horizons in errors.items()
-        for horizon, pair in horizons.items()
-        for whose, value in pair.items()
-    }
+def _flat(metrics: dict[str, Any]) -> dict[str, float]:
+    """Return nested numbers by the path of their keys."""
+    flat: dict[str, float] = {}
+    for key, value in metrics.items():
+        if isinstance(value, dict):
+            flat |= {f"{key}/{name}": number for name, number in _flat(value).items()}
+        else:
+            flat[key] = value
+    return flat
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ from pipeline.errors import InputError
 from pipeline.models.layout import Layout
 from pipeline.models.windows import Series, gather
 
+CHUNK = 4096  # windows that are worked on at a time
+
 
 @dataclass(frozen=True)
 class Examples:

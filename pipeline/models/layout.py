@@ -17,11 +17,24 @@ joint
     predicted  increment of velocity
 
 Positions, attitudes and angles follow from the velocities by kinematics, so they are never learned.
+
+Layouts that a person chooses by `train.layout`, both of a quadrotor's recording:
+
+attitude
+    state      body rates
+    input      commanded body rates
+    features   both
+    predicted  increments of the body rates
+motor_command
+    state      motor commands
+    input      attitude, velocity, body rate, and specific force and battery voltage where they were recorded
+    features   the air's velocity at every rotor, body rate, specific force, battery voltage
+    predicted  the motor commands themselves
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any, ClassVar
 
 from torch import Tensor
@@ -38,16 +51,23 @@ class Layout(ABC):
 
     Attributes:
         inputs: columns of the recording that drive the machine.
+        lead: samples by which the inputs of a step are recorded later than the state at its beginning.
     """
 
     kind: ClassVar[str]
     states: ClassVar[tuple[str, ...]]
     inputs: tuple[str, ...]
+    lead: int = field(default=0, kw_only=True)
 
     @property
     @abstractmethod
     def features(self) -> tuple[str, ...]:
-        """Names of what `encode` returns."""
+        """Names of what `encode` returns; what comes of the inputs stands last."""
+
+    @property
+    def input_features(self) -> int:
+        """How many of the features come of the inputs."""
+        return len(self.inputs)
 
     @property
     @abstractmethod
@@ -58,6 +78,10 @@ class Layout(ABC):
     @abstractmethod
     def of_recording(cls, recording: Recording) -> "Layout":
         """Return the layout of what was recorded."""
+
+    def on(self, platform: Mapping[str, Any]) -> "Layout":
+        """Return the layout with what it needs to know of the platform's configuration; most need nothing."""
+        return self
 
     @abstractmethod
     def encode(self, state: Tensor, action: Tensor) -> Tensor:
@@ -89,9 +113,28 @@ class Layout(ABC):
         return {"kind": self.kind} | values
 
 
-def layout_of(recording: Recording) -> Layout:
-    """Return the layout of a recording by its kind."""
-    return _layouts()[recording.kind].of_recording(recording)
+def layout_of(recording: Recording, name: str | None = None) -> Layout:
+    """Return the layout of that name for a recording; without a name, that of the recording's kind.
+
+    Raises:
+        InputError: when there is none of that name, or the recording lacks what it needs.
+    """
+    layouts, name = _layouts(), name or recording.kind
+    if name not in layouts:
+        raise InputError(f"there is no layout {name!r}", "train.layout", f"use one of {', '.join(layouts)}")
+    return layouts[name].of_recording(recording)
+
+
+def require_channels(recording: Recording, names: Sequence[str], layout: str) -> None:
+    """Refuse a recording without the channels of a layout.
+
+    Raises:
+        InputError: naming the first that is missing.
+    """
+    missing = [name for name in names if name not in recording.units]
+    if missing:
+        remedy = f"choose another train.layout than {layout}"
+        raise InputError(f"no channel {missing[0]!r} was recorded", "recording", remedy)
 
 
 def layout_from_mapping(values: Mapping[str, Any]) -> Layout:
@@ -100,7 +143,9 @@ def layout_from_mapping(values: Mapping[str, Any]) -> Layout:
     Raises:
         InputError: when it describes none.
     """
-    arguments = {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
+    arguments: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in values.items()
+    }
     try:
         return _layouts()[str(arguments.pop("kind"))](**arguments)
     except (KeyError, TypeError) as error:
@@ -108,8 +153,11 @@ def layout_from_mapping(values: Mapping[str, Any]) -> Layout:
 
 
 def _layouts() -> dict[str, type[Layout]]:
+    from pipeline.models.attitude_layout import AttitudeLayout
     from pipeline.models.joint_layout import JointLayout
+    from pipeline.models.motor_command_layout import MotorCommandLayout
     from pipeline.models.quadrotor_layout import QuadrotorLayout
     from pipeline.models.swerve_layout import SwerveLayout
 
-    return {layout.kind: layout for layout in (QuadrotorLayout, SwerveLayout, JointLayout)}
+    layouts = (QuadrotorLayout, SwerveLayout, JointLayout, AttitudeLayout, MotorCommandLayout)
+    return {layout.kind: layout for layout in layouts}

@@ -8,13 +8,12 @@ import torch
 from torch import Tensor
 
 from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import Examples
+from pipeline.models.examples import CHUNK, Examples
+from pipeline.models.one_step import one_step_loss
 from pipeline.models.restoring import take_tensors
 from pipeline.models.scaling import Scaler
 from pipeline.models.settings import ModelSettings, Training
 from pipeline.models.windows import Series
-
-_CHUNK = 4096
 
 
 @dataclass
@@ -43,7 +42,7 @@ class LinearModel(DynamicsModel):
         columns = length * examples.features.shape[1] + 1
         gram = torch.zeros(columns, columns, dtype=torch.float64)
         moment = torch.zeros(columns, examples.targets.shape[1], dtype=torch.float64)
-        for index in torch.arange(len(examples)).split(_CHUNK):
+        for index in torch.arange(len(examples)).split(CHUNK):
             windows, targets = examples.take(index)
             design = self._design(windows)
             gram += design.T @ design
@@ -52,11 +51,7 @@ class LinearModel(DynamicsModel):
         penalty[-1] = 0.0  # the constant is free
         solution = torch.linalg.lstsq(gram + penalty.diag(), moment, driver="gelsd").solution
         self.coefficients = solution.contiguous()  # laid out as storage does: products round by layout
-        squared = [
-            ((self.increments(windows) - targets) / spread).square().mean(1)
-            for windows, targets in map(held.take, torch.arange(len(held)).split(_CHUNK))
-        ]
-        return float(torch.cat(squared).mean())
+        return one_step_loss(self, held, spread)
 
     def increments(self, features: Tensor) -> Tensor:
         """Return the linear map of the window."""

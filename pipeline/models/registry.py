@@ -9,8 +9,11 @@ from pipeline.models.contract import DynamicsModel
 from pipeline.models.fnn import FeedForwardModel
 from pipeline.models.linear import LinearModel
 from pipeline.models.lstm import LongShortTermMemoryModel
+from pipeline.models.narx import NarxModel
+from pipeline.models.rbf import RadialBasisModel
 from pipeline.models.settings import ModelSettings
 from pipeline.models.tcn import TemporalConvolutionModel
+from pipeline.models.transfer_function import TransferFunctionModel
 from pipeline.stage.mistakes import configuration_mistakes
 
 MODELS: dict[str, type[DynamicsModel]] = {
@@ -18,6 +21,9 @@ MODELS: dict[str, type[DynamicsModel]] = {
     "fnn": FeedForwardModel,
     "lstm": LongShortTermMemoryModel,
     "tcn": TemporalConvolutionModel,
+    "transfer_function": TransferFunctionModel,
+    "narx": NarxModel,
+    "rbf": RadialBasisModel,
 }
 
 

@@ -29,6 +29,11 @@ class Training:
     )
     horizons: list[int] = field(default_factory=lambda: [1, 10, 50])  # steps at which rollouts are scored
     evaluation_windows: int = 2000  # at most, evenly over the held-out runs
+    layout: str | None = None  # what is state, input, feature, target; null: the one of the recording's kind
+    share: float = 1.0  # of the training data that is used
+    shift: float = 0.0  # share of the training data before the part that is used
+    free_run: float = 0.0  # s over which held-out runs are simulated from their inputs alone; 0: not
+    residual_ratios: bool = False  # whether residuals are compared in size with what is predicted
 
 
 @dataclass

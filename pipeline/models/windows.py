@@ -7,8 +7,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from pipeline.errors import InputError
 from pipeline.models.layout import Layout
-from pipeline.models.segments import segments
+from pipeline.models.segments import Segment, segments
 from pipeline.recordings.recording import Recording
 
 
@@ -36,6 +37,35 @@ class Series:
         pieces = [torch.arange(first, max(last - length + 1, first)) for first, last in self.bounds.tolist()]
         return torch.cat(pieces) if pieces else torch.zeros(0, dtype=torch.long)
 
+    def stretches(self, length: int, steps: int) -> Tensor:
+        """Return the first samples of windows whose next `steps` samples follow on each other, inside segments."""
+        pieces = [
+            torch.arange(first, max(last - length - steps + 1, first), max(steps, 1))
+            for first, last in self.bounds.tolist()
+        ]
+        return torch.cat(pieces) if pieces else torch.zeros(0, dtype=torch.long)
+
+    def excerpt(self, share: float, shift: float = 0.0) -> "Series":
+        """Return a part of the samples, as if the segments stood end to end.
+
+        Args:
+            share: of the samples, over 0 to 1.
+            shift: share of the samples that come before.
+
+        Raises:
+            InputError: when the part is none, or ends after the samples do.
+        """
+        if not (0.0 < share <= 1.0 and 0.0 <= shift <= 1.0 - share + 1e-9):
+            found = f"share {share} from {shift} on is no part"
+            raise InputError(found, "train.share", "give train.share over 0 and train.shift so that both fit")
+        lengths = self.bounds[:, 1] - self.bounds[:, 0]
+        before = lengths.cumsum(0) - lengths
+        low, high = (round(place * int(lengths.sum())) for place in (shift, shift + share))
+        first = (low - before).clamp(min=0).minimum(lengths)
+        last = (high - before).clamp(min=0).minimum(lengths)
+        bounds = self.bounds[:, :1] + torch.stack([first, last], dim=1)
+        return replace(self, bounds=bounds[last > first])
+
     def split_tail(self, share: float) -> tuple["Series", "Series"]:
         """Return the same samples with each segment ended early, and with its last share alone."""
         first, last = self.bounds.T
@@ -47,16 +77,23 @@ class Series:
 def series_of(recording: Recording, layout: Layout, runs: Sequence[str]) -> Series:
     """Return the series of some runs of a cleaned recording."""
     width = len(layout.states)
-    columns = [*layout.states, *layout.inputs]
-    pieces = [segment.columns(columns) for segment in segments(recording, runs)]
+    pieces = [_columns(segment, layout) for segment in segments(recording, runs)]
     ends = np.cumsum([0, *map(len, pieces)])
-    samples = torch.from_numpy(np.concatenate([np.zeros((0, len(columns))), *pieces]))
+    nothing = np.zeros((0, width + len(layout.inputs)))
+    samples = torch.from_numpy(np.concatenate([nothing, *pieces]))
     return Series(
         states=samples[:, :width],
         actions=samples[:, width:],
         bounds=torch.from_numpy(np.column_stack([ends[:-1], ends[1:]])),
         time_step=recording.time_step,
     )
+
+
+def _columns(segment: Segment, layout: Layout) -> np.ndarray:
+    """Return states and inputs side by side, the inputs taken as many samples later as the layout says."""
+    states, inputs = segment.columns(layout.states), segment.columns(layout.inputs)
+    kept = max(len(states) - layout.lead, 0)
+    return np.concatenate([states[:kept], inputs[layout.lead :]], axis=1)
 
 
 def gather(series: Tensor, starts: Tensor, length: int) -> Tensor:

@@ -17,7 +17,11 @@ SMALL = {
     "fnn": {"sequence_length": 2, "hidden": [16], "learning_rate": 0.01, "dropout": [0.1]},
     "lstm": {"sequence_length": 4, "hidden": [8], "learning_rate": 0.01},
     "tcn": {"sequence_length": 4, "hidden": [8, 8], "dropout": [], "learning_rate": 0.01},
+    "transfer_function": {"sequence_length": 4, "simulated": 50},
+    "narx": {"sequence_length": 2, "hidden": 4},
+    "rbf": {"sequence_length": 2, "candidates": 50, "neurons": 20},
 }
+NOT_FOR = {"transfer_function": {"quadrotor"}}  # kinds that a model refuses
 QUICK = Training(max_epochs=4, batch_size=128)
 PARTS = {"a": "train", "b": "train", "c": "validation", "d": "holdout"}
 
