@@ -55,7 +55,7 @@ def _train(config: TrainStage, run: StageRun) -> None:
     layout = layout_of(recording, config.train.layout).on(config.platform)
     model = model_class(config.model)(layout, settings, recording.time_step)
     require_holdout(recording.split, str(path))
-    fitted, chosen, held = _series(recording, model.layout, run)
+    fitted, chosen, held = _series(recording, layout, run)
     fitted = fitted.excerpt(config.train.share, config.train.shift)
     checkpoint = _checkpoint_folder(config, settings, data)
     loss = model.fit(fitted, chosen, config.train, FitContext(config.seed, checkpoint, run.log_metrics))

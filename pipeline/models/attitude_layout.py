@@ -6,7 +6,7 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.models.layout import Layout, require_channels
+from pipeline.models.layout import Layout
 from pipeline.recordings.recording import Recording
 
 
@@ -32,14 +32,8 @@ class AttitudeLayout(Layout):
 
     @classmethod
     def of_recording(cls, recording: Recording) -> "AttitudeLayout":
-        """Take the commanded body rates.
-
-        Raises:
-            InputError: when they were not recorded.
-        """
-        inputs = tuple(f"body_rate_command_{axis}" for axis in "xyz")
-        require_channels(recording, (*cls.states, *inputs), cls.kind)
-        return cls(inputs)
+        """Every recording with commanded body rates has the same columns."""
+        return cls(tuple(f"body_rate_command_{axis}" for axis in "xyz"))
 
     def encode(self, state: Tensor, action: Tensor) -> Tensor:
         """Rates and commands side by side."""

@@ -37,7 +37,7 @@ class JointLayout(Layout):
     def of_recording(cls, recording: Recording) -> "JointLayout":
         """Take the voltage where it was recorded, else the effort."""
         name = "voltage" if "voltage" in recording.units else "effort"
-        return cls((name,), sliding=recording.units["position"] == "m")
+        return cls((name,), sliding=recording.units.get("position") == "m")
 
     def encode(self, state: Tensor, action: Tensor) -> Tensor:
         """A turning joint may wind, so its position enters by sine and cosine."""

@@ -33,8 +33,9 @@ motor_command
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from difflib import get_close_matches
 from typing import Any, ClassVar
 
 from torch import Tensor
@@ -114,27 +115,27 @@ class Layout(ABC):
 
 
 def layout_of(recording: Recording, name: str | None = None) -> Layout:
-    """Return the layout of that name for a recording; without a name, that of the recording's kind.
+    """Return the layout through which a recording is seen.
+
+    Args:
+        recording: cleaned.
+        name: of the layout; None: that of the recording's kind.
 
     Raises:
-        InputError: when there is none of that name, or the recording lacks what it needs.
+        InputError: when there is no such layout, or the recording lacks a column of it.
     """
-    layouts, name = _layouts(), name or recording.kind
+    layouts = _layouts()
+    name = recording.kind if name is None else name
     if name not in layouts:
-        raise InputError(f"there is no layout {name!r}", "train.layout", f"use one of {', '.join(layouts)}")
-    return layouts[name].of_recording(recording)
-
-
-def require_channels(recording: Recording, names: Sequence[str], layout: str) -> None:
-    """Refuse a recording without the channels of a layout.
-
-    Raises:
-        InputError: naming the first that is missing.
-    """
-    missing = [name for name in names if name not in recording.units]
+        near = get_close_matches(name, layouts, n=1)
+        remedy = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(layouts)}"
+        raise InputError(f"there is no layout {name!r}", "train.layout", remedy)
+    layout = layouts[name].of_recording(recording)
+    missing = [column for column in (*layout.states, *layout.inputs) if column not in recording.frame]
     if missing:
-        remedy = f"choose another train.layout than {layout}"
-        raise InputError(f"no channel {missing[0]!r} was recorded", "recording", remedy)
+        found = f"the layout {name!r} needs the column {missing[0]!r}, which was not recorded"
+        raise InputError(found, "train.layout", "choose another layout, or none")
+    return layout
 
 
 def layout_from_mapping(values: Mapping[str, Any]) -> Layout:

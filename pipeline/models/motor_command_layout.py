@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from pipeline.errors import InputError
-from pipeline.models.layout import Layout, require_channels
+from pipeline.models.layout import Layout
 from pipeline.physics import rotations
 from pipeline.platforms import Quadrotor, platform_from_config
 from pipeline.recordings.recording import Recording
@@ -59,12 +59,7 @@ class MotorCommandLayout(Layout):
 
     @classmethod
     def of_recording(cls, recording: Recording) -> "MotorCommandLayout":
-        """Take the motion, and specific force and voltage where they were recorded.
-
-        Raises:
-            InputError: when no motor commands were recorded.
-        """
-        require_channels(recording, (*cls.states, *_MOTION), cls.kind)
+        """Take the motion, and specific force and voltage where they were recorded."""
         requests = tuple(name for name in _REQUESTS if name in recording.units)
         lead = 1 + round(REACTION / recording.time_step)
         return cls((*_MOTION, *requests), lead=lead)

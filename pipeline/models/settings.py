@@ -21,6 +21,7 @@ class Training:
     """The configuration group `train`."""
 
     enabled: bool = True  # false: nothing is trained, as where there is no run to hold out
+    layout: str | None = None  # what is state, input, feature and target; null: the recording's kind says it
     max_epochs: int = 30
     patience: int = 6  # epochs without a better validation loss before training stops
     batch_size: int = 512  # windows
@@ -29,7 +30,6 @@ class Training:
     )
     horizons: list[int] = field(default_factory=lambda: [1, 10, 50])  # steps at which rollouts are scored
     evaluation_windows: int = 2000  # at most, evenly over the held-out runs
-    layout: str | None = None  # what is state, input, feature, target; null: the one of the recording's kind
     share: float = 1.0  # of the training data that is used
     shift: float = 0.0  # share of the training data before the part that is used
     free_run: float = 0.0  # s over which held-out runs are simulated from their inputs alone; 0: not

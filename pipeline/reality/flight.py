@@ -108,6 +108,7 @@ class Gyro:
         self.value: Array | None = None
 
     def __call__(self, body_rate: Array) -> Array:
+        """Return what the rate controller is told of body rates (runs, 3), rad/s."""
         reading = body_rate + self.noise * self.random.standard_normal(body_rate.shape)
         self.value = reading if self.value is None else self.value + self.share * (reading - self.value)
         return self.value

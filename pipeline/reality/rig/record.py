@@ -28,7 +28,7 @@ def record_rig(case: RigCase, platform: Quadrotor, seed: int) -> tuple[Recording
     case.check()
     plant, names = case.plant, tuple(f"rig_{run}" for run in range(1, case.runs + 1))
     for_pilot, for_plant, for_sensors = (np.random.default_rng([seed, part]) for part in range(3))
-    charge = for_sensors.uniform(*plant.charge, case.runs)
+    charge = for_sensors.uniform(plant.charge[0], plant.charge[1], case.runs)
     airframe, battery = design(platform, plant), Battery(platform, charge)
     log, commands = turn(case, airframe, platform, battery, [for_pilot, for_plant])
     key = answer_key(airframe, platform, plant, log)
