@@ -61,7 +61,7 @@ def turn(
         _, torque = plant.push(index, state, rotation, speed, acceleration)
         felt = [] if drive.voltage is None else [drive.voltage]
         kept.append((state, airframe.gravity * rotation[:, 2, :], speed, asked, *felt))
-        state = advance(state, _derivative(state, torque + bearings(rotation, body_rate), inertia))
+        state = advance(state, derivative(state, torque + bearings(rotation, body_rate), inertia))
         state[:, 6:10] /= np.linalg.norm(state[:, 6:10], axis=-1, keepdims=True)
     return log_of(kept, STEP), commands.series
 
@@ -82,8 +82,14 @@ class Autopilot:
         return self.controller.rotors(np.full(len(command), hover), self.target, body_rate)
 
 
-def _derivative(state: Array, torque: Array, inertia: Array) -> Array:
-    """Return the rate of change (runs, 13) of a state whose place is fixed."""
+def derivative(state: Array, torque: Array, inertia: Array) -> Array:
+    """Return the rate of change (runs, 13) of a state whose place is fixed.
+
+    Args:
+        state: position, velocity, attitude and body rate (runs, 13).
+        torque: about the fixed point, body frame (runs, 3), N·m.
+        inertia: about it (3, 3), kg·m².
+    """
     body_rate = state[:, 10:]
     change = np.zeros_like(state)
     spin = np.concatenate((np.zeros_like(body_rate[:, :1]), body_rate), axis=-1)

@@ -77,9 +77,9 @@ def quadrotor() -> Recording:
     return recording(pd.concat(frames, ignore_index=True), "quadrotor", PARTS)
 
 
-def parts_of(recorded: Recording) -> tuple[Series, Series, Series]:
+def parts_of(recorded: Recording, layout_name: str | None = None) -> tuple[Series, Series, Series]:
     """Return training, validation and held-out series."""
-    layout = layout_of(recorded)
+    layout = layout_of(recorded, layout_name)
     train, validation, held = (
         series_of(recorded, layout, [run for run in recorded.runs if PARTS[run] == part])
         for part in ("train", "validation", "holdout")
@@ -87,7 +87,7 @@ def parts_of(recorded: Recording) -> tuple[Series, Series, Series]:
     return train, validation, held
 
 
-def new_model(name: str, recorded: Recording, **options):
+def new_model(name: str, recorded: Recording, layout: str | None = None, **options):
     """Return an untrained small model."""
     settings = model_settings({"name": name} | SMALL[name] | options)
-    return MODELS[name](layout_of(recorded), replace(settings), recorded.time_step)
+    return MODELS[name](layout_of(recorded, layout), replace(settings), recorded.time_step)
