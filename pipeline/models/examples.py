@@ -1,5 +1,6 @@
 """From series to what a regression sees: windows of features and the increments that follow them."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import torch
@@ -7,9 +8,10 @@ from torch import Tensor
 
 from pipeline.errors import InputError
 from pipeline.models.layout import Layout
+from pipeline.models.scaling import Scaler
 from pipeline.models.windows import Series, gather
 
-CHUNK = 4096  # windows that are worked on at a time
+_CHUNK = 4096
 
 
 @dataclass(frozen=True)
@@ -66,3 +68,20 @@ class Examples:
         """Return windows (batch, length, features) and targets (batch, targets)."""
         starts = self.starts[index]
         return gather(self.features, starts, self.length), self.targets[starts + self.length - 1]
+
+    def chunks(self) -> Iterator[tuple[Tensor, Tensor]]:
+        """Yield all windows and targets, some thousand at a time."""
+        return map(self.take, torch.arange(len(self)).split(_CHUNK))
+
+    def spread(self) -> Tensor:
+        """Return the standard deviation of the targets that are seen, (targets,)."""
+        return Scaler.fit(self.targets[self.seen()], "standard").spread
+
+
+def one_step_loss(increments: Callable[[Tensor], Tensor], train: Examples, held: Examples) -> float:
+    """Return the mean squared error of increments on held examples, each scaled by its spread in training."""
+    squared = [
+        ((increments(windows) - targets) / train.spread()).square().mean(1)
+        for windows, targets in held.chunks()
+    ]
+    return float(torch.cat(squared).mean())

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from pipeline.models.examples import CHUNK
 from pipeline.models.levenberg_marquardt import Problem
+
+_CHUNK = 4096  # samples whose derivatives are worked on at a time
 
 
 def parameter_count(inputs: int, hidden: int) -> int:
@@ -73,7 +74,7 @@ class Regression(Problem):
         """Return the means of JᵀJ and Jᵀe."""
         count = len(parameters)
         gram, gradient = parameters.new_zeros(count, count), parameters.new_zeros(count)
-        for inputs, targets in zip(self.inputs.split(CHUNK), self.targets.split(CHUNK), strict=True):
+        for inputs, targets in zip(self.inputs.split(_CHUNK), self.targets.split(_CHUNK), strict=True):
             slopes = jacobian(parameters, inputs)
             gram += slopes.T @ slopes
             gradient += slopes.T @ (predict(parameters, inputs) - targets)

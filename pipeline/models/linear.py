@@ -8,8 +8,7 @@ import torch
 from torch import Tensor
 
 from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import CHUNK, Examples
-from pipeline.models.one_step import one_step_loss
+from pipeline.models.examples import Examples, one_step_loss
 from pipeline.models.restoring import take_tensors
 from pipeline.models.scaling import Scaler
 from pipeline.models.settings import ModelSettings, Training
@@ -38,12 +37,10 @@ class LinearModel(DynamicsModel):
         examples = Examples.of_series(train, self.layout, length, "training")
         held = Examples.of_series(validation, self.layout, length, "validation")
         self.scaler = Scaler.fit(examples.features, self.settings.scaling)
-        spread = Scaler.fit(examples.targets[examples.seen()], "standard").spread
         columns = length * examples.features.shape[1] + 1
         gram = torch.zeros(columns, columns, dtype=torch.float64)
         moment = torch.zeros(columns, examples.targets.shape[1], dtype=torch.float64)
-        for index in torch.arange(len(examples)).split(CHUNK):
-            windows, targets = examples.take(index)
+        for windows, targets in examples.chunks():
             design = self._design(windows)
             gram += design.T @ design
             moment += design.T @ targets
@@ -51,7 +48,7 @@ class LinearModel(DynamicsModel):
         penalty[-1] = 0.0  # the constant is free
         solution = torch.linalg.lstsq(gram + penalty.diag(), moment, driver="gelsd").solution
         self.coefficients = solution.contiguous()  # laid out as storage does: products round by layout
-        return one_step_loss(self, held, spread)
+        return one_step_loss(self.increments, examples, held)
 
     def increments(self, features: Tensor) -> Tensor:
         """Return the linear map of the window."""

@@ -18,7 +18,7 @@ from pipeline.models.contract import DynamicsModel, FitContext
 from pipeline.models.examples import Examples
 from pipeline.models.levenberg_marquardt import Solution, minimise
 from pipeline.models.restoring import take_tensors
-from pipeline.models.scaling import Scaler
+from pipeline.models.scaling import Scaler, scaler_shapes, scaler_tensors, scalers_of
 from pipeline.models.settings import ModelSettings, Training
 from pipeline.models.windows import Series
 
@@ -95,12 +95,7 @@ class NarxModel(DynamicsModel):
 
     def tensors(self) -> dict[str, Tensor]:
         """Return weights and scaling."""
-        scalers = {
-            f"{name}.{part}": getattr(scaler, part)
-            for name, scaler in (("inputs", self.inputs), ("outputs", self.outputs))
-            for part in ("centre", "spread")
-        }
-        return {"parameters": self.parameters} | scalers
+        return {"parameters": self.parameters} | scaler_tensors(self.inputs, self.outputs)
 
     def restore(self, tensors: Mapping[str, Tensor]) -> None:
         """Take over weights and scaling."""
@@ -110,12 +105,10 @@ class NarxModel(DynamicsModel):
         regressors = input_delays * own_inputs + output_delays * (features - own_inputs)
         count = hidden_layer.parameter_count(regressors, self.settings.hidden)
         shapes: dict[str, tuple[int, ...]] = {"parameters": (targets, count)}
-        shapes |= {f"inputs.{part}": (features,) for part in ("centre", "spread")}
-        shapes |= {f"outputs.{part}": (targets,) for part in ("centre", "spread")}
+        shapes |= scaler_shapes(features, targets)
         own = take_tensors(tensors, shapes)
         self.parameters = own["parameters"]
-        self.inputs = Scaler(own["inputs.centre"], own["inputs.spread"])
-        self.outputs = Scaler(own["outputs.centre"], own["outputs.spread"])
+        self.inputs, self.outputs = scalers_of(own)
 
     def _all(self, examples: Examples) -> tuple[Tensor, Tensor]:
         windows, targets = examples.take(torch.arange(len(examples)))

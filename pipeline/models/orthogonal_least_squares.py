@@ -41,29 +41,27 @@ def choose(gram: Tensor, moment: Tensor, energy: float, most: int, goal: float, 
         goal: share of the energy that may stay unexplained.
         first: so many of the candidates are taken before any choice.
     """
-    own, left_over, residual = gram.diagonal().clone(), gram.diagonal().clone(), moment.clone()
+    left_over, residual = gram.diagonal().clone(), moment.clone()
     factor = gram.new_zeros(len(gram), most)
     order: list[int] = []
     heights: list[Tensor] = []
     left = [energy]
     while len(order) < most and (left[-1] > goal * energy or len(order) < first):
-        gain = residual.square().sum(1) / left_over
-        gain[left_over <= _INDEPENDENT * own] = -1.0
+        free = left_over > _INDEPENDENT * gram.diagonal()
         if len(order) < first:
-            gain[first:] = -1.0
-        pick = int(gain.argmax())
-        if gain[pick] < 0.0:
+            free[first:] = False
+        if not free.any():
             break
-        count, pivot = len(order), left_over[pick].sqrt()
-        column = (gram[:, pick] - factor[:, :count] @ factor[pick, :count]) / pivot
-        height = residual[pick] / pivot
-        factor[:, count] = column
-        residual -= column[:, None] * height
-        left_over -= column.square()
+        gain = torch.where(free, residual.square().sum(1) / left_over, -1.0)
+        pick, count = int(gain.argmax()), len(order)
+        column = gram[:, pick] - factor[:, :count] @ factor[pick, :count]
+        factor[:, count] = column / left_over[pick].sqrt()
+        heights.append(residual[pick] / left_over[pick].sqrt())
+        residual -= factor[:, count, None] * heights[-1]
+        left_over -= factor[:, count].square()
         left_over[pick] = 0.0
         order.append(pick)
-        heights.append(height)
-        left.append(left[-1] - float(height.square().sum()))
+        left.append(left[-1] - float(heights[-1].square().sum()))
     chosen = torch.tensor(order, dtype=torch.long, device=gram.device)
     triangle = factor[chosen, : len(order)].T
     weights = torch.linalg.solve_triangular(triangle, torch.stack(heights), upper=True)

@@ -9,11 +9,10 @@ from torch import Tensor
 
 from pipeline.errors import InputError
 from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import CHUNK, Examples
-from pipeline.models.one_step import one_step_loss
+from pipeline.models.examples import Examples, one_step_loss
 from pipeline.models.orthogonal_least_squares import Choice, choose
 from pipeline.models.restoring import take_tensors
-from pipeline.models.scaling import Scaler
+from pipeline.models.scaling import Scaler, scaler_shapes, scaler_tensors, scalers_of
 from pipeline.models.settings import ModelSettings, Training
 from pipeline.models.windows import Series
 
@@ -62,7 +61,7 @@ class RadialBasisModel(DynamicsModel):
         self._keep(choice, linear)
         numbers = {"neurons": len(self.centres), "samples": len(examples)}
         context.log({name: float(value) for name, value in numbers.items()}, 0)
-        return one_step_loss(self, held, self.outputs.spread)
+        return one_step_loss(self.increments, examples, held)
 
     def increments(self, features: Tensor) -> Tensor:
         """Return the sum of the regressors in the targets' own units."""
@@ -71,12 +70,9 @@ class RadialBasisModel(DynamicsModel):
 
     def tensors(self) -> dict[str, Tensor]:
         """Return centres, coefficients and scaling."""
-        scalers = {
-            f"{name}.{part}": getattr(scaler, part)
-            for name, scaler in (("inputs", self.inputs), ("outputs", self.outputs))
-            for part in ("centre", "spread")
-        }
-        return {"centres": self.centres, "coefficients": self.coefficients} | scalers
+        return {"centres": self.centres, "coefficients": self.coefficients} | scaler_tensors(
+            self.inputs, self.outputs
+        )
 
     def restore(self, tensors: Mapping[str, Tensor]) -> None:
         """Take over centres, coefficients and scaling."""
@@ -84,12 +80,10 @@ class RadialBasisModel(DynamicsModel):
         columns, neurons = self.settings.sequence_length * features, len(tensors.get("centres", ()))
         shapes: dict[str, tuple[int, ...]] = {"centres": (neurons, columns)}
         shapes["coefficients"] = (1 + columns + neurons, targets)
-        shapes |= {f"inputs.{part}": (features,) for part in ("centre", "spread")}
-        shapes |= {f"outputs.{part}": (targets,) for part in ("centre", "spread")}
+        shapes |= scaler_shapes(features, targets)
         own = take_tensors(tensors, shapes)
         self.centres, self.coefficients = own["centres"], own["coefficients"]
-        self.inputs = Scaler(own["inputs.centre"], own["inputs.spread"])
-        self.outputs = Scaler(own["outputs.centre"], own["outputs.spread"])
+        self.inputs, self.outputs = scalers_of(own)
 
     def _keep(self, choice: Choice, linear: int) -> None:
         """Keep the chosen centres; the first `linear` regressors have none."""
@@ -111,8 +105,7 @@ class RadialBasisModel(DynamicsModel):
         gram = torch.eye(columns, dtype=torch.float64) * (self.settings.ridge * len(examples))
         moment = torch.zeros(columns, len(self.layout.targets), dtype=torch.float64)
         energy = 0.0
-        for index in torch.arange(len(examples)).split(CHUNK):
-            windows, targets = examples.take(index)
+        for windows, targets in examples.chunks():
             design, scaled = self._design(self._scaled(windows)), self.outputs.apply(targets)
             gram += design.T @ design
             moment += design.T @ scaled

@@ -4,7 +4,6 @@ import torch
 
 from pipeline.models.contract import DynamicsModel
 from pipeline.models.examples import Examples
-from pipeline.models.one_step import one_step_increments
 from pipeline.models.windows import Series
 
 
@@ -21,6 +20,7 @@ def ratios(measured: torch.Tensor, residual: torch.Tensor) -> dict[str, float]:
     return {"P_f": float((1.0 - left / spread).abs()), "P_i": float((1.0 - spread / left).abs())}
 
 
+@torch.no_grad()
 def residual_ratios(model: DynamicsModel, series: Series) -> dict[str, dict[str, float]]:
     """Return `ratios` of every target of one-step predictions.
 
@@ -28,8 +28,9 @@ def residual_ratios(model: DynamicsModel, series: Series) -> dict[str, dict[str,
         InputError: when the series has no window.
     """
     examples = Examples.of_series(series, model.layout, model.settings.sequence_length, "held-out")
-    predicted, true = one_step_increments(model, examples)
+    pairs = [(targets, targets - model.increments(windows)) for windows, targets in examples.chunks()]
+    measured, residual = (torch.cat(part) for part in zip(*pairs, strict=True))
     return {
-        name: ratios(true[:, index], (true - predicted)[:, index])
+        name: ratios(measured[:, index], residual[:, index])
         for index, name in enumerate(model.layout.targets)
     }

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm
+from scipy.linalg import expm, toeplitz
 
 
 @dataclass(frozen=True)
@@ -38,15 +38,21 @@ def responses(system: SecondOrder, time_step: float, steps: int) -> tuple[np.nda
     advance, late = _held(system, share * time_step)  # while the older input still acts
     rest, early = _held(system, (1.0 - share) * time_step)
     transition = rest @ advance
-    free, forced = np.zeros((steps + 1, 2)), np.zeros((steps + 1, steps))
-    state, driven = np.eye(2), np.zeros((2, steps))
-    for step in range(steps + 1):
-        free[step], forced[step] = state[0], driven[0]
-        state, driven = transition @ state, transition @ driven
-        for push, back in ((early, int(whole)), (rest @ late, int(whole) + 1)):
-            if step < steps:
-                driven[:, max(step - back, 0)] += push
+    free = np.zeros((steps + 1, 2))
+    free[0, 0] = 1.0
+    for step in range(steps):
+        free[step + 1] = free[step] @ transition
+    early_answer, late_answer = (np.append(0.0, free[:-1] @ push) for push in (early, rest @ late))
+    back = int(whole)
+    forced = toeplitz(_after(early_answer, back) + _after(late_answer, back + 1), np.zeros(steps))
+    before = [_after(early_answer, step) for step in range(back)]
+    forced[:, 0] += sum([*before, *(_after(late_answer, step) for step in range(back + 1))])
     return free, forced
+
+
+def _after(answer: np.ndarray, steps: int) -> np.ndarray:
+    """Return the answer (samples,) to a push that comes so many steps later."""
+    return np.concatenate([np.zeros(steps), answer])[: len(answer)]
 
 
 def _held(system: SecondOrder, duration: float) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ sample to the next, so that its steps are exact.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar
 
 import numpy as np
@@ -15,14 +15,13 @@ from torch import Tensor
 
 from pipeline.errors import InputError
 from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import Examples
-from pipeline.models.one_step import one_step_loss
+from pipeline.models.examples import Examples, one_step_loss
 from pipeline.models.restoring import take_tensors
-from pipeline.models.scaling import Scaler
 from pipeline.models.second_order import SecondOrder, responses
 from pipeline.models.settings import ModelSettings, Training
 from pipeline.models.windows import Series, gather
 
+_NUMBERS = tuple(entry.name for entry in fields(SecondOrder))
 _STARTS = (2.0, 10.0, 50.0)  # time constants from which the fit is begun, samples
 _FASTEST, _SLOWEST = 0.1, 1e4  # time constants, samples
 _LEAST_DAMPED, _MOST_DAMPED = 1e-3, 1e3
@@ -59,7 +58,6 @@ class TransferFunctionModel(DynamicsModel):
         length = self.settings.sequence_length
         examples = Examples.of_series(train, self.layout, length, "training")
         held = Examples.of_series(validation, self.layout, length, "validation")
-        spread = Scaler.fit(examples.targets[examples.seen()], "standard").spread
         steps = max(self.settings.simulated, length)
         starts = train.stretches(1, steps)
         if not len(starts):
@@ -72,7 +70,7 @@ class TransferFunctionModel(DynamicsModel):
             for output, action in zip(*self._columns(), strict=True)
         ]
         self._prepare()
-        return one_step_loss(self, held, spread)
+        return one_step_loss(self.increments, examples, held)
 
     def increments(self, features: Tensor) -> Tensor:
         """Return the step of each axis from the state that fits its window best."""
@@ -84,20 +82,17 @@ class TransferFunctionModel(DynamicsModel):
 
     def tensors(self) -> dict[str, Tensor]:
         """Return gains, time constants s, damping ratios and delays s."""
-        names = ("gain", "time_constant", "damping", "delay")
         return {
             name: torch.tensor([getattr(axis, name) for axis in self.axes], dtype=torch.float64)
-            for name in names
+            for name in _NUMBERS
         }
 
     def restore(self, tensors: Mapping[str, Tensor]) -> None:
         """Take over what was fitted."""
-        axes = (len(self.layout.inputs),)
-        own = take_tensors(tensors, dict.fromkeys(("gain", "time_constant", "damping", "delay"), axes))
-        rows = zip(
-            *(own[name].tolist() for name in ("gain", "time_constant", "damping", "delay")), strict=True
-        )
-        self.axes = [SecondOrder(*row) for row in rows]
+        own = take_tensors(tensors, dict.fromkeys(_NUMBERS, (len(self.layout.inputs),)))
+        self.axes = [
+            SecondOrder(*numbers) for numbers in torch.stack([own[name] for name in _NUMBERS], dim=1).tolist()
+        ]
         self._require_pairs()
         self._prepare()
 
@@ -154,14 +149,9 @@ def fit_axis(
         basis, _ = np.linalg.qr(free)
         return np.asarray(left - left @ basis @ basis.T).ravel()
 
-    low = [-np.inf, np.log(_FASTEST * time_step), np.log(_LEAST_DAMPED)]
-    high = [np.inf, np.log(_SLOWEST * time_step), np.log(_MOST_DAMPED)]
-    delayed = most_delay > 0.0
-    bounds = [*low, *[0.0] * delayed], [*high, *[most_delay] * delayed]
-    fits = [
-        least_squares(
-            residual, [1.0, np.log(start * time_step), 0.0, *[0.5 * most_delay] * delayed], bounds=bounds
-        )
-        for start in _STARTS
-    ]
+    free = 4 if most_delay > 0.0 else 3
+    low = [-np.inf, np.log(_FASTEST * time_step), np.log(_LEAST_DAMPED), 0.0][:free]
+    high = [np.inf, np.log(_SLOWEST * time_step), np.log(_MOST_DAMPED), most_delay][:free]
+    starts = [[1.0, np.log(start * time_step), 0.0, 0.5 * most_delay][:free] for start in _STARTS]
+    fits = [least_squares(residual, start, bounds=(low, high)) for start in starts]
     return axis_of(min(fits, key=lambda fit: fit.cost).x)

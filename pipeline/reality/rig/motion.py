@@ -40,30 +40,56 @@ def turn(
     """
     count = round((SETTLING + case.duration) / STEP) + 1
     hold = round(1.0 / (case.rate * STEP))
+    rig = Rig(case, airframe, platform, battery, count, random[1])
     sticks = Sticks(case, (count - 1) // hold + 1, random[0])
     commands = Commands(case.latency, STEP, (count, case.runs, 3), held=True)
-    plant = build(airframe, platform, case.plant, count, STEP, random[1])
-    drive, gyro = Drive(platform, case.plant, random[1], STEP, battery), Gyro(case.plant, random[1], STEP)
-    autopilot = Autopilot(case, platform)
-    bearings = Bearings(case.gimbal, airframe.mass * airframe.gravity, case.runs, STEP)
-    inertia, advance = inertia_with(case.gimbal, airframe.inertia), AdamsBashforth(STEP)
-    state = np.zeros((case.runs, 13))
-    state[:, 2], state[:, 6] = _HEIGHT, 1.0
     kept = []
     for index in range(count):
-        rotation, body_rate = matrix(state[:, 6:10]), state[:, 10:]
         if index % hold:
             commands.keep(index)
         else:
-            commands.note(index, sticks(index // hold, rotation))
-        asked = autopilot(commands.at(index), gyro(body_rate))
-        speed, acceleration = drive(asked)
-        _, torque = plant.push(index, state, rotation, speed, acceleration)
-        felt = [] if drive.voltage is None else [drive.voltage]
-        kept.append((state, airframe.gravity * rotation[:, 2, :], speed, asked, *felt))
-        state = advance(state, derivative(state, torque + bearings(rotation, body_rate), inertia))
-        state[:, 6:10] /= np.linalg.norm(state[:, 6:10], axis=-1, keepdims=True)
+            commands.note(index, sticks(index // hold, matrix(rig.state[:, 6:10])))
+        kept.append(rig(index, commands.at(index)))
     return log_of(kept, STEP), commands.series
+
+
+class Rig:
+    """The machines of all runs in their gimbals; call it once a step.
+
+    Attributes:
+        state: position, velocity, attitude and body rate (runs, 13); place and velocity stay.
+    """
+
+    def __init__(
+        self,
+        case: RigCase,
+        airframe: Airframe,
+        platform: Quadrotor,
+        battery: Battery,
+        steps: int,
+        random: np.random.Generator,
+    ) -> None:
+        """Hold the machines level and at rest; see `turn`."""
+        self.gravity = airframe.gravity
+        self.plant = build(airframe, platform, case.plant, steps, STEP, random)
+        self.drive = Drive(platform, case.plant, random, STEP, battery)
+        self.gyro, self.autopilot = Gyro(case.plant, random, STEP), Autopilot(case, platform)
+        self.bearings = Bearings(case.gimbal, airframe.mass * airframe.gravity, case.runs, STEP)
+        self.inertia, self.advance = inertia_with(case.gimbal, airframe.inertia), AdamsBashforth(STEP)
+        self.state = np.zeros((case.runs, 13))
+        self.state[:, 2], self.state[:, 6] = _HEIGHT, 1.0
+
+    def __call__(self, index: int, command: Array) -> tuple[Array, ...]:
+        """Advance by a step with commanded rates (runs, 3), rad/s; return what `log_of` keeps of its beginning."""
+        state, rotation = self.state, matrix(self.state[:, 6:10])
+        asked = self.autopilot(command, self.gyro(state[:, 10:]))
+        speed, acceleration = self.drive(asked)
+        _, torque = self.plant.push(index, state, rotation, speed, acceleration)
+        torque = torque + self.bearings(rotation, state[:, 10:])
+        self.state = self.advance(state, derivative(state, torque, self.inertia))
+        self.state[:, 6:10] /= np.linalg.norm(self.state[:, 6:10], axis=-1, keepdims=True)
+        felt = () if self.drive.voltage is None else (self.drive.voltage,)
+        return state, self.gravity * rotation[:, 2, :], speed, asked, *felt
 
 
 class Autopilot:

@@ -16,7 +16,7 @@ from pipeline.recordings.recording import read_recording, write_recording
 
 @pytest.fixture(scope="module")
 def short(configured):
-    return replace(configured, runs=2, duration=1.5)
+    return replace(configured, runs=2, duration=0.5)
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def test_the_recording_keeps_the_contract_and_the_secret(recorded, tmp_path):
 
 
 def test_it_turns_as_commanded_on_the_spot(short, racer):
-    case = replace(short, dropped=0.0, sensors=Sensors(scale=0.0))
+    case = replace(short, duration=2.0, dropped=0.0, sensors=Sensors(scale=0.0))
     frame = record_case(case, racer, seed=1)[0].frame
     assert (frame[["position_x", "position_y"]] == 0.0).all(axis=None)
     assert (frame[[f"velocity_{axis}" for axis in "xyz"]] == 0.0).all(axis=None)
@@ -73,7 +73,7 @@ def test_commands_reach_up_to_half_the_rate_and_change_once_a_sample(configured)
 
 def test_packets_are_lost(recorded, short):
     share = len(recorded[0].frame) / (short.runs * short.duration * short.rate)
-    assert 0.85 < share < 1.0
+    assert 0.75 < share < 1.0
 
 
 @pytest.mark.parametrize(
