@@ -30,6 +30,7 @@ class TrainStage(StageConfig):
     """What training reads of the configuration."""
 
     recording: str | None = None
+    platform: dict[str, Any] = field(default_factory=dict)
     model: dict[str, Any] = field(default_factory=dict)
     train: Training = field(default_factory=Training)
 
@@ -64,10 +65,11 @@ def _train(config: TrainStage, run: StageRun) -> None:
     data = run.inputs[str(path)]
     settings = model_settings(config.model)
     recording = _prepared(read_recording(path), config.train)
-    layout = layout_of(recording, config.train.layout)
+    layout = layout_of(recording, config.train.layout).on(config.platform)
     model = model_class(config.model)(layout, settings, recording.time_step)
     require_holdout(recording.split, str(path))
     fitted, chosen, held = _series(recording, layout, run)
+    fitted = fitted.excerpt(config.train.share, config.train.shift)
     checkpoint = _checkpoint_folder(config, settings, data)
     loss = model.fit(fitted, chosen, config.train, FitContext(config.seed, checkpoint, run.log_metrics))
     model.provenance = Provenance(
@@ -143,6 +145,8 @@ def _score(
     """Write the errors on held-out runs, one-step errors beside those before a correction."""
     from pipeline.models.error_distribution import error_quantiles
     from pipeline.models.evaluation import rollout_errors
+    from pipeline.models.free_run import free_run_scores
+    from pipeline.models.residual_ratios import residual_ratios
 
     history = settings.evaluation_history
     held = machines[""]
@@ -156,6 +160,10 @@ def _score(
         scores[DISTRIBUTION] = error_quantiles(
             model, held, settings.horizons, settings.quantiles, most, history
         )
+    if settings.free_run:
+        scores["free_run"] = free_run_scores(model, held, settings.free_run)
+    if settings.residual_ratios:
+        scores["residual_ratios"] = residual_ratios(model, held)
     _write_metrics(_finite(scores), run)
     run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
 

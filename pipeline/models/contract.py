@@ -17,7 +17,6 @@ from pipeline.models.settings import ModelSettings, Training
 from pipeline.models.windows import Series
 
 
-
 def _log_nothing(metrics: Mapping[str, float], step: int) -> None:
     """Stand in where no one listens."""
 
@@ -177,9 +176,7 @@ class DynamicsModel(ABC):
             InputError: when the series has no window.
         """
         examples = Examples.of_series(series, self.layout, self.settings.sequence_length, "validation")
-        pieces = [
-            (self.increments(windows).double(), targets) for windows, targets in examples.chunks()
-        ]
+        pieces = [(self.increments(windows).double(), targets) for windows, targets in examples.chunks()]
         predicted, true = (torch.cat(part) for part in zip(*pieces, strict=True))
         self.correction = BiasCorrection.fit(predicted, true)
 

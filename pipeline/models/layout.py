@@ -29,11 +29,24 @@ steering, of a swerve's recording, whose four modules are machines of one kind
 
 The first three are taken by the kind of a recording, the others by `train.layout`.
 Positions, attitudes and angles follow from the velocities by kinematics, so they are never learned.
+
+Layouts that a person chooses by `train.layout`, both of a quadrotor's recording:
+
+attitude
+    state      body rates
+    input      commanded body rates
+    features   both
+    predicted  increments of the body rates
+motor_command
+    state      motor commands
+    input      attitude, velocity, body rate, and specific force and battery voltage where they were recorded
+    features   the air's velocity at every rotor, body rate, specific force, battery voltage
+    predicted  the motor commands themselves
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches
 from typing import Any, ClassVar
 
@@ -51,16 +64,23 @@ class Layout(ABC):
 
     Attributes:
         inputs: columns of the recording that drive the machine.
+        lead: samples by which the inputs of a step are recorded later than the state at its beginning.
     """
 
     kind: ClassVar[str]
     states: ClassVar[tuple[str, ...]]
     inputs: tuple[str, ...]
+    lead: int = field(default=0, kw_only=True)
 
     @property
     @abstractmethod
     def features(self) -> tuple[str, ...]:
-        """Names of what `encode` returns."""
+        """Names of what `encode` returns; what comes of the inputs stands last."""
+
+    @property
+    def input_features(self) -> int:
+        """How many of the features come of the inputs."""
+        return len(self.inputs)
 
     @property
     @abstractmethod
@@ -78,6 +98,10 @@ class Layout(ABC):
     @abstractmethod
     def of_recording(cls, recording: Recording) -> "Layout":
         """Return the layout of what was recorded."""
+
+    def on(self, platform: Mapping[str, Any]) -> "Layout":
+        """Return the layout with what it needs to know of the platform's configuration; most need nothing."""
+        return self
 
     @abstractmethod
     def encode(self, state: Tensor, action: Tensor) -> Tensor:
@@ -144,7 +168,9 @@ def layout_from_mapping(values: Mapping[str, Any]) -> Layout:
     Raises:
         InputError: when it describes none.
     """
-    arguments = {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
+    arguments: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in values.items()
+    }
     try:
         return _layouts()[str(arguments.pop("kind"))](**arguments)
     except (KeyError, TypeError) as error:
@@ -152,11 +178,21 @@ def layout_from_mapping(values: Mapping[str, Any]) -> Layout:
 
 
 def _layouts() -> dict[str, type[Layout]]:
+    from pipeline.models.attitude_layout import AttitudeLayout
     from pipeline.models.joint_layout import JointLayout
+    from pipeline.models.motor_command_layout import MotorCommandLayout
     from pipeline.models.quadrotor_layout import QuadrotorLayout
     from pipeline.models.steering_layout import SteeringLayout
     from pipeline.models.swerve_chassis_layout import SwerveChassisLayout
     from pipeline.models.swerve_layout import SwerveLayout
 
-    layouts = (QuadrotorLayout, SwerveLayout, JointLayout, SwerveChassisLayout, SteeringLayout)
+    layouts = (
+        QuadrotorLayout,
+        SwerveLayout,
+        JointLayout,
+        SwerveChassisLayout,
+        SteeringLayout,
+        AttitudeLayout,
+        MotorCommandLayout,
+    )
     return {layout.kind: layout for layout in layouts}

@@ -12,7 +12,7 @@ from pipeline.models.contract import DynamicsModel, FitContext
 from pipeline.models.examples import Examples
 from pipeline.models.layout import Layout
 from pipeline.models.restoring import take_tensors
-from pipeline.models.scaling import Scaler
+from pipeline.models.scaling import Scaler, scaler_shapes, scaler_tensors, scalers_of
 from pipeline.models.settings import TrainedSettings, Training
 from pipeline.models.windows import Series
 
@@ -93,12 +93,9 @@ class NetworkModel(DynamicsModel):
 
     def tensors(self) -> dict[str, Tensor]:
         """Return weights and scaling."""
-        scalers = {
-            f"{name}.{part}": getattr(scaler, part)
-            for name, scaler in (("inputs", self.inputs), ("outputs", self.outputs))
-            for part in ("centre", "spread")
-        }
-        return {f"network.{name}": tensor for name, tensor in self.network.state_dict().items()} | scalers
+        return {
+            f"network.{name}": tensor for name, tensor in self.network.state_dict().items()
+        } | scaler_tensors(self.inputs, self.outputs)
 
     def restore(self, tensors: Mapping[str, Tensor]) -> None:
         """Take over weights and scaling."""
@@ -106,11 +103,9 @@ class NetworkModel(DynamicsModel):
         shapes: dict[str, tuple[int, ...]] = {
             f"network.{name}": tuple(tensor.shape) for name, tensor in self.network.state_dict().items()
         }
-        shapes |= {f"inputs.{part}": (features,) for part in ("centre", "spread")}
-        shapes |= {f"outputs.{part}": (targets,) for part in ("centre", "spread")}
+        shapes |= scaler_shapes(features, targets)
         own = take_tensors(tensors, shapes)
-        self.inputs = Scaler(own["inputs.centre"], own["inputs.spread"])
-        self.outputs = Scaler(own["outputs.centre"], own["outputs.spread"])
+        self.inputs, self.outputs = scalers_of(own)
         weights = {name: own[f"network.{name}"] for name in self.network.state_dict()}
         self.network.load_state_dict(weights)
         self.network.eval()

@@ -11,9 +11,12 @@ from pipeline.models.fnn import FeedForwardModel
 from pipeline.models.hybrid import HybridParallelModel, HybridSerialModel
 from pipeline.models.linear import LinearModel
 from pipeline.models.lstm import LongShortTermMemoryModel
+from pipeline.models.narx import NarxModel
+from pipeline.models.rbf import RadialBasisModel
 from pipeline.models.settings import ModelSettings
 from pipeline.models.state_space import StateSpaceModel
 from pipeline.models.tcn import TemporalConvolutionModel
+from pipeline.models.transfer_function import TransferFunctionModel
 from pipeline.models.white_box import WhiteBoxModel
 from pipeline.stage.mistakes import configuration_mistakes
 
@@ -27,6 +30,9 @@ MODELS: dict[str, type[DynamicsModel]] = {
     "black_box": BlackBoxModel,
     "hybrid_parallel": HybridParallelModel,
     "hybrid_serial": HybridSerialModel,
+    "transfer_function": TransferFunctionModel,
+    "narx": NarxModel,
+    "rbf": RadialBasisModel,
 }
 
 

@@ -38,6 +38,10 @@ class Training:
     )
     quantiles: list[float] = field(default_factory=list)  # of the errors over the windows, beside their mean
     zero_phase: dict[str, float] | None = None  # Hz by channel, of filters that look ahead; null: none
+    share: float = 1.0  # of the training data that is used
+    shift: float = 0.0  # share of the training data before the part that is used
+    free_run: float = 0.0  # s over which held-out runs are simulated from their inputs alone; 0: not
+    residual_ratios: bool = False  # whether residuals are compared in size with what is predicted
 
 
 @dataclass

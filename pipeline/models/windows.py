@@ -7,6 +7,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from pipeline.errors import InputError
 from pipeline.models.layout import Layout
 from pipeline.models.segments import segments
 from pipeline.recordings.recording import Recording
@@ -36,6 +37,35 @@ class Series:
         pieces = [torch.arange(first, max(last - length + 1, first)) for first, last in self.bounds.tolist()]
         return torch.cat(pieces) if pieces else torch.zeros(0, dtype=torch.long)
 
+    def stretches(self, length: int, steps: int) -> Tensor:
+        """Return the first samples of windows whose next `steps` samples follow on each other, inside segments."""
+        pieces = [
+            torch.arange(first, max(last - length - steps + 1, first), max(steps, 1))
+            for first, last in self.bounds.tolist()
+        ]
+        return torch.cat(pieces) if pieces else torch.zeros(0, dtype=torch.long)
+
+    def excerpt(self, share: float, shift: float = 0.0) -> "Series":
+        """Return a part of the samples, as if the segments stood end to end.
+
+        Args:
+            share: of the samples, over 0 to 1.
+            shift: share of the samples that come before.
+
+        Raises:
+            InputError: when the part is none, or ends after the samples do.
+        """
+        if not (0.0 < share <= 1.0 and 0.0 <= shift <= 1.0 - share + 1e-9):
+            found = f"share {share} from {shift} on is no part"
+            raise InputError(found, "train.share", "give train.share over 0 and train.shift so that both fit")
+        lengths = self.bounds[:, 1] - self.bounds[:, 0]
+        before = lengths.cumsum(0) - lengths
+        low, high = (round(place * int(lengths.sum())) for place in (shift, shift + share))
+        first = (low - before).clamp(min=0).minimum(lengths)
+        last = (high - before).clamp(min=0).minimum(lengths)
+        bounds = self.bounds[:, :1] + torch.stack([first, last], dim=1)
+        return replace(self, bounds=bounds[last > first])
+
     def split_tail(self, share: float) -> tuple["Series", "Series"]:
         """Return the same samples with each segment ended early, and with its last share alone."""
         first, last = self.bounds.T
@@ -50,7 +80,11 @@ def series_of(
     """Return the series of some runs of a cleaned recording, of all machines of a layout or of some."""
     width = len(layout.states)
     chosen = [columns for name, columns in layout.machines().items() if machines is None or name in machines]
-    pieces = [segment.columns(columns) for columns in chosen for segment in segments(recording, runs)]
+    pieces = [
+        _in_step(segment.columns(columns), width, layout.lead)
+        for columns in chosen
+        for segment in segments(recording, runs)
+    ]
     ends = np.cumsum([0, *map(len, pieces)])
     samples = torch.from_numpy(np.concatenate([np.zeros((0, width + len(layout.inputs))), *pieces]))
     return Series(
@@ -59,6 +93,12 @@ def series_of(
         bounds=torch.from_numpy(np.column_stack([ends[:-1], ends[1:]])),
         time_step=recording.time_step,
     )
+
+
+def _in_step(samples: np.ndarray, width: int, lead: int) -> np.ndarray:
+    """Return states (samples, width) and inputs beside them, the inputs taken so many samples later."""
+    kept = max(len(samples) - lead, 0)
+    return np.concatenate([samples[:kept, :width], samples[lead:, width:]], axis=1)
 
 
 def gather(series: Tensor, starts: Tensor, length: int) -> Tensor:

@@ -120,6 +120,17 @@ class Controller:
         thrust = platform.mass * ((wanted * rotation[:, :, 2]).sum(axis=-1) + dither[:, 0])
         turn = gains.attitude * self._attitude_error(wanted, target[:, 3], rotation) + dither[:, 1:]
         turn += rotation[:, 2, :] * speed[:, 3:]  # the heading's rate about the vertical, in the body frame
+        return self.rotors(thrust, turn, body_rate)
+
+    def rotors(self, thrust: Array, turn: Array, body_rate: Array) -> Array:
+        """Return commanded rotor speeds (runs, 4), rad/s.
+
+        Args:
+            thrust: (runs,) N.
+            turn: wanted body rates (runs, 3), rad/s.
+            body_rate: measured ones (runs, 3), rad/s.
+        """
+        gains, platform = self.gains, self.platform
         momentum = self.inertia * body_rate
         torque = self.inertia * gains.body_rate * (turn - body_rate) + cross(body_rate, momentum)
         self._trim(torque, turn - body_rate)

@@ -75,7 +75,7 @@ def fly_paths(
     count = round((SETTLING + case.duration) / step) + 1
     times = np.arange(count, dtype=np.float64) * step - SETTLING
     plant = build(airframe, platform, case, count, step, random)
-    drive, estimate = Drive(platform, case, random, step, battery), _Gyro(case, random, step)
+    drive, estimate = Drive(platform, case, random, step, battery), Gyro(case, random, step)
     controller, advance = Controller(platform, tuned(case, platform), step), AdamsBashforth(step)
     state = _start(paths, times[0])
     kept: list[tuple[Array, ...]] = []
@@ -88,16 +88,17 @@ def fly_paths(
         kept.append((state, force, speed, command, *([] if drive.voltage is None else [drive.voltage])))
         state = advance(state, _derivative(airframe, state, rotation, force, torque))
         state[:, 6:10] /= np.sqrt((state[:, 6:10] ** 2).sum(axis=-1, keepdims=True))
-    return _log(kept, step, plant.wind)
+    return log_of(kept, step, plant.wind)
 
 
-def _log(kept: list[tuple[Array, ...]], step: float, wind: Array | None) -> Log:
+def log_of(kept: list[tuple[Array, ...]], step: float, wind: Array | None = None) -> Log:
+    """Return the log of what was kept at every step: state, force, speed, command, and voltage where it is felt."""
     states, forces, speeds, commands, *voltage = (np.stack(part) for part in zip(*kept, strict=True))
     motion = states[..., :3], states[..., 3:6], states[..., 6:10], states[..., 10:]
     return Log(*motion, forces, speeds, commands, step, wind, voltage[0] if voltage else None)
 
 
-class _Gyro:
+class Gyro:
     """The autopilot's own gyro: noisy, then low-passed."""
 
     def __init__(self, case: PlantCase, random: np.random.Generator, step: float) -> None:
@@ -107,6 +108,7 @@ class _Gyro:
         self.value: Array | None = None
 
     def __call__(self, body_rate: Array) -> Array:
+        """Return what the rate controller is told of body rates (runs, 3), rad/s."""
         reading = body_rate + self.noise * self.random.standard_normal(body_rate.shape)
         self.value = reading if self.value is None else self.value + self.share * (reading - self.value)
         return self.value

@@ -9,26 +9,37 @@ from pipeline.errors import InputError
 from pipeline.platforms import Joint, Quadrotor, Swerve
 from pipeline.reality.case import PlantCase
 from pipeline.reality.joint.case import JointCase
+from pipeline.reality.rig.case import RigCase
 from pipeline.reality.swerve.case import SwerveCase
 from pipeline.recordings.recording import Recording
 
-Case = PlantCase | JointCase | SwerveCase
+Case = PlantCase | JointCase | SwerveCase | RigCase
 
-CASES: dict[str, type[PlantCase] | type[JointCase] | type[SwerveCase]] = {
+CASES: dict[str, type[PlantCase] | type[JointCase] | type[SwerveCase] | type[RigCase]] = {
     "quadrotor": PlantCase,
     "joint": JointCase,
     "swerve": SwerveCase,
+    "attitude_rig": RigCase,
 }
-"""The case of each kind of platform."""
+"""The case of each plant: that of a kind of platform, or another one of such a machine."""
+
+_MACHINES = {"attitude_rig": "quadrotor"}
+"""The kind of platform of a plant that is called otherwise."""
 
 
 def case_from_config(kind: str, values: Mapping[str, Any], where: str = "record") -> Case:
     """Build the case of a kind of platform from a mapping, such as the configuration group `record` is.
 
+    The key `plant` chooses another plant than the one that is called as the kind is.
+
     Raises:
-        InputError: on an unknown key and on a value of the wrong type.
+        InputError: on an unknown plant or key, and on a value of the wrong type.
     """
-    return _built(CASES[kind], values, where)
+    chosen = dict(values)
+    plant = chosen.pop("plant", kind)
+    if plant not in CASES:
+        raise InputError(f"there is no plant {plant!r}", f"{where}.plant", f"use one of {', '.join(CASES)}")
+    return _built(CASES[plant], chosen, where)
 
 
 def _built(cls: type, values: Any, where: str) -> Any:
@@ -73,19 +84,24 @@ def record_case(
     Raises:
         InputError: when case and platform do not fit, or the case cannot be run.
     """
-    if not isinstance(case, CASES[platform.kind]):
+    plant = next(name for name, cls in CASES.items() if isinstance(case, cls))
+    if _MACHINES.get(plant, plant) != platform.kind:
         remedy = "choose another record=NAME"
         raise InputError(f"is a case of another machine than a {platform.kind}", "record", remedy)
-    return _recorder(platform.kind)(case, platform, seed)
+    return _recorder(plant)(case, platform, seed)
 
 
-def _recorder(kind: str) -> Callable[..., tuple[Recording, dict[str, Any]]]:
+def _recorder(plant: str) -> Callable[..., tuple[Recording, dict[str, Any]]]:
     """Return what runs a plant, loaded only now: whoever asks for a case alone need not wait for it."""
-    if kind == "quadrotor":
+    if plant == "quadrotor":
         from pipeline.reality.fly import fly
 
         return fly
-    if kind == "joint":
+    if plant == "attitude_rig":
+        from pipeline.reality.rig.record import record_rig
+
+        return record_rig
+    if plant == "joint":
         from pipeline.reality.joint.record import record_joint
 
         return record_joint

@@ -14,16 +14,19 @@ import yaml
 from pipeline.errors import InputError
 from pipeline.models.settings import Training
 from pipeline.models.storage import load_model
+from pipeline.platforms import platform_to_config
 from pipeline.recordings import write_recording
 from pipeline.stage import StageRun
 from stages.train import TrainStage, compared, train
 from tests.pipeline.models import learnable
+from tests.pipeline.models.rig import rig
+from tests.pipeline.models.synthetic import QUADROTOR
 
 QUICK = Training(max_epochs=2, batch_size=128, horizons=[1, 10], evaluation_windows=100)
 ROOT = Path(__file__).parents[2]
 
 
-def run_stage(tmp_path, recorded, name="linear", settings=QUICK):
+def run_stage(tmp_path, recorded, name="linear", settings=QUICK, platform=None):
     path = tmp_path / "recording.parquet"
     write_recording(recorded, path)
     output = tmp_path / "train"
@@ -31,7 +34,11 @@ def run_stage(tmp_path, recorded, name="linear", settings=QUICK):
     run = StageRun(output)
     model = {"name": name} | learnable.SMALL[name]
     config = TrainStage(
-        recording=str(path), model=model, train=settings, artifacts=str(tmp_path / "artifacts")
+        recording=str(path),
+        platform=platform or {},
+        model=model,
+        train=settings,
+        artifacts=str(tmp_path / "artifacts"),
     )
     train(config, run)
     return run
@@ -103,6 +110,24 @@ def test_errors_before_and_after_a_correction_are_reported(tmp_path):
     assert model.correction is not None
     assert scores["mse"] != scores["mse_uncorrected"]
     assert run.metrics["steps/velocity/mse_uncorrected"] == scores["mse_uncorrected"]
+
+
+def test_free_runs_and_residual_ratios_are_written_where_they_are_asked_for(tmp_path):
+    settings = replace(QUICK, free_run=1.0, residual_ratios=True, share=0.5, shift=0.5)
+    run = run_stage(tmp_path, learnable.linear_joint(), settings=settings)
+    metrics = json.loads((run.output / "metrics.json").read_text())
+    assert set(metrics) == {"position", "velocity", "steps", "free_run", "residual_ratios"}
+    assert set(metrics["free_run"]["velocity"]) == {"mse", "correlation"}
+    assert set(metrics["residual_ratios"]["velocity"]) == {"P_f", "P_i"}
+    assert run.metrics["free_run/velocity/mse"] == metrics["free_run"]["velocity"]["mse"]
+
+
+def test_motor_commands_are_learned_through_their_layout(tmp_path):
+    settings = replace(QUICK, layout="motor_command", horizons=[1])
+    run = run_stage(tmp_path, rig(), "rbf", settings, platform_to_config(QUADROTOR))
+    layout = load_model(run.output / "model").layout
+    assert layout.kind == "motor_command"
+    assert layout.rotor_y == tuple(place[1] for place in QUADROTOR.rotor_positions)
 
 
 def test_without_a_validation_run_the_end_of_the_training_runs_validates(tmp_path):

@@ -22,7 +22,11 @@ SMALL = {
     "black_box": {"sequence_length": 4, "units": 8, "delays": 2, "learning_rate": 0.01},
     "hybrid_parallel": {"sequence_length": 4, "units": 8, "learning_rate": 0.01},
     "hybrid_serial": {"sequence_length": 4, "units": 8, "learning_rate": 0.01},
+    "transfer_function": {"sequence_length": 4, "simulated": 50},
+    "narx": {"sequence_length": 2, "hidden": 4},
+    "rbf": {"sequence_length": 2, "candidates": 50, "neurons": 20},
 }
+NOT_FOR = {"transfer_function": {"quadrotor"}}  # kinds that a model refuses
 QUICK = Training(max_epochs=4, batch_size=128)
 PARTS = {"a": "train", "b": "train", "c": "validation", "d": "holdout"}
 
@@ -90,7 +94,7 @@ def parts_of(recorded: Recording, layout_name: str | None = None) -> tuple[Serie
     return train, validation, held
 
 
-def new_model(name: str, recorded: Recording, **options):
+def new_model(name: str, recorded: Recording, layout: str | None = None, **options):
     """Return an untrained small model."""
     settings = model_settings({"name": name} | SMALL[name] | options)
-    return MODELS[name](layout_of(recorded), replace(settings), recorded.time_step)
+    return MODELS[name](layout_of(recorded, layout), replace(settings), recorded.time_step)

@@ -3,7 +3,11 @@ import torch
 
 from pipeline.errors import InputError
 from pipeline.models.layout import layout_from_mapping, layout_of
+from pipeline.models.windows import series_of
+from pipeline.platforms import platform_to_config
 from tests.pipeline.models import learnable
+from tests.pipeline.models.rig import rig
+from tests.pipeline.models.synthetic import QUADROTOR
 
 RECORDINGS = {
     "joint": learnable.linear_joint,
@@ -11,6 +15,8 @@ RECORDINGS = {
     "swerve_chassis": learnable.swerve,
     "steering": learnable.swerve,
     "quadrotor": learnable.quadrotor,
+    "attitude": rig,
+    "motor_command": rig,
 }
 
 
@@ -18,8 +24,8 @@ RECORDINGS = {
 def steps(request):
     """Layout, states, the states after them, inputs and time step of a run."""
     recorded = RECORDINGS[request.param]()
-    layout = layout_of(recorded, request.param)
-    train, _, _ = learnable.parts_of(recorded, request.param)
+    layout = layout_of(recorded, request.param).on(platform_to_config(QUADROTOR))
+    train = series_of(recorded, layout, ["a"])
     last = int(train.bounds[0, 1])
     return layout, train.states[: last - 1], train.states[1:last], train.actions[: last - 1], train.time_step
 
@@ -37,12 +43,14 @@ def test_what_is_named_is_what_there_is(steps):
     assert layout.encode(states, actions).shape[1] == len(layout.features)
     assert layout.increment(states, following).shape[1] == len(layout.targets)
     assert set(layout.targets) <= set(layout.states)
+    assert 0 < layout.input_features <= len(layout.features)
 
 
 def test_no_difference_is_no_error(steps):
-    layout, states, following, _, _ = steps
+    layout, states, _following, _, _ = steps
     assert all(error.abs().max() < 1e-6 for error in layout.errors(states, states).values())
-    assert any(error.max() > 1e-3 for error in layout.errors(states, following).values())
+    apart = layout.errors(states, states + 1.0)
+    assert any(error.max() > 1e-3 for error in apart.values())
 
 
 def test_a_layout_survives_its_description(steps):
@@ -71,6 +79,52 @@ def test_full_turns_do_not_matter_to_a_turning_joint():
     state, action = torch.tensor([[0.3, 1.0]]), torch.tensor([[2.0]])
     wound = state + torch.tensor([[6 * torch.pi, 0.0]])
     assert torch.allclose(layout.encode(state, action), layout.encode(wound, action), atol=1e-5)
+
+
+def test_every_rotor_moves_with_the_body_and_its_turning():
+    recorded = rig()
+    layout = layout_of(recorded, "motor_command").on(platform_to_config(QUADROTOR))
+    half = torch.tensor(0.25 * torch.pi, dtype=torch.float64)  # turned to the left by a quarter
+    attitude = torch.stack([half.cos(), 0 * half, 0 * half, half.sin()])
+    velocity, rate = torch.tensor([[0.0, 3.0, 0.0], [0.0, 0.0, 2.0]], dtype=torch.float64)
+    seen = layout.encode(torch.zeros(4, dtype=torch.float64), torch.cat([attitude, velocity, rate]))
+    rotors = seen[:12].view(4, 3)
+    for place, rotor in zip(QUADROTOR.rotor_positions, rotors, strict=True):
+        expected = torch.tensor([3.0 - 2.0 * place[1], 2.0 * place[0], 0.0], dtype=torch.float64)
+        assert torch.allclose(rotor, expected)
+    assert torch.equal(seen[12:], rate)
+
+
+def test_motion_is_taken_as_much_later_as_a_command_needs_to_show():
+    recorded = rig()
+    layout = layout_of(recorded, "motor_command")
+    assert layout.lead == 2  # the sample that follows, and 0.02 s at 50 Hz
+    series = series_of(recorded, layout, ["a"])
+    frame = recorded.frame[recorded.frame["run"] == "a"]
+    assert len(series) == len(frame) - 2
+    rate = layout.inputs.index("body_rate_x")
+    assert series.actions[:, rate].tolist() == frame["body_rate_x"].tolist()[2:]
+
+
+@pytest.mark.parametrize(
+    ("name", "complaint"),
+    [
+        ("attitud", "did you mean 'attitude'"),
+        ("boat", "use one of quadrotor"),
+        ("attitude", "needs the column 'body_rate_command_x'"),
+        ("motor_command", "needs the column 'motor_command_1'"),
+    ],
+)
+def test_a_layout_that_does_not_fit_is_refused(name, complaint):
+    with pytest.raises(InputError, match=complaint):
+        layout_of(learnable.quadrotor(), name)
+
+
+def test_motor_commands_need_a_quadrotor():
+    layout = layout_of(rig(), "motor_command")
+    joint = {"kind": "joint", "inertia": 1.0}
+    with pytest.raises(InputError, match="is a joint, no quadrotor"):
+        layout.on(joint)
 
 
 def test_nonsense_is_no_layout():

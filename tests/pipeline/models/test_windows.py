@@ -1,9 +1,11 @@
 import numpy as np
 import pandas as pd
+import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipeline.errors import InputError
 from pipeline.models.examples import Examples
 from pipeline.models.layout import layout_of
 from pipeline.models.segments import segments
@@ -87,3 +89,25 @@ def test_motors_are_moved_onto_the_clock_of_the_state():
     (segment,) = segments(recorded)
     np.testing.assert_allclose(segment.frame["motor_speed_1"], 100.0 + 10.0 * (segment.frame["t"] - 0.025))
     assert len(segment.frame) == len(time) - 3
+
+
+@given(LENGTHS, st.sampled_from([1, 2, 4, 8]), st.integers(0, 7))
+@settings(max_examples=20, deadline=None)
+def test_excerpts_that_follow_on_each_other_are_the_whole(pieces, parts, which):
+    recorded = recording(frame_of(pieces), "joint", sliding=True)
+    series = series_of(recorded, layout_of(recorded), recorded.runs)
+    cuts = [series.excerpt(1.0 / parts, part / parts) for part in range(parts)]
+    samples = [sample for cut in cuts for first, last in cut.bounds.tolist() for sample in range(first, last)]
+    assert samples == list(range(len(series)))
+    cut = cuts[which % parts]
+    lengths = cut.bounds[:, 1] - cut.bounds[:, 0]
+    assert (lengths > 0).all()
+    assert abs(int(lengths.sum()) - len(series) / parts) <= 1.0
+
+
+@pytest.mark.parametrize(("share", "shift"), [(0.0, 0.0), (1.1, 0.0), (0.5, 0.6), (0.5, -0.1)])
+def test_an_excerpt_that_does_not_fit_is_refused(share, shift):
+    recorded = recording(frame_of([(0, 10)]), "joint", sliding=True)
+    series = series_of(recorded, layout_of(recorded), recorded.runs)
+    with pytest.raises(InputError, match=r"train\.share"):
+        series.excerpt(share, shift)

@@ -1,0 +1,101 @@
+"""What a learned model of a quadrotor's motor commands sees and predicts: the dynamics the other way round."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import torch
+from torch import Tensor
+
+from pipeline.errors import InputError
+from pipeline.models.layout import Layout
+from pipeline.physics import rotations
+from pipeline.platforms import Quadrotor, platform_from_config
+from pipeline.recordings.recording import Recording
+
+REACTION = 0.02  # s after which the motion that a command causes is seen, about a rotor's time constant
+_MOTION = tuple(
+    f"{stem}_{axis}"
+    for stem, axes in (("attitude", "wxyz"), ("velocity", "xyz"), ("body_rate", "xyz"))
+    for axis in axes
+)
+_REQUESTS = (*(f"specific_force_{axis}" for axis in "xyz"), "battery_voltage")
+
+
+@dataclass(frozen=True)
+class MotorCommandLayout(Layout):
+    """State: the motor commands. Inputs: the motion at their sample and up to `REACTION` after it.
+
+    Where a pilot's sticks and set-points are not recorded, the motion that was reached tells what was asked for.
+
+    Attributes:
+        rotor_x: forward places of the rotors in the body frame, m.
+        rotor_y: left.
+        rotor_z: up.
+    """
+
+    kind: ClassVar[str] = "motor_command"
+    states: ClassVar[tuple[str, ...]] = tuple(f"motor_command_{number}" for number in range(1, 5))
+    rotor_x: tuple[float, ...] = ()
+    rotor_y: tuple[float, ...] = ()
+    rotor_z: tuple[float, ...] = ()
+
+    @property
+    def features(self) -> tuple[str, ...]:
+        """Velocity of every rotor m/s and body rate rad/s, body frame; specific force m/s², voltage V."""
+        rotors = (f"rotor_{number}_velocity_{axis}" for number in range(1, 5) for axis in "xyz")
+        rates = (f"body_rate_{axis}" for axis in "xyz")
+        return (*rotors, *rates, *self.inputs[len(_MOTION) :])
+
+    @property
+    def input_features(self) -> int:
+        """All: the commands are not seen."""
+        return len(self.features)
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """The motor commands, 0 to 1."""
+        return self.states
+
+    @classmethod
+    def of_recording(cls, recording: Recording) -> "MotorCommandLayout":
+        """Take the motion, and specific force and voltage where they were recorded."""
+        requests = tuple(name for name in _REQUESTS if name in recording.units)
+        lead = 1 + round(REACTION / recording.time_step)
+        return cls((*_MOTION, *requests), lead=lead)
+
+    def on(self, platform: Mapping[str, Any]) -> "MotorCommandLayout":
+        """Take the places of the rotors.
+
+        Raises:
+            InputError: when the platform is no quadrotor.
+        """
+        machine = platform_from_config(platform)
+        if not isinstance(machine, Quadrotor):
+            raise InputError(f"is a {machine.kind}, no quadrotor", "platform", "choose another train.layout")
+        x, y, z = zip(*machine.rotor_positions, strict=True)
+        return replace(self, rotor_x=x, rotor_y=y, rotor_z=z)
+
+    def encode(self, state: Tensor, action: Tensor) -> Tensor:
+        """The velocity of each rotor is the body's and what its turning adds; the commands are not seen."""
+        attitude, velocity, rate = action[..., :4], action[..., 4:7], action[..., 7:10]
+        body = rotations.rotate_inverse(attitude, velocity)
+        places = torch.tensor([self.rotor_x, self.rotor_y, self.rotor_z], dtype=action.dtype).T
+        turning = torch.linalg.cross(
+            rate[..., None, :], places.to(action.device).expand(*rate.shape[:-1], 4, 3)
+        )
+        rotors = (body[..., None, :] + turning).flatten(-2)
+        return torch.cat([rotors, rate, action[..., 10:]], dim=-1)
+
+    def increment(self, state: Tensor, following: Tensor) -> Tensor:
+        """Return the commands themselves: they are not built up step by step."""
+        return following
+
+    def advance(self, state: Tensor, increment: Tensor, time_step: float) -> Tensor:
+        """Return the predicted commands."""
+        return increment
+
+    def errors(self, predicted: Tensor, true: Tensor) -> dict[str, Tensor]:
+        """Absolute differences by motor, 0 to 1."""
+        difference = (predicted - true).abs()
+        return {name: difference[..., index] for index, name in enumerate(self.states)}

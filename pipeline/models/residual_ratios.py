@@ -1,0 +1,36 @@
+"""How large a model's residuals are beside what it predicts."""
+
+import torch
+
+from pipeline.models.contract import DynamicsModel
+from pipeline.models.examples import Examples
+from pipeline.models.windows import Series
+
+
+def ratios(measured: torch.Tensor, residual: torch.Tensor) -> dict[str, float]:
+    """Return P_f = |1 − ‖ν‖/‖y − ȳ‖| and P_i = |1 − ‖y − ȳ‖/‖ν‖|.
+
+    For a useful model P_f rises from 0, where the mean would do as well, to 1; P_i grows without bound.
+
+    Args:
+        measured: y (samples,).
+        residual: ν (samples,).
+    """
+    spread, left = torch.linalg.vector_norm(measured - measured.mean()), torch.linalg.vector_norm(residual)
+    return {"P_f": float((1.0 - left / spread).abs()), "P_i": float((1.0 - spread / left).abs())}
+
+
+@torch.no_grad()
+def residual_ratios(model: DynamicsModel, series: Series) -> dict[str, dict[str, float]]:
+    """Return `ratios` of every target of one-step predictions.
+
+    Raises:
+        InputError: when the series has no window.
+    """
+    examples = Examples.of_series(series, model.layout, model.settings.sequence_length, "held-out")
+    pairs = [(targets, targets - model.increments(windows)) for windows, targets in examples.chunks()]
+    measured, residual = (torch.cat(part) for part in zip(*pairs, strict=True))
+    return {
+        name: ratios(measured[:, index], residual[:, index])
+        for index, name in enumerate(model.layout.targets)
+    }

@@ -1,0 +1,86 @@
+import pytest
+import torch
+
+from pipeline.errors import InputError
+from pipeline.models.orthogonal_least_squares import choose
+from pipeline.models.rbf import RadialBasisModel
+from pipeline.models.residual_ratios import ratios, residual_ratios
+from tests.pipeline.models import learnable
+
+
+def radial(points, centres, width=0.1):
+    return torch.exp(-torch.cdist(points, centres).square() / (2 * width**2))
+
+
+def test_the_centres_of_a_sum_of_radial_functions_are_found():
+    random = torch.Generator().manual_seed(0)
+    points = torch.rand(300, 2, generator=random, dtype=torch.float64)
+    true = torch.tensor([17, 80, 211])
+    apart = [[0.1, 0.1], [0.9, 0.2], [0.5, 0.9]]  # so far that none hides another
+    points[true] = torch.tensor(apart, dtype=torch.float64)
+    weights = torch.tensor([[2.0, 0.5], [-1.5, 1.0], [1.0, -2.0]], dtype=torch.float64)
+    targets = radial(points, points[true]) @ weights
+    design = radial(points, points[:250])
+    energy = float(targets.square().sum())
+    choice = choose(design.T @ design, design.T @ targets, energy, most=20, goal=1e-9)
+    assert sorted(choice.order.tolist()) == true.tolist()
+    assert torch.allclose(choice.weights[choice.order.argsort()], weights, atol=1e-6)
+
+
+def test_the_weights_are_those_of_least_squares_on_the_chosen_regressors():
+    random = torch.Generator().manual_seed(1)
+    design = torch.randn(200, 30, generator=random, dtype=torch.float64)
+    targets = torch.randn(200, 3, generator=random, dtype=torch.float64)
+    energy = float(targets.square().sum())
+    choice = choose(design.T @ design, design.T @ targets, energy, most=10, goal=0.0, first=2)
+    chosen = design[:, choice.order]
+    expected = torch.linalg.lstsq(chosen, targets).solution
+    assert set(choice.order[:2].tolist()) == {0, 1}
+    assert torch.allclose(choice.weights, expected, atol=1e-10)
+    left = float((targets - chosen @ expected).square().sum()) / energy
+    assert float(choice.unexplained[-1]) == pytest.approx(left)
+
+
+def test_a_regressor_that_is_there_already_is_not_taken_again():
+    column = torch.randn(50, 1, generator=torch.Generator().manual_seed(2), dtype=torch.float64)
+    design = torch.cat([column, 2.0 * column], dim=1)
+    choice = choose(design.T @ design, design.T @ column, float(column.square().sum()), most=2, goal=-1.0)
+    assert len(choice.order) == 1
+
+
+def test_a_tighter_goal_takes_more_neurons():
+    recorded = learnable.quadrotor()
+    train, validation, _ = learnable.parts_of(recorded)
+    sizes = []
+    for goal in (0.5, 1e-3, 1e-5):
+        model = learnable.new_model("rbf", recorded, goal=goal, neurons=40)
+        assert isinstance(model, RadialBasisModel)
+        model.fit(train, validation, learnable.QUICK)
+        sizes.append(len(model.centres))
+    assert sizes == sorted(sizes)
+    assert sizes[0] < sizes[-1] <= 40
+
+
+@pytest.mark.parametrize("key", ["width", "candidates", "neurons", "goal", "ridge"])
+def test_settings_that_make_no_network_are_refused(key):
+    recorded = learnable.linear_joint()
+    train, validation, _ = learnable.parts_of(recorded)
+    with pytest.raises(InputError, match=rf"model\.{key}"):
+        learnable.new_model("rbf", recorded, **{key: -1}).fit(train, validation, learnable.QUICK)
+
+
+def test_the_ratios_of_known_residuals():
+    measured = torch.tensor([1.0, 3.0, 1.0, 3.0], dtype=torch.float64)  # ‖y − ȳ‖ = 2
+    residual = torch.tensor([0.5, 0.0, 0.0, 0.0], dtype=torch.float64)
+    assert ratios(measured, residual) == {"P_f": 0.75, "P_i": 3.0}
+    assert ratios(measured, measured - 2.0) == {"P_f": 0.0, "P_i": 0.0}
+
+
+def test_every_target_has_its_ratios():
+    recorded = learnable.swerve()
+    train, validation, held = learnable.parts_of(recorded)
+    model = learnable.new_model("linear", recorded)
+    model.fit(train, validation, learnable.QUICK)
+    found = residual_ratios(model, held)
+    assert set(found) == set(model.layout.targets)
+    assert all(entry["P_f"] > 0.99 for entry in found.values())
