@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.proof.intervals import Share, quantile, share_of
-from pipeline.proof.reliability import brier_score, calibration_error
+from pipeline.proof.reliability import brier_score, calibration_error, calibration_error_by_chance
 
 Result = Mapping[str, Any]
 
@@ -172,6 +172,9 @@ def overall(results: Sequence[Result]) -> dict[str, Share | float | int]:
         ),
         "abstentions: something is there, but without a name": share_of(
             r["score"]["outcome"] == "unnamed" for r in scored(results) if r["score"]["concealed"]
+        ),
+        "expected calibration error that chance leaves of kept probabilities": calibration_error_by_chance(
+            stated(results)
         ),
         "Brier score": brier_score(stated(results)),
         "stated probabilities": len(stated(results)),

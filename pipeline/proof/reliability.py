@@ -4,9 +4,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from pipeline.proof.intervals import Share
 
 BINS = 10
+
+_DRAWS = 1000  # of outcomes, for what chance leaves
 
 _SIZE, _LEFT, _TOP = 320, 60, 30  # px
 
@@ -52,6 +56,20 @@ def calibration_error(stated: Sequence[tuple[float, bool]]) -> float:
         if total
         else math.nan
     )
+
+
+def calibration_error_by_chance(stated: Sequence[tuple[float, bool]]) -> float:
+    """Return the calibration error that probabilities would have on average if all of them were kept.
+
+    It is above zero for any finite number of statements: a bin of few can never hold the share that it promises.
+    """
+    if not stated:
+        return math.nan
+    random = np.random.default_rng(0)
+    probabilities = [p for p, _ in stated]
+    drawn = random.uniform(size=(_DRAWS, len(stated))) < np.array(probabilities)
+    errors = [calibration_error(list(zip(probabilities, row, strict=True))) for row in drawn.tolist()]
+    return float(np.mean(errors))
 
 
 def reliability_figure(stated: Sequence[tuple[float, bool]]) -> str:

@@ -6,7 +6,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from pipeline.proof.reliability import brier_score, calibration_error, reliability, reliability_figure
+from pipeline.proof.reliability import (
+    brier_score,
+    calibration_error,
+    calibration_error_by_chance,
+    reliability,
+    reliability_figure,
+)
 
 
 def test_exact_numbers():
@@ -20,6 +26,15 @@ def test_exact_numbers():
 def test_certainty_belongs_to_the_last_bin():
     (only,) = reliability([(1.0, True), (0.95, True)])
     assert only.kept.total == 2
+
+
+def test_chance_leaves_less_the_more_statements_there_are():
+    """A single bin of n statements at p misses its share by √(2·p·(1 − p)/(π·n)) on average."""
+    for count in (50, 800):
+        stated = [(0.8, True)] * count
+        expected = math.sqrt(2 * 0.8 * 0.2 / (math.pi * count))
+        assert calibration_error_by_chance(stated) == pytest.approx(expected, rel=0.1)
+    assert math.isnan(calibration_error_by_chance([]))
 
 
 def test_kept_probabilities_have_no_calibration_error():
