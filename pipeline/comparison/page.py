@@ -85,6 +85,8 @@ def _markdown(table: Table) -> str:
 
 
 def _value(row: Row, key: str) -> str:
+    if not row.values:  # nothing but seeds was swept
+        return "as configured"
     return str(row.values.get(key, "")).replace("|", "\\|")
 
 

@@ -1,6 +1,5 @@
 """How effects compete: one is added at a time, and each that stays must earn it again when the others are there."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from torch import Tensor
@@ -116,21 +115,44 @@ class Competition:
 
     def prune(self) -> None:
         """Drop every effect that the others have made needless, the least needed first; it does not come back."""
-        self.drop(lambda candidate: bool(candidate.refusal), lambda candidate: candidate.gain)
+        while refused := [candidate for candidate in self.named() if candidate.refusal]:
+            self.drop(min(refused, key=lambda candidate: candidate.gain).effect)
 
     def disown(self) -> None:
-        """Drop what is less likely there than not: too little evidence, or parameters that follow the manoeuvre."""
-        least = self.settings.least_probability
-        self.drop(lambda candidate: self.presence(candidate) < least, self.presence)
+        """Drop what is less likely there than not, the least likely first: too little evidence, or much left beside it.
 
-    def drop(self, unwanted: Callable[[Candidate], bool], worth: Callable[[Candidate], float]) -> None:
-        """Drop unwanted effects one by one, the one of least worth first, and fit the others again."""
-        while judged := [self.alone(fitted.effect) for fitted in self.current.simulator.free]:
-            worst = min(filter(unwanted, judged), key=worth, default=None)
-            if worst is None:
+        Where that would discredit what is believed, since the residual that one explained is then left beside the
+        other, both stay: the one is believed, and the other said with the little probability that it has.
+        """
+        companions: set[str] = set()
+        while True:
+            believed, doubted = self.beliefs()
+            doubtful = {key: presence for key, presence in doubted.items() if key not in companions}
+            if not doubtful:
                 return
-            self.dropped.add(worst.effect.key)
-            self.become(fit(self.without(worst.effect).simulator, self.problem))
+            before, worst = self.current, min(doubtful, key=lambda key: doubtful[key])
+            self.drop(next(f.effect for f in before.simulator.free if f.effect.key == worst))
+            if not believed.keys() <= self.beliefs()[0].keys():
+                self.become(before)
+                self.dropped.discard(worst)
+                companions.add(worst)
+
+    def beliefs(self) -> tuple[dict[str, float], dict[str, float]]:
+        """Return the presence of the named effects, of those more likely there than not and of the others, by key."""
+        presence = {candidate.effect.key: self.presence(candidate) for candidate in self.named()}
+        least = self.settings.least_probability
+        believed = {key: value for key, value in presence.items() if value >= least}
+        return believed, {key: value for key, value in presence.items() if value < least}
+
+    def named(self) -> list[Candidate]:
+        """Return every named effect, each judged as if it had entered last."""
+        return [self.alone(fitted.effect) for fitted in self.current.simulator.free]
+
+    def drop(self, effect: Effect) -> None:
+        """Leave an effect out for good, and fit the others again."""
+        without = self.without(effect).simulator
+        self.dropped.add(effect.key)
+        self.become(fit(without, self.problem))
 
     def condense(self) -> None:
         """Put one effect in the place of two parameter errors where it explains as much."""

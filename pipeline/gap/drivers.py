@@ -25,7 +25,8 @@ _PASSES = 2  # a thrust answers to the square of a voltage
 def name_with_drivers(prepared: Prepared, naming: Naming, settings: Gap) -> tuple[Prepared, Naming]:
     """Name again with estimates of the slow drivers that were not recorded, where that costs less.
 
-    A driver that changes from run to run passes for a wrong number that drifts, or is left over.
+    A driver that changes from run to run passes for a wrong number that drifts, or is left over. Each driver costs as
+    much as a name: it is one more thing to believe.
     """
     effects = undriven(prepared.nominal, prepared.problem.blocks, settings.effects)
     if not effects or not _suspicious(prepared, naming):
@@ -40,7 +41,7 @@ def name_with_drivers(prepared: Prepared, naming: Naming, settings: Gap) -> tupl
     driven = replace(prepared, problem=problem, proving=proving)
     renamed = name(driven.nominal, problem, settings)
     used = {driver_of(c.effect) for c in renamed.named} & {driver_of(effect) for effect in effects}
-    if not used or cost_of(driven, renamed) >= cost_of(prepared, naming):
+    if not used or cost_of(driven, renamed) + len(used) >= cost_of(prepared, naming):
         return prepared, naming
     remarks = [
         f"{driver} was not recorded: its changes were estimated, stretch by stretch from the others of each run, and "

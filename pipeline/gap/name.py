@@ -47,7 +47,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         if is_beyond_chance(again.scores() - competition.scores()):
             competition = again
     competition.disown()
-    named = tuple(competition.alone(fitted.effect) for fitted in competition.current.simulator.free)
+    named = tuple(competition.named())
     rivalries = tuple(rivalry for winner in named if (rivalry := competition.rivalry(winner)))
     return Naming(competition.base, competition.current, named, tuple(competition.rounds), rivalries)
 
