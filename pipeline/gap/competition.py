@@ -21,6 +21,7 @@ BEYOND_NOISE = (
     4.0  # times the noise's energy: coloured noise may pass for more than the white noise it is measured by
 )
 _REDUNDANT = 0.2
+_INCREDIBLE = 0.1  # a probability below which an effect carries no other
 _EXCHANGES = 3  # each costs a round for every named effect
 
 
@@ -122,7 +123,8 @@ class Competition:
         """Drop what is less likely there than not, the least likely first: too little evidence, or much left beside it.
 
         Where that would discredit what is believed, since the residual that one explained is then left beside the
-        other, both stay: the one is believed, and the other said with the little probability that it has.
+        other, both stay: the one is believed, and the other said with the little probability that it has. What is
+        incredible by itself carries nothing.
         """
         companions: set[str] = set()
         while True:
@@ -132,7 +134,8 @@ class Competition:
                 return
             before, worst = self.current, min(doubtful, key=lambda key: doubtful[key])
             self.drop(next(f.effect for f in before.simulator.free if f.effect.key == worst))
-            if not believed.keys() <= self.beliefs()[0].keys():
+            carries = doubtful[worst] > _INCREDIBLE and not believed.keys() <= self.beliefs()[0].keys()
+            if carries:
                 self.become(before)
                 self.dropped.discard(worst)
                 companions.add(worst)
