@@ -63,7 +63,7 @@ def test_tables_are_markdown():
 
 def test_where_only_seeds_were_swept_there_is_one_row():
     text = tables_text(sweep(job(1.0, 0), job(3.0, 1), results={"tables": [TableOf("position/h1")]}))
-    assert text.splitlines()[-1] == "|  | 2 ± 1.4 |"
+    assert text.splitlines()[-1] == "| as configured | 2 ± 1.4 |"
 
 
 def test_a_section_is_replaced_and_the_others_stay(tmp_path):
