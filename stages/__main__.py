@@ -18,7 +18,6 @@ ORDER = (
     "report",
     "prove",
     "calibrate",
-    "strengths",
     "results",
     "effects",
 )

@@ -98,15 +98,23 @@ def examine(task: Concealed | Published, folder: Path) -> dict[str, Any]:
 
 
 def _examine_concealed(task: Concealed, folder: Path, answer: dict[str, Any]) -> None:
-    """Record a case, seal its key, and diagnose the recording from what the person is told."""
+    """Settle how strong a case is, record it, seal its key, and diagnose the recording from what the person is told.
+
+    An effect that this machine and motion cannot show as clearly, or as faintly, as its case says is no case.
+    """
+    from pipeline.proof.strength import is_settled
+    from stages._settled import settled
     from stages.record import record_sealed
 
     start = time.perf_counter()
-    answer["source"] = record_sealed(task.case, folder / "record" / "recording.parquet", task.sealed)
+    case, answer["energies"] = settled(task.case, task.config)
+    if not all(is_settled(energy, case.subject.strength) for energy in answer["energies"].values()):
+        return
+    answer["source"] = record_sealed(case, folder / "record" / "recording.parquet", task.sealed)
     answer["seconds_recording"] = time.perf_counter() - start
     sections = ("dataset", "clean", "simulator", "gap")
     values = {key: asdict(getattr(task.config, key)) for key in sections}
-    values |= {"platform": task.case.platform, "seed": task.case.seed}
+    values |= {"platform": case.platform, "seed": case.seed}
     answer |= _timed(partial(_diagnosed, values, folder, ("clean", "build_sim", "diagnose")))
 
 

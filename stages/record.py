@@ -62,6 +62,13 @@ def draw_cases(
     return concealed.draw_cases(kind, table, shares, machines, seed, count)
 
 
+def record_drawn(case: Any) -> tuple[Any, dict[str, Any]]:
+    """Return the recording of a drawn case and its key; see `pipeline.reality.concealed`."""
+    from pipeline.reality.concealed import record_concealed
+
+    return record_concealed(case)
+
+
 def record_sealed(case: Any, path: Path, sealed: Path) -> str:
     """Record a drawn case and write its key where only who scores it looks.
 
@@ -73,11 +80,10 @@ def record_sealed(case: Any, path: Path, sealed: Path) -> str:
     Returns:
         The recording's source, which names the hash of the key.
     """
-    from pipeline.reality.concealed import record_concealed
     from pipeline.reality.fly import key_text
     from pipeline.recordings.recording import write_recording
 
-    recording, key = record_concealed(case)
+    recording, key = record_drawn(case)
     path.parent.mkdir(parents=True, exist_ok=True)
     sealed.parent.mkdir(parents=True, exist_ok=True)
     write_recording(recording, path)

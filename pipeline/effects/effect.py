@@ -50,8 +50,9 @@ class Effect(ABC):
         acts_on: what the diagnosis reports (`force`, `torque`, `actuator`, `command`, `measurement`, `drive`, ...).
         parameters: what is to be identified.
         needs: signals without which it can be neither simulated nor tested.
-        drivers: slow ones among them, which may be estimated where they were not recorded, by name: the parameter or
-            constant of the platform that is its value where the effect does nothing.
+        driver: a slow one among them, which may be estimated where it was not recorded.
+        driver_at_rest: the parameter, or constant of the platform, that is the driver's value where the effect does
+            nothing.
         formula: as a person would write it.
         source: where it comes from.
         sentence: what a person can act on; `{name}` is replaced by the value of a parameter, `{name_unit}` by its unit.
@@ -63,7 +64,8 @@ class Effect(ABC):
     acts_on: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     needs: ClassVar[tuple[str, ...]] = ()
-    drivers: ClassVar[Mapping[str, str]] = {}
+    driver: ClassVar[str] = ""
+    driver_at_rest: ClassVar[str] = ""
     yields_to: ClassVar[tuple[str, ...]] = ()
     """Names that are the likelier cause wherever a recording cannot tell this effect from them."""
     formula: ClassVar[str]

@@ -112,9 +112,12 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     learned = learn(residual, channels, regimes, problem, fold)
     beside = learned_rows(learned, channels, regimes_on(proving, simulator), functions)
     proof = prove(nominal, simulator, proving, functions, counted, held_out, settings.resamples, beside)
+    unseen = _unseen(proof, naming, problem, channels)
+    gap = bool(unnamed or unseen) or any(m.excess > BEYOND_NOISE for m in mismatches)
+    doubts = (*_doubts(naming, drifts, memories, held_out), *unseen)
     return Diagnosis(
-        verdict=_verdict(naming, bool(unnamed) or any(m.excess > BEYOND_NOISE for m in mismatches)),
-        warnings=(*recording.warnings, *prepared.remarks, *_doubts(naming, drifts, memories, held_out)),
+        verdict=_verdict(naming, gap),
+        warnings=(*recording.warnings, *prepared.remarks, *doubts),
         mismatches=mismatches,
         naming=naming,
         signs=_signs(naming, drifts, problem, unnamed, channels),
@@ -153,6 +156,18 @@ def _verdict(naming: Naming, gap: bool) -> str:
     if naming.named:
         return "parameter_mismatch"
     return "unexplained" if gap else "none"
+
+
+def _unseen(proof: Proof, naming: Naming, problem: Problem, channels: Sequence[Channel]) -> list[str]:
+    """Say in which channels the held-out runs show what none of the fitted runs does: no competition could name it."""
+    _, after, noise = proof.channels.square().unbind(1)
+    fitted = excess_of(naming.fit, problem.noise).clamp_min(1.0)
+    return [
+        f"{channel.name}: the held-out runs leave {proved:.2g} times the noise's energy, the fitted ones {known:.2g}; "
+        "what they do is in no fitted run; record more like them"
+        for channel, proved, known in zip(channels, (after / noise).tolist(), fitted.tolist(), strict=True)
+        if proved > BEYOND_NOISE * known
+    ]
 
 
 def _signs(

@@ -34,13 +34,13 @@ def name_with_drivers(prepared: Prepared, naming: Naming, settings: Gap) -> tupl
     known = [f for f in naming.fit.simulator.effects if not isinstance(f.effect, ParameterError)]
     simulator = prepared.nominal.with_effects(tuple(known))
     problem, proving = prepared.problem, prepared.proving
-    for driver in sorted({driver_of(effect) for effect in effects}):
-        law = DriverLaw.of([e for e in effects if driver_of(e) == driver], problem, simulator)
+    for driver in sorted({effect.driver for effect in effects}):
+        law = DriverLaw.of([effect for effect in effects if effect.driver == driver], problem, simulator)
         problem = replace(problem, blocks=with_signal(problem.blocks, driver, law.along(problem)))
         proving = with_signal(proving, driver, law.along(_problem_on(proving, problem)))
     driven = replace(prepared, problem=problem, proving=proving)
     renamed = name(driven.nominal, problem, settings)
-    used = {driver_of(c.effect) for c in renamed.named} & {driver_of(effect) for effect in effects}
+    used = {c.effect.driver for c in renamed.named} & {effect.driver for effect in effects}
     if not used or cost_of(driven, renamed) + len(used) >= cost_of(prepared, naming):
         return prepared, naming
     remarks = [
@@ -55,12 +55,7 @@ def undriven(simulator: Simulator, blocks: Blocks, names: Sequence[str] | None) 
     """Return the effects that a recording would allow to test if their slow driver had been recorded."""
     recorded = available_signals(blocks.signals)
     wanted = allowed(simulator.platform.kind, names)
-    return [e for e in wanted if e.drivers and set(e.needs) - recorded == set(e.drivers)]
-
-
-def driver_of(effect: Effect) -> str:
-    """Return the slow driver of an effect; nothing where it has none."""
-    return next(iter(effect.drivers), "")
+    return [effect for effect in wanted if set(effect.needs) - recorded == {effect.driver}]
 
 
 @dataclass(frozen=True)
@@ -91,12 +86,12 @@ class DriverLaw:
             simulator: everything else that is known.
         """
         first = effects[0]
-        where = first.drivers[driver_of(first)]
+        where = first.driver_at_rest
         rest = float(first.defaults()[where] if where in first.defaults() else simulator.constants()[where])
         acting = simulator.with_effects(
             (*simulator.effects, *(FittedEffect(effect, effect.defaults()) for effect in effects))
         )
-        law = cls(driver_of(first), acting, first, rest)
+        law = cls(first.driver, acting, first, rest)
         load = law._load(problem.blocks)
         return replace(law, load=None) if load is None else replace(law, giving=law._fitted(problem, load))
 

@@ -41,6 +41,11 @@ def strength(result: Result) -> str:
     return str(result["case"]["subject"]["strength"])
 
 
+def is_case(result: Result) -> bool:
+    """Whether what is concealed shows as its category says (`stages/_settled.py`), or what is wrong is known."""
+    return "score" in result or "failed" in result
+
+
 def scored(results: Iterable[Result]) -> list[Result]:
     """Return the results that were held against a key: all but those whose recording failed."""
     return [result for result in results if "score" in result]

@@ -37,9 +37,11 @@ def results_text(results: Sequence[measures.Result], command: str) -> str:
 
 
 def _concealed(results: Sequence[measures.Result]) -> list[str]:
+    drawn, results = len(results), [result for result in results if measures.is_case(result)]
     kinds = list(dict.fromkeys(result["case"]["kind"] for result in results))
     return [
-        f"{len(results)} concealed cases.",
+        f"{len(results)} concealed cases; {drawn - len(results)} more were drawn in which no strength that a machine "
+        "has shows as clearly, or as faintly, as the case wants.",
         _table(["measured", "bar", "", *kinds], _bar_rows(results, kinds)),
         _table(["also", "", *kinds], _other_rows(results, kinds)),
         "Every effect: how often it is named first, the median error of its strength, the median of the gap closed.",

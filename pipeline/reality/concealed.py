@@ -2,7 +2,7 @@
 
 import importlib
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import islice
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from pipeline.errors import InputError
 from pipeline.platforms import platform_from_config
 from pipeline.reality.agenda import Subject, subjects
-from pipeline.reality.concealment import Quantity, Table
+from pipeline.reality.concealment import Table, components, typical
 from pipeline.reality.draw import draw_conditions, draw_effect, merged, vary_platform
 from pipeline.reality.kinds import case_from_config, record_case
 from pipeline.recordings.recording import Recording
@@ -36,6 +36,7 @@ class ConcealedCase:
         machine: the name of the platform it was varied from.
         platform: what the person is told of the machine, as a platform file.
         record: conditions and what is concealed, as the configuration group `record` has them.
+        hiding: conditions in the place of those by which a driver is not recorded.
         seed: of paths and noise.
     """
 
@@ -45,6 +46,7 @@ class ConcealedCase:
     machine: str
     platform: dict[str, Any]
     record: dict[str, Any]
+    hiding: dict[str, Any]
     seed: int
 
     @property
@@ -58,6 +60,23 @@ class ConcealedCase:
     def plain(self) -> dict[str, Any]:
         """Everything about it as mappings, lists, texts and numbers."""
         return asdict(self)
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The effects that it is about and that the catalogue has."""
+        return tuple(name for name in self.subject.names if name in self.record.get("effects", {}))
+
+    @property
+    def shown(self) -> "ConcealedCase":
+        """The same machine and motion with every driver recorded."""
+        return replace(self, hiding={})
+
+    def scaled(self, effect: str, factor: float) -> "ConcealedCase":
+        """Return the same machine and motion with an effect that many times as strong."""
+        quantities, values = _known(self.kind, "effects")[effect], dict(self.record["effects"][effect])
+        for name in components(quantities):
+            values[name] = quantities[name].scaled(values[name], factor)
+        return replace(self, record=self.record | {"effects": self.record["effects"] | {effect: values}})
 
 
 def draw_cases(
@@ -99,64 +118,35 @@ def draw_case(
     own, drawn = np.random.SeedSequence([seed, KINDS.index(kind), number]).generate_state(2).tolist()
     random = np.random.default_rng(drawn)
     parts = _parts(table, subject)
-    entries = [table[part.section][part.name] for part in parts]
-    if subject.category in ("hidden", "ambiguous"):
-        entries.append(table[subject.category][subject.condition])
-    machine, platform = vary_platform(_able(machines, entries), table.get("vary", {}), random)
+    entries = [table[section][name] for section, name in parts]
+    hidden = table["hidden"][subject.condition] if subject.category == "hidden" else {}
+    if subject.category == "ambiguous":
+        entries.append(table["ambiguous"][subject.condition])
+    machine, platform = vary_platform(_able(machines, [*entries, hidden]), table.get("vary", {}), random)
     record = draw_conditions(merged(table["conditions"], table["machines"][machine]), random)
     for entry in entries:
         record |= draw_conditions(entry.get("record", {}), random)
     size = _size(kind, record, platform)
     around = float(table.get("around", 0.0))
-    for part in parts:
-        known = _known(kind, part.section)
-        values = _values(known[part.name], size, table[part.section][part.name], part.strength, machine)
-        record.setdefault(part.section, {})[part.name] = draw_effect(known[part.name], values, around, random)
-    return ConcealedCase(kind, number, subject, machine, platform, record, own)
+    hiding = draw_conditions(hidden.get("record", {}), random)
+    for section, name in parts:
+        quantities = _known(kind, section)[name]
+        values = typical(name, _known(kind, section), size)
+        record.setdefault(section, {})[name] = draw_effect(quantities, values, around, random)
+    return ConcealedCase(kind, number, subject, machine, platform, record, hiding, own)
 
 
 def record_concealed(case: ConcealedCase) -> tuple[Recording, dict[str, Any]]:
     """Record a case: the recording, whose source names the hash of the key, and the key."""
     platform = platform_from_config(case.platform)
-    return record_case(case_from_config(case.kind, case.record), platform, case.seed)
+    return record_case(case_from_config(case.kind, case.record | case.hiding), platform, case.seed)
 
 
-@dataclass(frozen=True)
-class _Part:
-    """One thing that a case conceals: its section and name in the table, and how strong it is."""
-
-    section: str
-    name: str
-    strength: str
-
-
-def _parts(table: Mapping[str, Any], subject: Subject) -> list[_Part]:
-    """Return what a subject conceals, with what has to be there for it to show (`beside`)."""
-    own = [
-        _Part("effects" if n in table["effects"] else "outside", n, subject.strength) for n in subject.names
-    ]
-    beside = [name for part in own for name in table[part.section][part.name].get("beside", ())]
-    return own + [_Part("effects", name, "clear") for name in beside if name not in subject.names]
-
-
-def _values(
-    quantities: Mapping[str, Quantity], size: Any, entry: Mapping[str, Any], strength: str, machine: str
-) -> dict[str, float]:
-    """Return the values of an effect before they are varied.
-
-    The strength, one number or one for each machine, scales the first quantity and the other components of the same
-    thing (alike in unit and in what they are measured by); `at_STRENGTH` of the table sets others.
-    """
-    given = entry[strength]
-    factor = float(given[machine] if isinstance(given, Mapping) else given)
-    first = next(iter(quantities.values()))
-    values = {}
-    for name, quantity in quantities.items():
-        alike = quantity is first or (
-            first.powers and (quantity.unit, quantity.powers) == (first.unit, first.powers)
-        )
-        values[name] = quantity.typical(size, factor if alike else 1.0)
-    return values | {name: float(value) for name, value in entry.get(f"at_{strength}", {}).items()}
+def _parts(table: Mapping[str, Any], subject: Subject) -> list[tuple[str, str]]:
+    """Return section and name of what a subject conceals, with what has to be there for it to show (`beside`)."""
+    own = [("effects" if name in table["effects"] else "outside", name) for name in subject.names]
+    beside = [name for section, part in own for name in table[section][part].get("beside", ())]
+    return own + [("effects", name) for name in beside if name not in subject.names]
 
 
 def _able(

@@ -35,21 +35,18 @@ class Quantity:
     low: float = 0.0
     high: float = math.inf
 
-    def typical(self, size: Size, strength: float = 1.0) -> float:
-        """Return the default for a machine, that much stronger or fainter.
+    def typical(self, size: Size) -> float:
+        """Return the default for a machine of a size."""
+        return self.default * math.prod(size[name] ** power for name, power in self.powers.items())
 
-        Args:
-            size: what is typical of the machine.
-            strength: 1 for the default, 0 for none.
-        """
-        default = self.default * math.prod(size[name] ** power for name, power in self.powers.items())
-        if math.isinf(self.neutral):
-            return default / strength if strength else math.inf
-        return self.neutral + strength * (default - self.neutral)
+    def scaled(self, value: float, factor: float) -> float:
+        """Return a value that many times as far from neutral, within the bounds."""
+        moved = value / factor if math.isinf(self.neutral) else self.neutral + factor * (value - self.neutral)
+        return min(max(moved, self.low), self.high)
 
 
 Table = Mapping[str, Mapping[str, Quantity]]
-"""Quantities by effect; the first of each is its strength."""
+"""Quantities by effect; the first of each is its strength, with the other components of the same thing."""
 
 Chosen = Mapping[str, Mapping[str, float]]
 """Values by effect and quantity, as a case gives them; what is left out has its default."""
@@ -98,12 +95,19 @@ def _acts(values: Mapping[str, float], quantities: Mapping[str, Quantity]) -> bo
     return any(values[key] != entry.neutral for key, entry in quantities.items() if entry.unit == unit)
 
 
-def typical(name: str, table: Table, size: Size, strength: float = 1.0) -> dict[str, float]:
-    """Return the values of an effect on a machine; `strength` scales its first quantity from neutral."""
-    return {
-        key: quantity.typical(size, strength if place == 0 else 1.0)
-        for place, (key, quantity) in enumerate(table[name].items())
-    }
+def typical(name: str, table: Table, size: Size) -> dict[str, float]:
+    """Return the default values of an effect on a machine."""
+    return {key: quantity.typical(size) for key, quantity in table[name].items()}
+
+
+def components(quantities: Mapping[str, Quantity]) -> list[str]:
+    """Return the quantities that are the strength of an effect: the first, and what is another component of it."""
+    first = next(iter(quantities.values()))
+    return [
+        name
+        for name, quantity in quantities.items()
+        if quantity is first or (quantity.unit == first.unit and (quantity.default == 0.0 or quantity.powers))
+    ]
 
 
 def check_chosen(chosen: Chosen, table: Table, where: str) -> None:

@@ -12,14 +12,14 @@ from pipeline.stage import StageRun
 from pipeline.stage.command import run_command
 from pipeline.stage.compose import compose, typed
 from stages._examined import Concealed, ProveStage, examine
+from stages._settled import energy_over_noise, settled
 from stages.calibrate import calibrate
 from stages.prove import prove
 from stages.record import draw_cases
-from stages.strengths import StrengthsStage, strengths
 
 JOINT = {
     "machines": {"servo": {}},
-    "effects": {"coulomb_friction": {"clear": 1.0, "faint": 0.2}},
+    "effects": {"coulomb_friction": {}},
     "conditions": {"runs": 4, "duration": 4.0, "rate": 100.0},
 }
 
@@ -94,29 +94,34 @@ def test_calibration_without_results_is_refused(capfd: pytest.CaptureFixture[str
     assert "prove.results: no results are given" in capfd.readouterr().err
 
 
-@pytest.mark.slow
-def test_strengths_are_measured_with_all_else_known(tmp_path: Path) -> None:
-    output = tmp_path / "out"
-    output.mkdir()
-    strengths(configured(StrengthsStage, tmp_path), StageRun(output))
-    (entry,) = json.loads((tmp_path / "out" / "strengths.json").read_text())
-    energies = entry["energies"]
-    assert energies["1"]["explained"] > 10 * energies["0.2"]["explained"] > 0
-    assert energies["1"]["left"] < 5
+def drawn(config: ProveStage, kind: str, machine: str, **shares: float) -> Any:
+    machines = {machine: compose([f"platform={machine}"])["platform"]}
+    (case,) = draw_cases(kind, getattr(config.prove, kind), shares, machines, 3, 1)
+    return case
 
 
 @pytest.mark.slow
-def test_strengths_know_which_rotor_is_damaged(tmp_path: Path) -> None:
+def test_a_faint_case_is_as_strong_as_the_noise_and_nothing_else_of_it_changes(tmp_path: Path) -> None:
+    config = configured(ProveStage, tmp_path)
+    usual = drawn(config, "joint", "servo", faint=1.0)
+    case, energies = settled(usual, config)
+    assert 0.5 <= energies["coulomb_friction"] <= 2.0
+    assert energies["coulomb_friction"] == energy_over_noise(case, "coulomb_friction", config)
+    assert (
+        case.record["effects"]["coulomb_friction"]["level"]
+        < 0.5 * (usual.record["effects"]["coulomb_friction"]["level"])
+    )
+    assert replace(case, record={}) == replace(usual, record={})
+
+
+@pytest.mark.slow
+def test_which_rotor_is_damaged_is_known_to_what_settles_the_strength(tmp_path: Path) -> None:
     """One concealed name stands for four effects of the catalogue, one for each rotor."""
-    output = tmp_path / "out"
-    output.mkdir()
-    config = configured(StrengthsStage, tmp_path)
-    config.prove.kinds = ["quadrotor"]
+    config = configured(ProveStage, tmp_path)
     config.prove.quadrotor = {
         "machines": {"racer": {}},
-        "effects": {"rotor_fault": {"clear": 1.0, "faint": 1.0}},
+        "effects": {"rotor_fault": {}},
         "conditions": {"runs": 2, "duration": 4.0, "rate": 100.0},
     }
-    strengths(config, StageRun(output))
-    (entry,) = json.loads((tmp_path / "out" / "strengths.json").read_text())
-    assert entry["energies"]["1"]["explained"] > 100 * entry["energies"]["1"]["left"]
+    case = drawn(config, "quadrotor", "racer", clear=1.0)
+    assert energy_over_noise(case, "rotor_fault", config) > 1000

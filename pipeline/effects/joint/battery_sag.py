@@ -4,8 +4,7 @@ A drive that only sets its duty has a share of one, one that makes up for the su
 voltage, which no platform file of a joint holds, the motor gets what is commanded.
 """
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from torch import Tensor
 
@@ -24,7 +23,8 @@ class BatterySag(ActuatorEffect):
         Parameter("nominal_voltage", "V", 12.0, 0.5, 2000.0, neutral=24.0),
     )
     needs = ("voltage", "battery_voltage")
-    drivers: ClassVar[Mapping[str, str]] = {"battery_voltage": "nominal_voltage"}
+    driver = "battery_voltage"
+    driver_at_rest = "nominal_voltage"
     formula = "voltage_effective = voltage · (1 + share · (battery_voltage / nominal_voltage − 1))"
     source = "Mohan 2003, Electric drives: the mean voltage of a pulse-width-modulated converter"
     sentence = (

@@ -1,7 +1,6 @@
 """A joint's motor that weakens as it warms up."""
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from torch import Tensor
 
@@ -20,7 +19,8 @@ class TemperatureDerating(ActuatorEffect):
         Parameter("reference", "°C", 25.0, -60.0, 200.0, neutral=20.0),
     )
     needs = ("effort", "temperature")
-    drivers: ClassVar[Mapping[str, str]] = {"temperature": "reference"}
+    driver = "temperature"
+    driver_at_rest = "reference"
     formula = "effort_effective = effort · (1 − coefficient · (temperature − reference))"
     source = (
         "Krishnan 2010, Permanent magnet synchronous and brushless DC motor drives: remanence and temperature"

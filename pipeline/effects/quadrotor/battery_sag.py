@@ -1,7 +1,6 @@
 """Motors that turn slower on a sagging battery."""
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from torch import Tensor
 
@@ -16,7 +15,8 @@ class BatterySag(ActuatorEffect):
     acts_on = "actuator"
     parameters = (Parameter("sensitivity", "1", 1.0, 0.0, 2.0),)
     needs = ("motor_command", "battery_voltage")
-    drivers: ClassVar[Mapping[str, str]] = {"battery_voltage": "nominal_voltage"}
+    driver = "battery_voltage"
+    driver_at_rest = "nominal_voltage"
     formula = "Ω = motor_speed_max · command · (1 + sensitivity · (voltage / nominal_voltage − 1))"
     source = "Krishnan 2001, Electric motor drives, §2: the speed of an unregulated motor follows its voltage"
     sentence = (

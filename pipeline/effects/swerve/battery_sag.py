@@ -4,8 +4,7 @@ A controller that sets its duty has a sensitivity of one, one that makes up for 
 the motors' nominal voltage they get what is commanded.
 """
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from torch import Tensor
 
@@ -50,7 +49,8 @@ class DriveBatterySag(_SwerveBatterySag):
     """The drive motors' voltage falls with the battery's."""
 
     acts_on = "drive"
-    drivers: ClassVar[Mapping[str, str]] = {"battery_voltage": "drive_nominal_voltage"}
+    driver = "battery_voltage"
+    driver_at_rest = "drive_nominal_voltage"
     sentence = (
         "The drive motors' voltage falls by {sensitivity} of the share that the battery loses of their nominal "
         "voltage; scale it in the simulator."
@@ -61,7 +61,8 @@ class SteerBatterySag(_SwerveBatterySag):
     """The steering motors' voltage falls with the battery's."""
 
     acts_on = "steer"
-    drivers: ClassVar[Mapping[str, str]] = {"battery_voltage": "steer_nominal_voltage"}
+    driver = "battery_voltage"
+    driver_at_rest = "steer_nominal_voltage"
     sentence = (
         "The steering motors' voltage falls by {sensitivity} of the share that the battery loses of their nominal "
         "voltage; scale it in the simulator."

@@ -116,11 +116,11 @@ def joint_recordings(
         shape = (runs, samples)
         read_position = position[mine] + noise * 2e-4 * random.standard_normal(shape)
         read_velocity = velocity[mine] + noise * 0.02 * random.standard_normal(shape)
-        recordings.append(_joint_recording(voltage[mine], read_position, read_velocity))
+        recordings.append(recording_of(voltage[mine], read_position, read_velocity))
     return recordings
 
 
-def _joint_recording(voltage: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> Recording:
+def recording_of(voltage: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> Recording:
     runs, samples = voltage.shape
     names = [f"run_{run}" for run in range(runs)]
     frame = pd.DataFrame(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.gap.drivers import DriverLaw, driver_of, undriven, with_signal
+from pipeline.gap.drivers import DriverLaw, undriven, with_signal
 from tests.pipeline.gap import recordings
 from tests.pipeline.gap.problems import named, problem_of, quick
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
@@ -24,13 +24,11 @@ def sagging(slope=0.0, charge=CHARGE, seed=0):
     supply = np.array(charge)[:, None] - slope * np.arange(1600) * recordings.TIME_STEP
     position, velocity = recordings.motion(Plant(), voltage * supply)
     noise = random.standard_normal((2, *voltage.shape))
-    return recordings._joint_recording(
-        voltage, position + 2e-4 * noise[0], velocity + 0.02 * noise[1]
-    ), supply
+    return recordings.recording_of(voltage, position + 2e-4 * noise[0], velocity + 0.02 * noise[1]), supply
 
 
 def law_of(problem, simulator):
-    effects = [e for e in undriven(simulator, problem.blocks, None) if driver_of(e) == "battery_voltage"]
+    effects = [e for e in undriven(simulator, problem.blocks, None) if e.driver == "battery_voltage"]
     return DriverLaw.of(effects, problem, simulator)
 
 
@@ -74,10 +72,10 @@ def test_one_wrong_number_in_all_runs_is_no_battery():
 def test_what_was_recorded_is_not_estimated():
     simulator = joint_simulator()
     blocks = problem_of(joint_recording(Plant()), simulator).blocks
-    assert {driver_of(effect) for effect in undriven(simulator, blocks, None)} == {
+    assert {effect.driver for effect in undriven(simulator, blocks, None)} == {
         "battery_voltage",
         "temperature",
     }
     recorded = with_signal(blocks, "battery_voltage", torch.ones_like(blocks.signals["velocity"]))
-    assert {driver_of(effect) for effect in undriven(simulator, recorded, None)} == {"temperature"}
+    assert {effect.driver for effect in undriven(simulator, recorded, None)} == {"temperature"}
     assert undriven(simulator, blocks, ["coulomb_friction"]) == []

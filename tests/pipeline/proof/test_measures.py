@@ -7,7 +7,6 @@ import pytest
 from pipeline.proof import measures
 from pipeline.proof.intervals import Share
 from pipeline.proof.page import results_text, write_docs
-from pipeline.proof.strengths import faint_strength, strengths_text
 
 
 def result(category="clear", outcome="right", names=("drag",), kind="joint", **score):
@@ -115,15 +114,3 @@ def test_the_documentation_is_the_page_with_its_figure(tmp_path, monkeypatch):
     write_docs([result()], "make prove")
     assert (tmp_path / "images" / "reliability.svg").read_text().startswith("<svg")
     assert "images/reliability.svg" in (tmp_path / "proof.md").read_text()
-
-
-def entry(**energies):
-    measured_ = {strength: {"explained": value, "left": 1.0} for strength, value in energies.items()}
-    return {"kind": "joint", "effect": "drag", "machine": "servo", "energies": measured_}
-
-
-def test_the_faint_strength_follows_from_the_measurement_nearest_to_the_noise():
-    assert faint_strength(entry(**{"1": 400.0, "0.1": 4.0})) == pytest.approx(0.05)
-    assert faint_strength(entry(**{"1": 400.0, "0.1": -3.0})) == pytest.approx(0.05)
-    assert math.isnan(faint_strength(entry(**{"1": -1.0})))
-    assert strengths_text([entry(**{"1": 400.0})]) == "joint drag servo: 1: 4e+02 (1 left), faint at 0.05"

@@ -65,14 +65,16 @@ def test_what_shows_only_beside_another_is_drawn_with_it():
 
 def test_a_concealed_driver_is_not_recorded():
     for case in drawn("quadrotor", 6, hidden=1.0):
-        assert case.record["hidden"]
+        assert case.hiding["hidden"]
+        shown, hidden = (record_concealed(c)[0].frame for c in (case.shown, case))
+        assert set(shown) - set(hidden)
 
 
 def test_effects_that_no_machine_has_together_are_refused():
     table = PROVE["joint"] | {
         "effects": {
-            "coulomb_friction": {"clear": 1.0, "machines": ["servo"]},
-            "viscous_friction": {"clear": 1.0, "machines": ["pendulum"]},
+            "coulomb_friction": {"machines": ["servo"]},
+            "viscous_friction": {"machines": ["pendulum"]},
         }
     }
     with pytest.raises(InputError, match="keep such effects `apart`"):
