@@ -118,6 +118,10 @@ class DynamicsModel(ABC):
             InputError: when names or shapes differ from the settings'.
         """
 
+    def examples(self, series: Series, what: str) -> Examples:
+        """Return the windows of a series, as long as the settings say; see `Examples.of_series`."""
+        return Examples.of_series(series, self.layout, self.settings.sequence_length, what)
+
     def predict(self, states: Tensor, actions: Tensor) -> Tensor:
         """Return the next state of each window.
 
@@ -175,7 +179,7 @@ class DynamicsModel(ABC):
         Raises:
             InputError: when the series has no window.
         """
-        examples = Examples.of_series(series, self.layout, self.settings.sequence_length, "validation")
+        examples = self.examples(series, "validation")
         pieces = [(self.increments(windows).double(), targets) for windows, targets in examples.chunks()]
         predicted, true = (torch.cat(part) for part in zip(*pieces, strict=True))
         self.correction = BiasCorrection.fit(predicted, true)

@@ -48,9 +48,7 @@ class RadialBasisModel(DynamicsModel):
         """
         self._check()
         context = context or FitContext()
-        length = self.settings.sequence_length
-        examples = Examples.of_series(train, self.layout, length, "training")
-        held = Examples.of_series(validation, self.layout, length, "validation")
+        examples, held = self.examples(train, "training"), self.examples(validation, "validation")
         self.inputs = Scaler.fit(examples.features, self.settings.scaling)
         self.outputs = Scaler.fit(examples.targets[examples.seen()], "standard")
         drawn = torch.randperm(len(examples), generator=torch.Generator().manual_seed(context.seed))

@@ -3,7 +3,6 @@
 import torch
 
 from pipeline.models.contract import DynamicsModel
-from pipeline.models.examples import Examples
 from pipeline.models.windows import Series
 
 
@@ -27,8 +26,8 @@ def residual_ratios(model: DynamicsModel, series: Series) -> dict[str, dict[str,
     Raises:
         InputError: when the series has no window.
     """
-    examples = Examples.of_series(series, model.layout, model.settings.sequence_length, "held-out")
-    pairs = [(targets, targets - model.increments(windows)) for windows, targets in examples.chunks()]
+    chunks = model.examples(series, "held-out").chunks()
+    pairs = [(targets, targets - model.increments(windows)) for windows, targets in chunks]
     measured, residual = (torch.cat(part) for part in zip(*pairs, strict=True))
     return {
         name: ratios(measured[:, index], residual[:, index])
