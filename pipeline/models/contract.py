@@ -69,6 +69,7 @@ class DynamicsModel(ABC):
         time_step: s.
         provenance: where the model comes from.
         correction: of the increments that it predicts; None: they are taken as they are.
+        size: what a fit tells of the model's size and that of its data, by name; empty where there is nothing to tell.
     """
 
     settings_class: ClassVar[type[ModelSettings]]
@@ -88,6 +89,7 @@ class DynamicsModel(ABC):
         self.time_step = time_step
         self.provenance = Provenance()
         self.correction: BiasCorrection | None = None
+        self.size: dict[str, float] = {}
 
     @abstractmethod
     def fit(

@@ -57,8 +57,8 @@ class RadialBasisModel(DynamicsModel):
         linear = 1 + self.centres.shape[1]
         choice = choose(gram, moment, energy, linear + self.settings.neurons, self.settings.goal, linear)
         self._keep(choice, linear)
-        numbers = {"neurons": len(self.centres), "samples": len(examples)}
-        context.log({name: float(value) for name, value in numbers.items()}, 0)
+        self.size = {"neurons": float(len(self.centres)), "samples": float(len(examples))}
+        context.log(self.size, 0)
         return one_step_loss(self.increments, examples, held)
 
     def increments(self, features: Tensor) -> Tensor:
