@@ -47,7 +47,7 @@ def test_the_recording_keeps_the_contract_and_the_secret(recorded, tmp_path):
 
 
 def test_it_turns_as_commanded_on_the_spot(short, racer):
-    case = replace(short, duration=2.0, dropped=0.0, sensors=Sensors(scale=0.0))
+    case = replace(short, runs=10, dropped=0.0, sensors=Sensors(scale=0.0))
     frame = record_case(case, racer, seed=1)[0].frame
     assert (frame[["position_x", "position_y"]] == 0.0).all(axis=None)
     assert (frame[[f"velocity_{axis}" for axis in "xyz"]] == 0.0).all(axis=None)
