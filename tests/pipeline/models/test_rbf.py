@@ -53,13 +53,14 @@ def test_a_tighter_goal_takes_more_neurons():
     recorded = learnable.quadrotor()
     train, validation, _ = learnable.parts_of(recorded)
     sizes = []
-    for goal in (0.5, 1e-3, 1e-5):
+    for goal in (1.0, 0.5, 1e-3, 1e-5):
         model = learnable.new_model("rbf", recorded, goal=goal, neurons=40)
         assert isinstance(model, RadialBasisModel)
         model.fit(train, validation, learnable.QUICK)
         sizes.append(len(model.centres))
     assert sizes == sorted(sizes)
-    assert sizes[0] < sizes[-1] <= 40
+    assert sizes[0] == 0  # the linear part alone
+    assert sizes[1] < sizes[-1] <= 40
 
 
 @pytest.mark.parametrize("key", ["width", "candidates", "neurons", "goal", "ridge"])
