@@ -69,6 +69,7 @@ class DynamicsModel(ABC):
         time_step: s.
         provenance: where the model comes from.
         correction: of the increments that it predicts; None: they are taken as they are.
+        size: what a fit tells of the model's size and that of its data, by name; empty where there is nothing to tell.
     """
 
     settings_class: ClassVar[type[ModelSettings]]
@@ -88,6 +89,7 @@ class DynamicsModel(ABC):
         self.time_step = time_step
         self.provenance = Provenance()
         self.correction: BiasCorrection | None = None
+        self.size: dict[str, float] = {}
 
     @abstractmethod
     def fit(
@@ -117,6 +119,10 @@ class DynamicsModel(ABC):
         Raises:
             InputError: when names or shapes differ from the settings'.
         """
+
+    def examples(self, series: Series, what: str) -> Examples:
+        """Return the windows of a series, as long as the settings say; see `Examples.of_series`."""
+        return Examples.of_series(series, self.layout, self.settings.sequence_length, what)
 
     def predict(self, states: Tensor, actions: Tensor) -> Tensor:
         """Return the next state of each window.
@@ -175,7 +181,7 @@ class DynamicsModel(ABC):
         Raises:
             InputError: when the series has no window.
         """
-        examples = Examples.of_series(series, self.layout, self.settings.sequence_length, "validation")
+        examples = self.examples(series, "validation")
         pieces = [(self.increments(windows).double(), targets) for windows, targets in examples.chunks()]
         predicted, true = (torch.cat(part) for part in zip(*pieces, strict=True))
         self.correction = BiasCorrection.fit(predicted, true)

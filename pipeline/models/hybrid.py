@@ -77,8 +77,7 @@ class HybridModel(NetworkModel):
 
         context = context or FitContext()
         self.motion.fit(train, validation, training, context)
-        examples = Examples.of_series(train, self.layout, self.settings.sequence_length, "training")
-        self.prepare(examples, context)
+        self.prepare(self.examples(train, "training"), context)
         return train_rollouts(self, train, validation, training, context)
 
     def prepare(self, examples: Examples, context: FitContext) -> None:

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import Examples, one_step_loss
+from pipeline.models.examples import one_step_loss
 from pipeline.models.restoring import take_tensors
 from pipeline.models.scaling import Scaler
 from pipeline.models.settings import ModelSettings, Training
@@ -34,8 +34,8 @@ class LinearModel(DynamicsModel):
     ) -> float:
         """Solve the normal equations; the validation series only scores."""
         length = self.settings.sequence_length
-        examples = Examples.of_series(train, self.layout, length, "training")
-        held = Examples.of_series(validation, self.layout, length, "validation")
+        examples = self.examples(self.prepared(train), "training")
+        held = self.examples(validation, "validation")
         self.scaler = Scaler.fit(self.regressors(examples.features), self.settings.scaling)
         columns = length * len(self.scaler.centre) + 1
         gram = torch.zeros(columns, columns, dtype=torch.float64)
@@ -70,6 +70,10 @@ class LinearModel(DynamicsModel):
         own = take_tensors(tensors, shapes)
         self.coefficients = own["coefficients"]
         self.scaler = Scaler(own["centre"], own["spread"])
+
+    def prepared(self, train: Series) -> Series:
+        """Return the training series as the fit sees it: as it is."""
+        return train
 
     def regressors(self, features: Tensor) -> Tensor:
         """Return what the model is linear in, (..., regressors), of features (..., features): the features."""

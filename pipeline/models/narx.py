@@ -65,10 +65,8 @@ class NarxModel(DynamicsModel):
     ) -> float:
         """Train on recorded windows and keep the weights with the lowest validation loss of each target."""
         context = context or FitContext()
-        length = self.settings.sequence_length
         self.settings.delays()
-        examples = Examples.of_series(train, self.layout, length, "training")
-        held = Examples.of_series(validation, self.layout, length, "validation")
+        examples, held = self.examples(train, "training"), self.examples(validation, "validation")
         self.inputs = Scaler.fit(examples.features, self.settings.scaling)
         self.outputs = Scaler.fit(examples.targets[examples.seen()], "standard")
         regressors, targets = self._all(examples)

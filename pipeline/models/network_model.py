@@ -60,9 +60,7 @@ class NetworkModel(DynamicsModel):
         from pipeline.models.training import train_network
 
         context = context or FitContext()
-        length = self.settings.sequence_length
-        examples = Examples.of_series(train, self.layout, length, "training")
-        held = Examples.of_series(validation, self.layout, length, "validation")
+        examples, held = self.examples(train, "training"), self.examples(validation, "validation")
         self.prepare(examples, context)
         loss = train_network(
             self.network, self._scaled(examples), self._scaled(held), self.settings, training, context

@@ -48,9 +48,7 @@ class RadialBasisModel(DynamicsModel):
         """
         self._check()
         context = context or FitContext()
-        length = self.settings.sequence_length
-        examples = Examples.of_series(train, self.layout, length, "training")
-        held = Examples.of_series(validation, self.layout, length, "validation")
+        examples, held = self.examples(train, "training"), self.examples(validation, "validation")
         self.inputs = Scaler.fit(examples.features, self.settings.scaling)
         self.outputs = Scaler.fit(examples.targets[examples.seen()], "standard")
         drawn = torch.randperm(len(examples), generator=torch.Generator().manual_seed(context.seed))
@@ -59,8 +57,8 @@ class RadialBasisModel(DynamicsModel):
         linear = 1 + self.centres.shape[1]
         choice = choose(gram, moment, energy, linear + self.settings.neurons, self.settings.goal, linear)
         self._keep(choice, linear)
-        numbers = {"neurons": len(self.centres), "samples": len(examples)}
-        context.log({name: float(value) for name, value in numbers.items()}, 0)
+        self.size = {"neurons": float(len(self.centres)), "samples": float(len(examples))}
+        context.log(self.size, 0)
         return one_step_loss(self.increments, examples, held)
 
     def increments(self, features: Tensor) -> Tensor:

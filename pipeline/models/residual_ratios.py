@@ -3,7 +3,6 @@
 import torch
 
 from pipeline.models.contract import DynamicsModel
-from pipeline.models.examples import Examples
 from pipeline.models.windows import Series
 
 
@@ -22,15 +21,16 @@ def ratios(measured: torch.Tensor, residual: torch.Tensor) -> dict[str, float]:
 
 @torch.no_grad()
 def residual_ratios(model: DynamicsModel, series: Series) -> dict[str, dict[str, float]]:
-    """Return `ratios` of every target of one-step predictions.
+    """Return `ratios` of every target of one-step predictions, and under `size` what they took, where a fit told it.
 
     Raises:
         InputError: when the series has no window.
     """
-    examples = Examples.of_series(series, model.layout, model.settings.sequence_length, "held-out")
-    pairs = [(targets, targets - model.increments(windows)) for windows, targets in examples.chunks()]
+    chunks = model.examples(series, "held-out").chunks()
+    pairs = [(targets, targets - model.increments(windows)) for windows, targets in chunks]
     measured, residual = (torch.cat(part) for part in zip(*pairs, strict=True))
-    return {
+    found = {
         name: ratios(measured[:, index], residual[:, index])
         for index, name in enumerate(model.layout.targets)
     }
+    return found | ({"size": model.size} if model.size else {})

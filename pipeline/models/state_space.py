@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import torch
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter
 from torch import Tensor
 
 from pipeline.errors import InputError
-from pipeline.models.contract import FitContext
 from pipeline.models.linear import LinearModel, LinearSettings
-from pipeline.models.settings import ModelSettings, Training
+from pipeline.models.settings import ModelSettings
 from pipeline.models.windows import Series
+from pipeline.models.zero_phase import both_ways
 
 
 @dataclass
@@ -35,14 +35,10 @@ class StateSpaceModel(LinearModel):
     settings_class: ClassVar[type[ModelSettings]] = StateSpaceSettings
     settings: StateSpaceSettings
 
-    def fit(
-        self, train: Series, validation: Series, training: Training, context: FitContext | None = None
-    ) -> float:
-        """Solve the normal equations of the low-passed series; the validation series only scores, as it is."""
+    def prepared(self, train: Series) -> Series:
+        """Return the training series low-passed."""
         cutoff = self.settings.cutoff
-        if cutoff is not None:
-            train = low_passed(train, cutoff, self.settings.order)
-        return super().fit(train, validation, training)
+        return train if cutoff is None else low_passed(train, cutoff, self.settings.order)
 
     def regressors(self, features: Tensor) -> Tensor:
         """Return the layout's regressors."""
@@ -64,10 +60,8 @@ def low_passed(series: Series, cutoff: float, order: int) -> Series:
         raise InputError("must lie between 0 and 1", "model.cutoff", "give a share of half the sampling rate")
     sections = butter(order, cutoff, output="sos")
     smooth = [part.numpy().copy() for part in (series.states, series.actions)]
-    usual = 3 * (2 * len(sections) + 1)  # samples by which SciPy extends a segment at either end
     for first, last in series.bounds.tolist():
         for part in smooth:
             if last > first:
-                padding = min(usual, last - first - 1)
-                part[first:last] = sosfiltfilt(sections, part[first:last], axis=0, padlen=padding)
+                part[first:last] = both_ways(sections, part[first:last])
     return replace(series, states=torch.from_numpy(smooth[0]), actions=torch.from_numpy(smooth[1]))

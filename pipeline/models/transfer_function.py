@@ -15,7 +15,7 @@ from torch import Tensor
 
 from pipeline.errors import InputError
 from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import Examples, one_step_loss
+from pipeline.models.examples import one_step_loss
 from pipeline.models.restoring import take_tensors
 from pipeline.models.second_order import SecondOrder, responses
 from pipeline.models.settings import ModelSettings, Training
@@ -56,8 +56,7 @@ class TransferFunctionModel(DynamicsModel):
         """
         self._require_pairs()
         length = self.settings.sequence_length
-        examples = Examples.of_series(train, self.layout, length, "training")
-        held = Examples.of_series(validation, self.layout, length, "validation")
+        examples, held = self.examples(train, "training"), self.examples(validation, "validation")
         steps = max(self.settings.simulated, length)
         starts = train.stretches(1, steps)
         if not len(starts):

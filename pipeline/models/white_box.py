@@ -40,9 +40,7 @@ class WhiteBoxModel(DynamicsModel):
         self, train: Series, validation: Series, training: Training, context: FitContext | None = None
     ) -> float:
         """Solve each equation of motion; the validation series only scores."""
-        length = self.settings.sequence_length
-        examples = Examples.of_series(train, self.layout, length, "training")
-        held = Examples.of_series(validation, self.layout, length, "validation")
+        examples, held = self.examples(train, "training"), self.examples(validation, "validation")
         pieces = [self._averages(examples, *bounds) for bounds in train.bounds.tolist()]
         self.coefficients = [_solved(*zip(*parts, strict=True)) for parts in zip(*pieces, strict=True)]
         return one_step_loss(self.increments, examples, held)

@@ -16,6 +16,19 @@ from pipeline.recordings.recording import Recording
 ORDER = 4  # of the Butterworth filter, which runs forwards and backwards
 
 
+def both_ways(sections: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return a segment (samples, channels) filtered forwards and backwards, so that nothing is shifted in time.
+
+    Its ends are continued as far as the filter remembers, or as far as there are samples.
+
+    Args:
+        sections: of the filter, of second order, (sections, 6).
+        values: at least one sample.
+    """
+    padding = min(3 * (2 * len(sections) + 1), len(values) - 1)
+    return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=padding))
+
+
 def zero_phase(recording: Recording, frequencies: Mapping[str, float]) -> Recording:
     """Return the recording with some channels filtered, segment by segment.
 
@@ -61,10 +74,9 @@ def _sections(name: str, frequency: float, time_step: float) -> np.ndarray:
 
 
 def _filtered(values: np.ndarray, sections: np.ndarray, quaternion: bool) -> np.ndarray:
-    """Filter one segment (samples, channels); the ends are continued as far as the filter remembers, or there is."""
+    """Filter one segment (samples, channels)."""
     if quaternion:
         turned = np.sum(values[1:] * values[:-1], axis=1) < 0.0
         values[1:] *= np.where(np.cumsum(turned) % 2, -1.0, 1.0)[:, None]
-    padding = min(3 * (2 * len(sections) + 1), len(values) - 1)
-    smooth = sosfiltfilt(sections, values, axis=0, padlen=padding)
+    smooth = both_ways(sections, values)
     return smooth / np.linalg.norm(smooth, axis=1, keepdims=True) if quaternion else smooth

@@ -1,13 +1,14 @@
 """What is concealed, and under which conditions it is recorded."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 from pipeline.errors import InputError
 from pipeline.reality.concealable import CONCEALABLE, OUTSIDE, is_present, named_parameters
 from pipeline.reality.concealment import Table
+from pipeline.reality.conditions import check_logger, check_noise, check_not_negative, check_positive
 
 FLIGHTS = ("auto", "varied", "low", "hover", "line", "level")
 AUTOPILOTS = ("auto", "plain", "trimmed")
@@ -148,25 +149,15 @@ class PlantCase:
         """
         named_parameters(self.effects, CONCEALABLE, f"{where}.effects")
         named_parameters(self.outside, OUTSIDE, f"{where}.outside")
-        for key in ("runs", "duration", "rate", "slowest", "fastest", "acceleration", "battery_wear"):
-            if getattr(self, key) <= 0:
-                raise InputError(f"must be positive, is {getattr(self, key)}", f"{where}.{key}", "correct it")
-        for key in ("excitation", "arm", "estimates"):
-            if getattr(self, key) < 0:
-                raise InputError("must not be negative", f"{where}.{key}", "give 0 or more")
+        positive = ("runs", "duration", "rate", "slowest", "fastest", "acceleration", "battery_wear")
+        check_positive(self, positive, where)
+        check_not_negative(self, ("excitation", "arm", "estimates"), where)
         self._check_sampling(where)
         self._check_choices(where)
 
     def _check_sampling(self, where: str) -> None:
-        if not 0 <= self.dropped < 0.9:
-            raise InputError(f"must be from 0 to 0.9, is {self.dropped}", f"{where}.dropped", "give a share")
-        if not 0 <= self.jitter * self.rate < 0.2:
-            raise InputError(
-                f"must be under a fifth of the time step, is {self.jitter}", f"{where}.jitter", "give seconds"
-            )
-        for entry in fields(self.sensors):
-            if getattr(self.sensors, entry.name) < 0:
-                raise InputError("must not be negative", f"{where}.sensors.{entry.name}", "correct it")
+        check_logger(self.rate, self.jitter, self.dropped, where)
+        check_noise(self.sensors, f"{where}.sensors")
         if len(self.charge) != 2 or not 0.1 <= self.charge[0] <= self.charge[1] <= 1.0:
             raise InputError(
                 f"must be two shares from 0.1 to 1, is {self.charge}", f"{where}.charge", "give [low, high]"

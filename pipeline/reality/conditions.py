@@ -1,6 +1,7 @@
 """Checks that the cases of several machines share."""
 
-from dataclasses import asdict
+from collections.abc import Iterable
+from dataclasses import fields
 from typing import Any
 
 from pipeline.errors import InputError
@@ -13,6 +14,26 @@ def check_listed(names: list[str], known: tuple[str, ...], where: str, least: in
             raise InputError(f"unknown entry {name!r}", where, f"known: {', '.join(known)}")
     if len(names) < least:
         raise InputError("is empty", where, f"choose from {', '.join(known)}")
+
+
+def check_positive(part: Any, keys: Iterable[str], where: str) -> None:
+    """Refuse a part of a case in which one of these numbers is zero or less."""
+    for key in keys:
+        if getattr(part, key) <= 0:
+            raise InputError(f"must be positive, is {getattr(part, key)}", f"{where}.{key}", "correct it")
+
+
+def check_not_negative(part: Any, keys: Iterable[str], where: str) -> None:
+    """Refuse a part of a case in which one of these numbers is negative."""
+    for key in keys:
+        if getattr(part, key) < 0:
+            raise InputError("must not be negative", f"{where}.{key}", "give 0 or more")
+
+
+def check_gentlest(gentlest: float, where: str) -> None:
+    """Refuse a share of the wildest run that the gentlest one cannot be."""
+    if not 0 < gentlest <= 1:
+        raise InputError(f"must be over 0, at most 1, is {gentlest}", f"{where}.gentlest", "correct it")
 
 
 def check_logger(rate: float, jitter: float, dropped: float, where: str) -> None:
@@ -29,6 +50,4 @@ def check_logger(rate: float, jitter: float, dropped: float, where: str) -> None
 
 def check_noise(sensors: Any, where: str) -> None:
     """Refuse negative noise."""
-    for name, value in asdict(sensors).items():
-        if value < 0:
-            raise InputError("must not be negative", f"{where}.{name}", "correct it")
+    check_not_negative(sensors, (entry.name for entry in fields(sensors)), where)

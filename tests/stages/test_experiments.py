@@ -1,23 +1,26 @@
 """Presets at full scale: each opens with its command and is a valid configuration."""
 
-from pathlib import Path
-
 import pytest
 
-from pipeline.models.registry import model_settings
+from pipeline.models.layout import layout_of
+from pipeline.models.registry import model_class, model_settings
 from pipeline.stage.compose import compose, typed
+from pipeline.stage.project import CONFIGURATION
 from stages.train import TrainStage
+from tests.pipeline.models import learnable
 
-FOLDER = Path(__file__).parents[2] / "conf" / "experiment"
+FOLDER = CONFIGURATION / "experiment"
 PRESETS = sorted(path.stem for path in FOLDER.glob("*.yaml"))
+SWERVE_MODELS = sorted(path.stem for path in (CONFIGURATION / "model" / "swerve").glob("*.yaml"))
 
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_a_preset_opens_with_its_command(name):
-    package, command, *_ = (FOLDER / f"{name}.yaml").read_text(encoding="utf-8").splitlines()
+    text = (FOLDER / f"{name}.yaml").read_text(encoding="utf-8")
+    package, command, *_ = text.splitlines()
     assert package == "# @package _global_"
-    assert command.startswith("# simgap ")
-    assert f"+experiment={name}" in command
+    assert command.startswith("# simgap train -m " if "sweeper:" in text else "# simgap ")
+    assert f"+experiment={name}" in command.split()
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -45,3 +48,20 @@ def test_the_benchmark_filters_as_published():
     }
     live = typed(TrainStage, compose(["+experiment=nanodrone_benchmark", "train.zero_phase=null"]))
     assert live.train.zero_phase is None
+
+
+@pytest.mark.parametrize("name", ["swerve_steering", "swerve_chassis", "swerve_sequence_length"])
+def test_the_learned_swerve_drive_is_trained_on_forty_minutes_of_the_arena(name):
+    config = compose([f"+experiment={name}"])
+    assert config["name"] == "swerve_arena_40min"
+    assert config["record"]["runs"] * config["record"]["duration"] == 40 * 60
+    assert layout_of(learnable.swerve(), config["train"]["layout"]).kind == config["train"]["layout"]
+
+
+@pytest.mark.parametrize("name", SWERVE_MODELS)
+def test_a_model_for_swerve_drives_is_a_model(name):
+    recorded = learnable.swerve()
+    values = compose([f"model=swerve/{name}"])["model"]
+    settings = model_settings(values)
+    model = model_class(values)(layout_of(recorded, "swerve_chassis"), settings, recorded.time_step)
+    assert model.settings == settings

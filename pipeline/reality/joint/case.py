@@ -5,7 +5,13 @@ from dataclasses import dataclass, field
 from pipeline.errors import InputError
 from pipeline.platforms import Joint
 from pipeline.reality.concealment import Concealed, check_chosen
-from pipeline.reality.conditions import check_listed, check_logger, check_noise
+from pipeline.reality.conditions import (
+    check_gentlest,
+    check_listed,
+    check_logger,
+    check_noise,
+    check_positive,
+)
 from pipeline.reality.joint.effects import CONCEALABLE, NEEDS_MOTOR, OUTSIDE
 
 REFERENCES = ("multisine", "chirp", "steps", "triangle", "creep", "sine", "one_way")
@@ -103,13 +109,8 @@ class JointCase:
             "bandwidth",
             "supply",
         )
-        for key in positive:
-            if getattr(self, key) <= 0:
-                raise InputError(f"must be positive, is {getattr(self, key)}", f"{where}.{key}", "correct it")
-        if not 0 < self.gentlest <= 1:
-            raise InputError(
-                f"must be over 0, at most 1, is {self.gentlest}", f"{where}.gentlest", "correct it"
-            )
+        check_positive(self, positive, where)
+        check_gentlest(self.gentlest, where)
         check_listed(self.references, REFERENCES, f"{where}.references")
         check_listed(self.channels, RECORDABLE, f"{where}.channels", least=0)
         check_logger(self.rate, self.jitter, self.dropped, where)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.reality.rig.case import Gimbal
-from pipeline.reality.rotation import Array
+from pipeline.reality.rotation import Array, cross
 
 
 class Bearings:
@@ -31,7 +31,7 @@ class Bearings:
         self.bend = limit + (self.bend - limit) * np.exp(-speed * self.step / gimbal.give)
         down = -rotation[:, 2, :]  # in the body frame
         friction = gimbal.friction / gimbal.give * self.bend + gimbal.damping * body_rate
-        return np.cross(self.lever, down) - friction
+        return cross(self.lever, down) - friction
 
 
 def inertia_with(gimbal: Gimbal, moments: Array) -> Array:

@@ -1,12 +1,12 @@
 """What a concealed attitude rig is, how it is moved, and how it is recorded."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from pipeline.errors import InputError
 from pipeline.reality.case import PlantCase, Sensors
 from pipeline.reality.concealment import entry
-from pipeline.reality.conditions import check_logger
+from pipeline.reality.conditions import check_not_negative, check_positive
 
 ACTS_AT_REST = (
     "motor_lag",
@@ -114,16 +114,14 @@ class RigCase:
             InputError: naming the key.
         """
         self.plant.check(where)
-        check_logger(self.rate, 0.0, self.dropped, where)
         for name in self.effects:
             if name not in ACTS_AT_REST:
                 remedy = f"choose from {', '.join(ACTS_AT_REST)}"
                 raise InputError("does not show where the place is fixed", f"{where}.effects.{name}", remedy)
-        _check_signs(self, ("latency", "quickening"), where)
-        _check_signs(self.gimbal, ("friction", "damping"), f"{where}.gimbal")
-        _check_signs(self.pilot, ("wander", "eagerness", "shaking", "hold", "most"), f"{where}.pilot")
-        if self.gimbal.give <= 0.0:
-            raise InputError("must be positive", f"{where}.gimbal.give", "give rad")
+        check_not_negative(self, ("latency", "quickening"), where)
+        check_not_negative(self.gimbal, ("friction", "damping"), f"{where}.gimbal")
+        check_positive(self.gimbal, ("give",), f"{where}.gimbal")
+        check_not_negative(self.pilot, (entry.name for entry in fields(self.pilot)), f"{where}.pilot")
         if len(self.gimbal.rings) != 3 or min(self.gimbal.rings) < 0.0:
             raise InputError("needs three inertias", f"{where}.gimbal.rings", "give [x, y, z], kg·m²")
         if abs(self.gimbal.skew) >= 1.0:
@@ -150,9 +148,3 @@ _UNITS = {
     "latency": "s",
     "quickening": "rad/s²",
 }
-
-
-def _check_signs(part: Any, keys: tuple[str, ...], where: str) -> None:
-    for key in keys:
-        if getattr(part, key) < 0.0:
-            raise InputError("must not be negative", f"{where}.{key}", "give 0 or more")

@@ -3,10 +3,15 @@
 import math
 from dataclasses import dataclass, field
 
-from pipeline.errors import InputError
 from pipeline.platforms import Swerve
 from pipeline.reality.concealment import Concealed, check_chosen
-from pipeline.reality.conditions import check_listed, check_logger, check_noise
+from pipeline.reality.conditions import (
+    check_gentlest,
+    check_listed,
+    check_logger,
+    check_noise,
+    check_positive,
+)
 from pipeline.reality.swerve.effects import CONCEALABLE, OUTSIDE
 
 MANOEUVRES = ("weave", "spin", "shuttle", "curve", "straight", "cruise", "arena")
@@ -103,13 +108,8 @@ class SwerveCase:
             "steering_rate",
             "bandwidth",
         )
-        for key in positive:
-            if getattr(self, key) <= 0:
-                raise InputError(f"must be positive, is {getattr(self, key)}", f"{where}.{key}", "correct it")
-        if not 0 < self.gentlest <= 1:
-            raise InputError(
-                f"must be over 0, at most 1, is {self.gentlest}", f"{where}.gentlest", "correct it"
-            )
+        check_positive(self, positive, where)
+        check_gentlest(self.gentlest, where)
         check_listed(self.manoeuvres, MANOEUVRES, f"{where}.manoeuvres")
         check_listed(self.channels, RECORDABLE, f"{where}.channels", least=0)
         check_logger(self.rate, self.jitter, self.dropped, where)

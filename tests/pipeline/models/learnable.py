@@ -22,7 +22,7 @@ SMALL = {
     "black_box": {"sequence_length": 4, "units": 8, "delays": 2, "learning_rate": 0.01},
     "hybrid_parallel": {"sequence_length": 4, "units": 8, "learning_rate": 0.01},
     "hybrid_serial": {"sequence_length": 4, "units": 8, "learning_rate": 0.01},
-    "transfer_function": {"sequence_length": 4, "simulated": 50},
+    "transfer_function": {"sequence_length": 4, "simulated": 20},
     "narx": {"sequence_length": 2, "hidden": 4},
     "rbf": {"sequence_length": 2, "candidates": 50, "neurons": 20},
 }

@@ -1,5 +1,6 @@
 import pytest
 import torch
+from torch.autograd.functional import jacobian
 
 from pipeline.models import hidden_layer
 from pipeline.models.levenberg_marquardt import Problem, minimise
@@ -18,7 +19,7 @@ class Rosenbrock(Problem):
     validation_error = error
 
     def normal_equations(self, parameters):
-        slopes = torch.func.jacrev(self.residuals)(parameters)
+        slopes = parameters.new_tensor([[-20.0 * parameters[0], 10.0], [-1.0, 0.0]])
         return slopes.T @ slopes / 2, slopes.T @ self.residuals(parameters) / 2
 
 
@@ -51,7 +52,7 @@ def test_the_jacobian_of_the_network_is_that_of_automatic_differentiation(inputs
     parameters = hidden_layer.start(inputs, hidden, random)
     assert len(parameters) == hidden_layer.parameter_count(inputs, hidden)
     samples = torch.randn(7, inputs, generator=random, dtype=torch.float64)
-    expected = torch.func.jacrev(lambda values: hidden_layer.predict(values, samples))(parameters)
+    expected = jacobian(lambda values: hidden_layer.predict(values, samples), parameters)
     assert torch.allclose(hidden_layer.jacobian(parameters, samples), expected, atol=1e-12)
 
 

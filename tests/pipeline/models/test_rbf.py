@@ -2,6 +2,7 @@ import pytest
 import torch
 
 from pipeline.errors import InputError
+from pipeline.models.contract import FitContext
 from pipeline.models.orthogonal_least_squares import choose
 from pipeline.models.rbf import RadialBasisModel
 from pipeline.models.residual_ratios import ratios, residual_ratios
@@ -52,13 +53,14 @@ def test_a_tighter_goal_takes_more_neurons():
     recorded = learnable.quadrotor()
     train, validation, _ = learnable.parts_of(recorded)
     sizes = []
-    for goal in (0.5, 1e-3, 1e-5):
+    for goal in (1.0, 0.5, 1e-3, 1e-5):
         model = learnable.new_model("rbf", recorded, goal=goal, neurons=40)
         assert isinstance(model, RadialBasisModel)
         model.fit(train, validation, learnable.QUICK)
         sizes.append(len(model.centres))
     assert sizes == sorted(sizes)
-    assert sizes[0] < sizes[-1] <= 40
+    assert sizes[0] == 0  # the linear part alone
+    assert sizes[1] < sizes[-1] <= 40
 
 
 @pytest.mark.parametrize("key", ["width", "candidates", "neurons", "goal", "ridge"])
@@ -74,6 +76,18 @@ def test_the_ratios_of_known_residuals():
     residual = torch.tensor([0.5, 0.0, 0.0, 0.0], dtype=torch.float64)
     assert ratios(measured, residual) == {"P_f": 0.75, "P_i": 3.0}
     assert ratios(measured, measured - 2.0) == {"P_f": 0.0, "P_i": 0.0}
+
+
+def test_the_ratios_stand_beside_the_neurons_and_the_samples_that_they_took():
+    recorded = learnable.quadrotor()
+    train, validation, held = learnable.parts_of(recorded)
+    model = learnable.new_model("rbf", recorded, goal=1e-3)
+    told = []
+    model.fit(train, validation, learnable.QUICK, FitContext(log=lambda numbers, step: told.append(numbers)))
+    windows = len(train.starts(model.settings.sequence_length + 1))
+    expected = {"neurons": len(model.tensors()["centres"]), "samples": windows}
+    assert residual_ratios(model, held)["size"] == expected
+    assert told == [expected]
 
 
 def test_every_target_has_its_ratios():

@@ -72,7 +72,7 @@ def test_a_low_pass_keeps_what_is_slow_takes_what_is_fast_and_shifts_nothing():
 
 def test_segments_are_filtered_by_themselves():
     series, _ = driven(3, samples=60)
-    halves = replace(series, bounds=torch.tensor([[0, 30], [30, 60]]))
+    halves = replace(series, bounds=torch.tensor([[0, 30], [30, 30], [30, 60]]))
     first = Series(series.states[:30], series.actions[:30], torch.tensor([[0, 30]]), 0.02)
     assert torch.equal(low_passed(halves, 0.3, 4).states[:30], low_passed(first, 0.3, 4).states)
 

@@ -20,6 +20,7 @@ def test_the_default_case_can_be_flown():
         (PlantCase(duration=-1.0), "record.duration"),
         (PlantCase(dropped=1.0), "record.dropped"),
         (PlantCase(jitter=0.01), "record.jitter"),
+        (PlantCase(rate=5000.0), "record.rate"),
         (PlantCase(sensors=Sensors(position=-1.0)), "record.sensors.position"),
     ],
 )

@@ -6,7 +6,7 @@ import pytest
 from pipeline.errors import InputError
 from pipeline.reality.case import PlantCase
 from pipeline.reality.fly import fly, key_text
-from pipeline.recordings.recording import read_recording, write_recording
+from tests.pipeline.reality.reading import assert_read_as_written
 
 SHORT = {"runs": 3, "duration": 0.3}
 DRAG = PlantCase(effects={"rotor_drag": 0.35}, **SHORT)
@@ -41,12 +41,8 @@ def test_the_record_carries_the_hash_of_the_sealed_key_and_not_the_key(concealed
 
 def test_the_recording_keeps_the_contract(concealed, tmp_path):
     recording, _ = concealed
-    write_recording(recording, tmp_path / "recording.parquet")
-    read = read_recording(tmp_path / "recording.parquet")
-    pd.testing.assert_frame_equal(read.frame, recording.frame, check_like=True)
-    assert read.kind == "quadrotor"
-    assert read.units == recording.units
-    assert read.warnings == ()
+    assert recording.kind == "quadrotor"
+    assert_read_as_written(recording, tmp_path)
 
 
 def test_one_run_alone_can_be_flown_and_an_unknown_effect_cannot(racer):

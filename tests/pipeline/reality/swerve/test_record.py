@@ -11,7 +11,7 @@ from pipeline.reality.fly import key_text
 from pipeline.reality.joint.case import JointCase
 from pipeline.reality.swerve.case import SwerveCase, SwerveSensors
 from pipeline.reality.swerve.effects import CONCEALABLE, OUTSIDE
-from pipeline.recordings.recording import read_recording, write_recording
+from tests.pipeline.reality.reading import assert_read_as_written
 
 SHORT = {"runs": 4, "duration": 1.0}
 PERFECT = SwerveSensors(scale=0.0)
@@ -166,11 +166,8 @@ def test_the_recording_keeps_the_contract_without_a_doubt(machine, tmp_path):
         runs=3, duration=4.0, speed=2.0, acceleration=3.0, channels=["chassis", "battery_voltage"]
     )
     recording, _ = record_case(case, machine, seed=2)
-    write_recording(recording, tmp_path / "recording.parquet")
-    read = read_recording(tmp_path / "recording.parquet")
-    pd.testing.assert_frame_equal(read.frame, recording.frame, check_like=True)
-    assert read.kind == "swerve"
-    assert read.warnings == ()
+    assert recording.kind == "swerve"
+    assert_read_as_written(recording, tmp_path)
 
 
 @pytest.mark.parametrize(
