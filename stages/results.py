@@ -20,7 +20,7 @@ def results(sweeps: Sequence[Path], docs: Path) -> None:
 
     folders = [sweep / FOLDER for sweep in sweeps] or _titled()
     if not folders:
-        remedy = "run one: simgap train -m +experiment=NAME"
+        remedy = "run one: a preset of conf/experiment opens with its command"
         raise InputError("there is no sweep that has a title", SWEEPS, remedy)
     for folder in folders:
         write_section(folder, docs)

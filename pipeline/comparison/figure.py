@@ -17,13 +17,13 @@ _WIDE = 10.0
 
 
 def draw(comparison: Comparison, path: Path) -> bool:
-    """Draw one metric of all configurations as SVG; return whether there was any.
+    """Draw one metric of all configurations as SVG; return whether there were several to be held against each other.
 
     The first swept key that holds numbers alone is the abscissa; every combination of the others has a curve, with a
     band of one standard deviation over the seeds. References are dashed lines.
     """
     table = _chosen(comparison)
-    if table is None:
+    if table is None or sum(not row.reference for row in table.rows) < 2:
         return False
     import matplotlib
     from matplotlib.figure import Figure

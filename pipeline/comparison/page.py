@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pipeline.comparison.comparison import Comparison
 from pipeline.comparison.figure import FIGURE
-from pipeline.comparison.table import Row, Table, tables_of
+from pipeline.comparison.table import UNSWEPT, Row, Table, tables_of
 
 PAGE = "results.md"
 IMAGES = "images"
@@ -34,7 +34,7 @@ def tables_text(comparison: Comparison) -> str:
 
 
 def write_section(sweep: Path, docs: Path) -> None:
-    """Write the section of one sweep into `results.md`, and its figure beside; the other sections stay.
+    """Write the section of one sweep into `results.md`, and its figure, if any, beside; the other sections stay.
 
     Args:
         sweep: folder of the comparison.
@@ -49,6 +49,8 @@ def write_section(sweep: Path, docs: Path) -> None:
     if figure.exists():
         (docs / IMAGES).mkdir(parents=True, exist_ok=True)
         shutil.copyfile(figure, docs / picture)
+    else:
+        (docs / picture).unlink(missing_ok=True)
     page = docs / PAGE
     sections = _sections(page.read_text(encoding="utf-8")) if page.exists() else {}
     sections[comparison.name] = _section(comparison, picture if figure.exists() else None)
@@ -85,9 +87,7 @@ def _markdown(table: Table) -> str:
 
 
 def _value(row: Row, key: str) -> str:
-    if not row.values:  # nothing but seeds was swept
-        return "as configured"
-    return str(row.values.get(key, "")).replace("|", "\\|")
+    return str(row.values.get(key, "")).replace("|", "\\|") if row.values else UNSWEPT
 
 
 def _cell(table: Table, row: Row, column: str) -> str:

@@ -11,6 +11,7 @@ from pipeline.comparison.comparison import Comparison, Metrics, Value
 from pipeline.comparison.settings import TableOf
 
 MEAN = "mean"
+UNSWEPT = "as configured"  # what the one row is called where nothing but seeds was swept
 
 
 @dataclass(frozen=True)

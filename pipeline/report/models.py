@@ -7,7 +7,7 @@ from typing import Any
 
 from pipeline.comparison.comparison import Comparison
 from pipeline.comparison.figure import FIGURE
-from pipeline.comparison.table import Row, tables_of
+from pipeline.comparison.table import UNSWEPT, Row, tables_of
 from pipeline.comparison.table import Table as Compared
 from pipeline.report.inputs import ReportInputs, read_json
 from pipeline.report.section import Drawing, Section
@@ -84,7 +84,7 @@ def _table(table: Compared) -> Table:
 
 
 def _configuration(row: Row) -> str:
-    return row.reference or ", ".join(map(str, row.values.values()))
+    return row.reference or ", ".join(map(str, row.values.values())) or UNSWEPT
 
 
 def _entry(table: Compared, row: Row, column: str) -> str:

@@ -42,7 +42,9 @@ class StageRun:
         """
         path = Path(path)
         if not path.exists():
-            raise InputError("does not exist", str(path), "check the path, or run the stage that writes it")
+            earlier = "simgap record branch=NAME, simgap clean branch=NAME and so on"
+            remedy = f"check the path, or run the stages before this one: {earlier}"
+            raise InputError("does not exist", str(path), remedy)
         self.inputs[str(path)] = hash_path(path)
         self.tracker.log_input(str(path), self.inputs[str(path)])
         return path

@@ -48,8 +48,8 @@ def test_a_named_sweep_is_written_alone(capsys):
 def test_where_nothing_was_run_that_is_said_in_one_line(capsys):
     assert ended() == 2
     assert capsys.readouterr().err == (
-        "simgap results: artifacts/*/sweeps/*: there is no sweep that has a title; run one: simgap train -m"
-        " +experiment=NAME\n"
+        "simgap results: artifacts/*/sweeps/*: there is no sweep that has a title; run one: a preset of"
+        " conf/experiment opens with its command\n"
     )
     assert ended("absent") == 2
     assert "absent/comparison/comparison.json: cannot be read" in capsys.readouterr().err

@@ -37,11 +37,8 @@ def test_without_numbers_there_are_bars(tmp_path):
     assert "FillBetween" not in text
 
 
-@pytest.mark.parametrize(
-    "jobs", [[job(1.0)], [job(1.0, 0), job(2.0, 1)], [job(float("nan"), length=5), job(1.0, length=6)]]
-)
-def test_one_bar_and_gaps_are_drawn_too(tmp_path, jobs):
-    drawn(sweep(*jobs), tmp_path)
+def test_gaps_are_drawn_too(tmp_path):
+    drawn(sweep(job(float("nan"), length=5), job(1.0, length=6)), tmp_path)
 
 
 def test_the_same_comparison_gives_the_same_bytes(tmp_path):
@@ -49,6 +46,8 @@ def test_the_same_comparison_gives_the_same_bytes(tmp_path):
     assert drawn(lengths(), tmp_path) == first
 
 
-def test_nothing_to_draw(tmp_path):
-    assert not draw(sweep(), tmp_path / "figure.svg")
+@pytest.mark.parametrize("jobs", [[], [job(1.0)], [job(1.0, 0), job(2.0, 1)]])
+def test_where_there_is_nothing_to_hold_against_another_nothing_is_drawn(tmp_path, jobs):
+    comparison = sweep(*jobs, references={"persistence": {"position/h1": 8.0, "position/h10": 80.0}})
+    assert not draw(comparison, tmp_path / "figure.svg")
     assert list(tmp_path.iterdir()) == []

@@ -88,3 +88,14 @@ def test_a_section_is_replaced_and_the_others_stay(tmp_path):
     assert "](images/results_one.svg)" in after
     write_section(tmp_path / "one", docs)
     assert (docs / PAGE).read_text() == after
+
+
+def test_a_picture_that_a_sweep_no_longer_has_goes(tmp_path):
+    docs = tmp_path / "docs"
+    docs.mkdir()
+    sweep_folder = written(tmp_path / "imagined", lengths())
+    write_section(sweep_folder, docs)
+    (sweep_folder / FIGURE).unlink()
+    write_section(written(sweep_folder, replace(lengths(), jobs=lengths().jobs[:2])), docs)
+    assert "![" not in (docs / PAGE).read_text()
+    assert list((docs / "images").iterdir()) == []

@@ -110,7 +110,7 @@ def make_sweep(branch: Path, text: str = "") -> Path:
     """Write what a sweep of two models has shown, with text wherever text goes."""
     folder = branch / "sweeps" / "train" / "comparison"
     folder.mkdir(parents=True)
-    jobs = [Job({"model": text or model}, seed, {"position/h1": error}) for model, seed, error in MODELS]
+    jobs = [Job({"model": text + model}, seed, {"position/h1": error}) for model, seed, error in MODELS]
     settings = Results(text or "Two models", text, [TableOf("position/h1", text)], baseline={"model": "lstm"})
     failed = [text] if text else ["model=x: no"]
     comparison = Comparison(

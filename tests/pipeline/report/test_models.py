@@ -2,9 +2,11 @@
 
 import re
 
+from pipeline.comparison.figure import FIGURE, draw
 from pipeline.report import ReportInputs, write_page
 from pipeline.report.models import model_section, sweeps_section
 from pipeline.report.section import Drawing
+from tests.pipeline.comparison.sweeps import job, sweep
 from tests.pipeline.report.artifacts import HOSTILE, make_branch, make_sweep
 
 
@@ -35,6 +37,19 @@ def test_models_that_a_sweep_compared_stand_side_by_side(tmp_path):
     assert [row[0] for row in table.rows] == ["lstm", "tcn", "persistence"]
     assert table.rows[1][1] == "1.50\u00a0±\u00a00.71\u00a0(−50\u202f%)"
     assert table.rows[2][1] == "9.000"
+
+
+def test_where_only_seeds_were_swept_the_row_has_a_name_and_there_is_no_picture(tmp_path):
+    folder = tmp_path / "sweeps" / "train" / "comparison"
+    folder.mkdir(parents=True)
+    seeds = sweep(job(1.0, 0), job(3.0, 1))
+    seeds.write(folder)
+    draw(seeds, folder / FIGURE)
+    section = sweeps_section(ReportInputs.of_branch(tmp_path), Drawing())
+    assert section is not None
+    (shown,) = section.content["sweeps"]
+    assert shown["tables"][0].rows[0][0] == "as configured"
+    assert shown["picture"] is None
 
 
 def test_the_page_holds_the_picture_and_no_markup_of_others(tmp_path):

@@ -29,7 +29,9 @@ def test_inputs_are_there_and_hashed(tmp_path: Path) -> None:
     (tmp_path / "flight.csv").write_text("t\n")
     assert run.input(tmp_path / "flight.csv") == tmp_path / "flight.csv"
     assert run.inputs == {str(tmp_path / "flight.csv"): hashlib.sha256(b"t\n").hexdigest()}
-    with pytest.raises(InputError, match=r"absent.csv: does not exist; check the path"):
+    with pytest.raises(
+        InputError, match=r"absent.csv: does not exist; check the path.*simgap clean branch=NAME"
+    ):
         run.input(tmp_path / "absent.csv")
 
 

@@ -75,12 +75,12 @@ def test_a_typo_in_a_sweep_is_one_line(tiny: ModuleType, capfd: pytest.CaptureFi
 
 def test_all_jobs_are_children_of_one_parent(tiny: ModuleType, store: str) -> None:
     for _ in range(2):  # the second time they are done already
-        assert run_command(tiny.tiny_stage, ["-m", "seed=1,2", f"tracking.uri={store}"]) == 0
+        assert run_command(tiny.tiny_stage, ["-m", "drawing.amount=1,2", f"tracking.uri={store}"]) == 0
     client, experiment = open_store(store)
     runs = client.search_runs([experiment])
     (parent,) = [run for run in runs if PARENT_TAG in run.data.tags]
     children = [run for run in runs if run is not parent]
-    assert sorted(run.info.run_name for run in children) == ["seed=1", "seed=2"]
+    assert sorted(run.info.run_name for run in children) == ["drawing.amount=1", "drawing.amount=2"]
     assert {run.data.tags["mlflow.parentRunId"] for run in children} == {parent.info.run_id}
     logged = client.list_artifacts(parent.info.run_id, "comparison")
     assert sorted(Path(file.path).name for file in logged) == COMPARED
