@@ -1,7 +1,7 @@
 """From series to what a regression sees: windows of features and the increments that follow them."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
@@ -9,7 +9,7 @@ from torch import Tensor
 from pipeline.errors import InputError
 from pipeline.models.layout import Layout
 from pipeline.models.scaling import Scaler
-from pipeline.models.windows import Series, gather
+from pipeline.models.windows import Series, evenly, gather
 
 _CHUNK = 4096
 
@@ -59,6 +59,20 @@ class Examples:
             starts=starts,
             length=length,
         )
+
+    def at_most(self, windows: int | None) -> "Examples":
+        """Return so many of the validation windows at most, spread evenly; all where there is no limit.
+
+        Raises:
+            InputError: when that leaves none.
+        """
+        if windows is None:
+            return self
+        if windows < 1:
+            raise InputError(
+                "needs at least one", "train.validation_windows", "give a positive number, or null"
+            )
+        return replace(self, starts=evenly(self.starts, windows))
 
     def seen(self) -> Tensor:
         """Return the samples (n,) that are the last of some window: those whose targets are real."""

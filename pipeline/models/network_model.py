@@ -61,6 +61,7 @@ class NetworkModel(DynamicsModel):
 
         context = context or FitContext()
         examples, held = self.examples(train, "training"), self.examples(validation, "validation")
+        held = held.at_most(training.validation_windows)
         self.prepare(examples, context)
         loss = train_network(
             self.network, self._scaled(examples), self._scaled(held), self.settings, training, context

@@ -31,6 +31,7 @@ class Training:
     bias_correction: bool = (
         False  # whether predictions are corrected by a line that is fitted on validation runs
     )
+    validation_windows: int | None = None  # by which one-step training stops, at most, evenly; null: all
     horizons: list[int] = field(default_factory=lambda: [1, 10, 50])  # steps at which rollouts are scored
     evaluation_windows: int = 2000  # at most, evenly over the held-out runs
     evaluation_history: int = (

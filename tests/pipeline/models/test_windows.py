@@ -111,3 +111,19 @@ def test_an_excerpt_that_does_not_fit_is_refused(share, shift):
     series = series_of(recorded, layout_of(recorded), recorded.runs)
     with pytest.raises(InputError, match=r"train\.share"):
         series.excerpt(share, shift)
+
+
+@pytest.mark.parametrize("most", [1, 7, 1000, None])
+def test_windows_to_stop_by_are_some_of_all_from_the_first_to_the_last(most):
+    examples = Examples(torch.zeros(60, 1), torch.zeros(60, 1), torch.arange(50), 10)
+    kept = examples.at_most(most).starts.tolist()
+    assert len(kept) == min(most or 50, 50)
+    assert sorted(set(kept)) == kept
+    assert kept[0] == 0
+    assert kept[-1] == (0 if most == 1 else 49)
+
+
+def test_no_window_to_stop_by_is_refused():
+    examples = Examples(torch.zeros(60, 1), torch.zeros(60, 1), torch.arange(50), 10)
+    with pytest.raises(InputError, match="needs at least one"):
+        examples.at_most(0)
