@@ -22,6 +22,8 @@ alone. Scores are those of held-out runs; where there are several seeds, mean ±
 _MARK = "<!-- sweep: {} -->"
 _SECTION = re.compile(r"^<!-- sweep: (\S+) -->$", re.MULTILINE)
 
+_WHOLE = 1e4  # from here on, a number is written without fraction
+
 
 def tables_text(comparison: Comparison) -> str:
     """Return all tables of a comparison, and what was left out of it."""
@@ -98,4 +100,6 @@ def _cell(table: Table, row: Row, column: str) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:.4g}" if math.isfinite(value) else UNKNOWN
+    if not math.isfinite(value):
+        return UNKNOWN
+    return f"{value:,.0f}" if abs(value) >= _WHOLE else f"{value:.4g}"

@@ -99,3 +99,8 @@ def test_a_picture_that_a_sweep_no_longer_has_goes(tmp_path):
     write_section(written(sweep_folder, replace(lengths(), jobs=lengths().jobs[:2])), docs)
     assert "![" not in (docs / PAGE).read_text()
     assert list((docs / "images").iterdir()) == []
+
+
+def test_numbers_are_written_as_people_read_them():
+    text = tables_text(sweep(job(73248.0, 0), results={"tables": [TableOf("position/h1")]}))
+    assert "73,248" in text.splitlines()[-1]
