@@ -10,8 +10,6 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from pipeline.gap.scoring import log_score
-
 if TYPE_CHECKING:
     from pipeline.effects import Effect
     from pipeline.gap.candidate import Candidate
@@ -76,7 +74,7 @@ def _evidence_for(first: Candidate, second: Candidate, cluster: Tensor) -> float
 
 def total_score(candidate: Candidate) -> float:
     """Return the cross-validated log likelihood of a simulator with a candidate, up to a constant."""
-    return float(log_score(candidate.residual, candidate.fit.scale).sum())
+    return float(candidate.score.sum())
 
 
 def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
@@ -99,5 +97,5 @@ def is_beyond_chance(ahead: Tensor, chance: float = _CHANCE) -> bool:
 
 def _difference(first: Candidate, second: Candidate, cluster: Tensor) -> Tensor:
     """Return by how much the log likelihood of the first exceeds the second's in each cluster, (clusters,)."""
-    difference = log_score(first.residual, first.fit.scale) - log_score(second.residual, second.fit.scale)
+    difference = first.score - second.score
     return difference.new_zeros(int(cluster.max()) + 1).index_add(0, cluster, difference)

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from pipeline.effects import Effect, ParameterError
 from pipeline.gap.fit import Fit, Problem, columns_of
-from pipeline.gap.scoring import cross_validated, folds_of, log_score, significance_of
+from pipeline.gap.scoring import cross_validated, folds_of, predictive_score, significance_of
 from pipeline.gap.settings import Gap
 
 _Z95 = 1.96
@@ -25,7 +25,7 @@ class Candidate:
     Attributes:
         effect: what was added to the simulator of that round.
         fit: the refitted simulator.
-        residual: cross-validated, (blocks, rows, channels).
+        score: cross-validated log likelihood of each block with it, up to a constant, (blocks,).
         gain: cross-validated log likelihood gained, corrected for correlated rows.
         channel: of whose residual it explains the greatest part.
         share: of the excess over the noise floor that the others leave there.
@@ -39,7 +39,7 @@ class Candidate:
 
     effect: Effect
     fit: Fit
-    residual: Tensor
+    score: Tensor
     gain: float
     channel: int
     share: float
@@ -110,7 +110,8 @@ class Judge:
         columns = columns_of(fitted, effect)
         neutral = list(self.rest(effect).values())
         significance = significance_of(fitted, columns, neutral, self.clusters)
-        gain = float((log_score(after, fitted.scale) - log_score(before, without.scale)).sum())
+        score = predictive_score(after, self.problem.noise)
+        gain = float((score - predictive_score(before, self.problem.noise)).sum())
         energy = (before.square() - after.square()).mean(1)  # (blocks, channels)
         energies = energy.mean(0)
         channel = int((energies / without.scale.square()).argmax())
@@ -118,7 +119,7 @@ class Judge:
         candidate = Candidate(
             effect=effect,
             fit=fitted,
-            residual=after,
+            score=score,
             gain=gain / significance.design_effect,
             channel=channel,
             share=share,

@@ -13,7 +13,7 @@ from pipeline.gap.model import drifts_of, unsteadiness_of
 from pipeline.gap.parsimony import single_cause
 from pipeline.gap.probability import Signs, presence_of
 from pipeline.gap.refit import extend, shrink
-from pipeline.gap.scoring import cross_validated, log_score
+from pipeline.gap.scoring import cross_validated, predictive_score
 from pipeline.gap.settings import Gap
 from pipeline.simulation import Simulator
 
@@ -81,7 +81,7 @@ class Competition:
 
     def scores(self) -> Tensor:
         """Return the cross-validated log likelihood of each cluster of correlated residuals, (clusters,)."""
-        score = log_score(cross_validated(self.current, self.judge.fold), self.current.scale)
+        score = predictive_score(cross_validated(self.current, self.judge.fold), self.problem.noise)
         return score.new_zeros(self.clusters).index_add(0, self.problem.cluster, score)
 
     def take(self, winner: Candidate) -> None:
@@ -120,7 +120,7 @@ class Competition:
             self.drop(min(refused, key=lambda candidate: candidate.gain).effect)
 
     def disown(self) -> None:
-        """Drop what is less likely there than not, the least likely first: too little evidence, or much left beside it.
+        """Drop what is hardly there, the least likely first: too little evidence, or much left beside it.
 
         Where that would discredit what is believed, since the residual that one explained is then left beside the
         other, both stay: the one is believed, and the other said with the little probability that it has. What is
@@ -141,7 +141,7 @@ class Competition:
                 companions.add(worst)
 
     def beliefs(self) -> tuple[dict[str, float], dict[str, float]]:
-        """Return the presence of the named effects, of those more likely there than not and of the others, by key."""
+        """Return the presence of the named effects, of those that may be named and of the others, by key."""
         presence = {candidate.effect.key: self.presence(candidate) for candidate in self.named()}
         least = self.settings.least_probability
         believed = {key: value for key, value in presence.items() if value >= least}

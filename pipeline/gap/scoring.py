@@ -6,7 +6,7 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from pipeline.gap.fit import Fit
+from pipeline.gap.fit import Fit, channel_scale
 from pipeline.simulation.blocks import Blocks
 
 
@@ -48,6 +48,14 @@ def log_score(residual: Tensor, scale: Tensor) -> Tensor:
     """Return the Gaussian log likelihood of each block's residual, up to a constant: (blocks,)."""
     standard = residual / scale
     return -0.5 * (standard.square() + 2.0 * torch.log(scale)).sum((1, 2))
+
+
+def predictive_score(residual: Tensor, noise: Tensor) -> Tensor:
+    """Return the log likelihood of each block's left-out residual with the spread that such residuals show, (blocks,).
+
+    The spread of fitted residuals would count one badly predicted run many times over.
+    """
+    return log_score(residual, channel_scale(residual, noise))
 
 
 @dataclass(frozen=True)

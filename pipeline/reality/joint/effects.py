@@ -25,7 +25,7 @@ CONCEALABLE: dict[str, dict[str, Quantity]] = {
     "dead_zone": {"width": Quantity("N·m", 0.12, {"command": 1})},  # here in the unit of the command
     "cogging": {
         "amplitude": Quantity("N·m", 0.12, _EFFORT),
-        "cycles": Quantity("1/rad", 12.0, _PER_POSITION, low=1e-6),
+        "cycles": Quantity("1/rad", 12.0, _PER_POSITION, low=2.0),  # a magnet has two poles
         "phase": Quantity("rad", 0.7, low=-10.0),
         "second_harmonic": Quantity("1", 0.2),
     },
