@@ -17,7 +17,7 @@ from pipeline.simulation.motion import motion_of
 from tests.pipeline.simulation.drives import driven
 
 _STEP = 0.01  # s
-_SAMPLES = 1000
+_SAMPLES = 600
 _RUNS = 4
 _CHASSIS = ("chassis_velocity_x", "chassis_velocity_y", "chassis_rate")
 
