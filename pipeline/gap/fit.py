@@ -225,6 +225,16 @@ def _line_search(
     return values, residual
 
 
+def inverse_of(information: Tensor) -> Tensor:
+    """Return the pseudo-inverse of information or covariance, the same in whatever units the parameters are.
+
+    A rotor's inertia and a drag coefficient differ by eight decades: without a common size, what is known of the one
+    passes for rounding of the other.
+    """
+    size = information.diagonal().clamp_min(1e-300).sqrt()
+    return torch.linalg.pinv(information / size / size[:, None], hermitian=True) / size / size[:, None]
+
+
 def clustered_covariance(jacobian: Tensor, residual: Tensor, scale: Tensor, cluster: Tensor) -> Tensor:
     """Return the sandwich covariance of the parameters with residuals correlated inside clusters.
 
@@ -236,7 +246,7 @@ def clustered_covariance(jacobian: Tensor, residual: Tensor, scale: Tensor, clus
     score = torch.einsum("brcp,brc->bp", weighted, residual / scale)
     groups = int(cluster.max()) + 1
     summed = score.new_zeros((groups, score.shape[1])).index_add(0, cluster, score)
-    bread = torch.linalg.pinv(gram, hermitian=True)
+    bread = inverse_of(gram)
     return bread @ (summed.T @ summed) @ bread * (groups / max(groups - 1, 1))
 
 

@@ -8,7 +8,7 @@ import torch
 from scipy import stats
 
 from pipeline.effects import Effect
-from pipeline.gap.fit import Fit, columns_of
+from pipeline.gap.fit import Fit, columns_of, inverse_of
 from pipeline.simulation.blocks import Blocks
 
 _DRIFT_CHANCE = 1e-3
@@ -69,7 +69,7 @@ def _estimate(
     jacobian = fit.jacobian[mine][..., columns] / fit.scale[:, None]
     residual = fit.residual[mine] / fit.scale
     gram = torch.einsum("brcp,brcq->pq", jacobian, jacobian)
-    bread = torch.linalg.pinv(gram, hermitian=True)
+    bread = inverse_of(gram)
     change = bread @ torch.einsum("brcp,brc->p", jacobian, residual)
     score = torch.einsum("brcp,brc->bp", jacobian, residual - jacobian @ change)
     summed = score.new_zeros((count, len(columns))).index_add(0, groups, score)

@@ -6,7 +6,7 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from pipeline.gap.fit import Fit, channel_scale
+from pipeline.gap.fit import Fit, channel_scale, inverse_of
 from pipeline.simulation.blocks import Blocks
 
 
@@ -39,7 +39,7 @@ def cross_validated(fit: Fit, fold: Tensor) -> Tensor:
     out = fit.residual.clone()
     for left_out in torch.unique(fold):
         kept, mine = fold != left_out, fold == left_out
-        change = torch.linalg.pinv(gram[kept].sum(0), hermitian=True) @ score[kept].sum(0)
+        change = inverse_of(gram[kept].sum(0)) @ score[kept].sum(0)
         out[mine] = fit.residual[mine] - fit.jacobian[mine] @ change
     return out
 
@@ -78,8 +78,8 @@ def significance_of(fit: Fit, columns: list[int], neutral: list[float], clusters
     distance = fit.values[columns] - torch.tensor(neutral, dtype=torch.float64)
     robust = fit.covariance[columns][:, columns]
     weighted = fit.jacobian / fit.scale[:, None]
-    naive = torch.linalg.pinv(torch.einsum("brcp,brcq->pq", weighted, weighted), hermitian=True)
-    statistic = float(distance @ torch.linalg.pinv(robust, hermitian=True) @ distance)
+    naive = inverse_of(torch.einsum("brcp,brcq->pq", weighted, weighted))
+    statistic = float(distance @ inverse_of(robust) @ distance)
     freedom = max(clusters - fit.jacobian.shape[-1], 1)
     p_value = float(stats.f.sf(statistic / len(columns), len(columns), freedom))
     ratio = robust.diagonal() / naive[columns][:, columns].diagonal().clamp_min(1e-300)

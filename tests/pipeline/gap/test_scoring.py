@@ -3,7 +3,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.gap.fit import Fit
+from pipeline.gap.fit import Fit, clustered_covariance, inverse_of
 from pipeline.gap.scoring import clusters_of, cross_validated, folds_of, log_score, significance_of
 from pipeline.simulation.blocks import Blocks
 from tests.pipeline.gap.problems import random_like
@@ -91,3 +91,18 @@ def test_a_parameter_at_its_neutral_value_is_not_significant(monkeypatch):
     assert significance_of(found, [0, 1], [0.0, 0.0], 30).p_value == pytest.approx(1.0)
     assert significance_of(found, [2], [0.0], 30).p_value < 1e-8
     assert significance_of(found, [2], [9.0], 30).p_value == pytest.approx(1.0)
+
+
+@given(st.lists(st.floats(-12.0, 12.0), min_size=3, max_size=3))
+def test_what_is_known_of_a_parameter_does_not_depend_on_units(decades):
+    """A rotor's inertia in kg·m² stands beside a drag in 1/s."""
+    fit, _ = _linear(0)
+    unit = 10.0 ** torch.tensor(decades, dtype=torch.float64)
+    other = Fit(fit.simulator, fit.residual, fit.jacobian / unit, fit.scale, fit.covariance)
+    fold = torch.arange(30) // 6
+    torch.testing.assert_close(cross_validated(other, fold), cross_validated(fit, fold), rtol=1e-6, atol=1e-9)
+    before, after = (clustered_covariance(f.jacobian, f.residual, f.scale, fold) for f in (fit, other))
+    torch.testing.assert_close(after / unit / unit[:, None], before, rtol=1e-6, atol=1e-12)
+    torch.testing.assert_close(
+        inverse_of(after) * unit * unit[:, None], inverse_of(before), rtol=1e-3, atol=1e-6
+    )
