@@ -120,23 +120,22 @@ def _examine_concealed(task: Concealed, folder: Path, answer: dict[str, Any]) ->
 
 def _examine_published(task: Published, folder: Path, answer: dict[str, Any]) -> None:
     """Diagnose a published recording; then take named effects out of what fits, one at a time, and diagnose again."""
+    from pipeline.simulation import read_simulator
+
     _diagnosed(task.values, folder, ("record", "clean"))
     answer |= _timed(partial(_diagnosed, task.values, folder, ("build_sim", "diagnose")))
-    named = {effect["name"]: effect for effect in answer["diagnosis"]["effects"]}
+    fitted = read_simulator(folder / "diagnose" / "simulator")
+    named = {effect.effect.key: dict(effect.values) for effect in fitted.free}
     known = task.values["simulator"]["effects"] or {}
     answer["ablated"] = {}
     for name in filter(named.__contains__, task.ablate):
-        others = {other: _values(effect) for other, effect in named.items() if other != name}
-        given = {key: value for key, value in known.items() if key != name}
+        others = {key: values for key, values in named.items() if key != name}
+        given = {key: values for key, values in known.items() if key != name}
         simulator = task.values["simulator"] | {"effects": given | others}
         place = folder / f"without_{name}"
         shutil.copytree(folder / "clean", place / "clean")
         values = task.values | {"simulator": simulator}
         answer["ablated"][name] = _timed(partial(_diagnosed, values, place, ("build_sim", "diagnose")))
-
-
-def _values(effect: dict[str, Any]) -> dict[str, float]:
-    return {name: parameter["value"] for name, parameter in effect["parameters"].items()}
 
 
 def _timed(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:

@@ -12,10 +12,11 @@ def score_published(known: Mapping[str, Any], answer: Mapping[str, Any]) -> dict
     Args:
         known: `effects` that have to be named, each a name or names of which one is enough (`a|b`); `values` of their
             parameters where these are known, as {effect: {parameter: value}}; `source` of what is known.
-        answer: of the diagnosis, with the diagnoses of what was taken out as `ablated`.
+        answer: of the diagnosis, with its signs, and the diagnoses of what was taken out as `ablated`.
 
     Returns:
-        `found` and `missed`: of the known effects; `first`: what is named first; `first_known`: whether that is known;
+        `found` and `missed`: of the known effects; `undecided`: those that would be found if the recording could tell
+        them from their rivals, with these; `first`: what is named first; `first_known`: whether that is known;
         `errors`: relative errors of known values; `restored`: by effect that was taken out, whether it is named first
         when it is missing.
     """
@@ -24,14 +25,38 @@ def score_published(known: Mapping[str, Any], answer: Mapping[str, Any]) -> dict
     believed = {name for name, probability in named if probability >= BELIEVED}
     wanted = list(known.get("effects", ()))
     found = [entry for entry in wanted if believed & set(entry.split("|"))]
+    rivals = _rivals_of_believed(named, answer)
+    undecided = {
+        entry: rivals[name]
+        for entry in wanted
+        for name in entry.split("|")
+        if entry not in found and name in rivals
+    }
     first = named[0][0] if named else None
     return {
         "found": found,
-        "missed": [entry for entry in wanted if entry not in found],
+        "undecided": undecided,
+        "missed": [entry for entry in wanted if entry not in found and entry not in undecided],
         "first": first,
         "first_known": any(first in entry.split("|") for entry in wanted),
         "errors": _errors(known.get("values", {}), diagnosis),
         "restored": {name: _first(again) == name for name, again in answer.get("ablated", {}).items()},
+    }
+
+
+def _rivals_of_believed(
+    named: Sequence[tuple[str, float]], answer: Mapping[str, Any]
+) -> dict[str, list[str]]:
+    """Return the rivals of every name that would be believed if it had none."""
+    weights = {key.partition("@")[0]: signs["weight"] for key, signs in (answer.get("signs") or {}).items()}
+    groups = {
+        group["names"][0]: group["names"][1:]
+        for group in (answer.get("diagnosis") or {}).get("ambiguous", ())
+    }
+    return {
+        name: groups[name]
+        for name, probability in named
+        if name in groups and probability >= BELIEVED * weights.get(name, 1.0)
     }
 
 
@@ -53,6 +78,9 @@ def _row(result: Mapping[str, Any]) -> list[str]:
         ]
     named = ", ".join(f"`{effect['name']}` {effect['probability']:.2f}" for effect in diagnosis["effects"])
     known = [f"`{entry}` found{_off(score['errors'], entry)}" for entry in score["found"]]
+    known += [
+        f"`{entry}` found, but not told from {_listed(names)}" for entry, names in score["undecided"].items()
+    ]
     known += [f"`{entry}` **missed**" for entry in score["missed"]]
     restored = [f"`{name}` {'back' if back else '**not back**'}" for name, back in score["restored"].items()]
     return [
@@ -63,6 +91,10 @@ def _row(result: Mapping[str, Any]) -> list[str]:
         ", ".join(restored) or "–",
         f"{result['seconds']:.0f}",
     ]
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
 
 
 def _off(errors: Mapping[str, float], entry: str) -> str:

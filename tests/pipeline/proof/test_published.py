@@ -31,6 +31,21 @@ def test_what_is_not_believed_is_not_found():
     assert (score["found"], score["first"]) == ([], "backlash")
 
 
+def test_what_shares_its_probability_with_rivals_is_said_with_them():
+    answer = diagnosis(friction=(0.45, 2.0))
+    answer["diagnosis"]["ambiguous"] = [{"names": ["friction", "load"], "separate_by": "Turn round."}]
+    doubted = score_published(KNOWN, answer | {"signs": {"friction": {"weight": 1.0}}})
+    assert (doubted["undecided"], doubted["missed"]) == ({}, KNOWN["effects"])
+    score = score_published(KNOWN, answer | {"signs": {"friction": {"weight": 0.5}}})
+    assert (score["found"], score["undecided"], score["missed"]) == (
+        [],
+        {"friction|stiction": ["load"]},
+        ["backlash"],
+    )
+    (row,) = published_rows([{"branch": "arm", "score": score} | answer])
+    assert row[1] == "`friction|stiction` found, but not told from `load`, `backlash` **missed**"
+
+
 def test_what_was_taken_out_has_to_come_back_first():
     ablated = {
         "friction": diagnosis(friction=(0.9, 2.0)),
