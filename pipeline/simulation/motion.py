@@ -136,12 +136,14 @@ class SwerveMotion(Motion):
     def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
         """Chassis and modules as rigid bodies, seen from the turning robot frame; wheels do not slide sideways."""
         parts = {name: state[..., where] for name, where in self.parts.items()}
+        parts |= self.mechanism.derived(parts, constants)
         inertial = self.mechanism.inertial(parts, constants)
+        acting = self.mechanism.constrain(wrench, parts, constants)
         masses = {"x": constants["mass"], "y": constants["mass"], "yaw": constants["inertia"]}
         chassis = [
-            (wrench[f"drive_{axis}"] + inertial[f"drive_{axis}"]) / mass for axis, mass in masses.items()
+            (acting[f"drive_{axis}"] + inertial[f"drive_{axis}"]) / mass for axis, mass in masses.items()
         ]
-        steer = torch.stack([wrench[f"steer_{module}"] for module in range(1, 5)], dim=-1)
+        steer = torch.stack([acting[f"steer_{module}"] for module in range(1, 5)], dim=-1)
         faster = torch.stack(chassis, dim=-1), parts["steer_velocity"], steer / constants["steer_inertia"]
         return torch.cat([*faster, parts["chassis_velocity"][..., 2:]], dim=-1)
 

@@ -139,18 +139,18 @@ class Simulator:
         return out
 
     def wrench(self, signals: Signals, constants: Mapping[str, Any]) -> dict[str, Tensor]:
-        """Return what acts, per channel, for signals that went through the actuator."""
+        """Return what acts, per channel, before constraints answer it, for signals that went through the actuator."""
         wrench = self.mechanism.wrench(signals, constants)
         for fitted in self.of_type(WrenchEffect):
             added = fitted.effect.wrench(signals, fitted.values, constants)  # type: ignore[attr-defined]
             wrench = {**wrench, **{name: wrench[name] + value for name, value in added.items()}}
-        return self.mechanism.constrain(wrench, signals, constants)
+        return wrench
 
     def balance(self, signals: Signals) -> Balance:
         """Return both sides of the equations of motion for signals that went through the actuator."""
         constants, mechanism = self.constants(), self.mechanism
         signals = {**signals, **mechanism.derived(signals, constants)}
-        wrench = self.wrench(signals, constants)
+        wrench = mechanism.constrain(self.wrench(signals, constants), signals, constants)
         inertial = mechanism.inertial(signals, constants)
         rate = {name: value + inertial[name] if name in inertial else value for name, value in wrench.items()}
         return Balance(mechanism.momentum(signals, constants), wrench, rate)
