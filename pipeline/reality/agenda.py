@@ -77,7 +77,9 @@ def _cards(category: str, table: Mapping[str, Any]) -> list[Subject]:
         return [Subject("outside", (name,), "clear") for name in table.get("outside", {})]
     if category == "mixed":
         return [
-            Subject("mixed", (name, other), "clear") for name in physics for other in table.get("outside", {})
+            Subject("mixed", (name, other), "clear")
+            for name in table["effects"]
+            for other in table.get("outside", {})
         ]
     return [
         Subject(category, (entry["effect"],), "clear", number)

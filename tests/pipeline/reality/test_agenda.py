@@ -47,12 +47,17 @@ def test_everything_comes_once_before_anything_comes_again():
         assert sorted(part) == ["drag", "friction@steer", "lag"]
 
 
-def test_wrong_numbers_are_decoys_and_nothing_else():
+def test_wrong_numbers_alone_are_decoys():
     subjects_ = drawn(200)
     alone = {s.names[0] for s in subjects_ if s.category in ("clear", "faint")}
     decoys = {(s.names[0], s.strength) for s in subjects_ if s.category == "decoy"}
     assert "mass_error" not in alone
     assert decoys == {("mass_error", "clear"), ("mass_error", "faint")}
+
+
+def test_physics_and_wrong_numbers_are_mixed_with_what_has_no_name():
+    mixed = {s.names for s in drawn(200) if s.category == "mixed"}
+    assert mixed == {(name, "gusts") for name in TABLE["effects"]}
 
 
 def test_pairs_leave_out_what_is_to_be_kept_apart():
