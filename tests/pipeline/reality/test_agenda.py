@@ -66,11 +66,6 @@ def test_pairs_leave_out_what_is_to_be_kept_apart():
     assert len(pairs) == 5
 
 
-def test_every_effect_is_mixed_with_what_has_no_name():
-    mixed = {s.names for s in drawn(200) if s.category == "mixed"}
-    assert mixed == {("drag", "gusts"), ("lag", "gusts"), ("friction@steer", "gusts")}
-
-
 @pytest.mark.parametrize("category", ["hidden", "ambiguous"])
 def test_conditions_are_numbered_as_in_the_table(category):
     found = {s.condition for s in drawn(200) if s.category == category}
