@@ -216,7 +216,6 @@ class Competition:
                 parameters=len(candidate.effect.parameters),
                 clusters=self.clusters,
                 unsteadiness=unsteadiness_of(drifts),
-                captured=candidate.share,
                 signal=candidate.signal,
                 excess=float(excess_of(self.current, self.problem.noise)[candidate.channel]),
                 is_number=isinstance(candidate.effect, ParameterError),

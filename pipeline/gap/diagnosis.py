@@ -191,7 +191,6 @@ def _signs(
             parameters=len(c.effect.parameters),
             clusters=int(problem.cluster.max()) + 1,
             unsteadiness=unsteadiness_of(drifts[c.effect.key]),
-            captured=c.share,
             signal=c.signal,
             excess=float(excess_of(naming.fit, problem.noise)[c.channel]),
             is_number=isinstance(c.effect, ParameterError),

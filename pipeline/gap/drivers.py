@@ -41,7 +41,7 @@ def name_with_drivers(prepared: Prepared, naming: Naming, settings: Gap) -> tupl
     driven = replace(prepared, problem=problem, proving=proving)
     renamed = name(driven.nominal, problem, settings)
     used = {c.effect.driver for c in renamed.named} & {effect.driver for effect in effects}
-    if not used or cost_of(driven, renamed) + len(used) >= cost_of(prepared, naming):
+    if not used or cost_of(renamed, problem.noise) + len(used) >= cost_of(naming, problem.noise):
         return prepared, naming
     remarks = [
         f"{driver} was not recorded: its changes were estimated, stretch by stretch from the others of each run, and "

@@ -14,8 +14,7 @@ CALIBRATION = Path(__file__).with_name("calibration.yaml")
 DIRECTIONS = {
     "evidence": 1,
     "unsteadiness": -1,
-    "captured": 1,
-    "signal": 1,
+    "dominance": 1,
     "excess": -1,
     "stand_in": -1,
     "remainder": -1,
@@ -23,7 +22,10 @@ DIRECTIONS = {
 """Whether more of a feature speaks for the effect (+1) or against it (−1)."""
 
 _MOST = 0.995  # nothing is certain of one recording
-_LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 100.0  # beyond which more or less of it says nothing new
+_MOST_DOMINANCE = (
+    100.0  # of what is explained over what is left, or the other way round: more says nothing new
+)
+_MOST_EXCESS = 10.0  # times the noise: that something is left is a sign, how much the dominance says
 _MOST_ODDS = 50.0  # of the logarithm, beyond which the exponential says nothing more
 
 
@@ -36,9 +38,8 @@ class Signs:
         parameters: how many it has.
         clusters: number of stretches with independent residuals.
         unsteadiness: greatest certain drift of its parameters between runs, over their values.
-        captured: share of what the others leave over the noise that it explains, in the channel where it explains most.
-        signal: energy that it explains there over the noise's; the less it is, the more else is as small.
-        excess: energy that is left beside it over the noise's, in the channel where it explains most.
+        signal: energy that it explains over the noise's, in the channel where it explains most.
+        excess: energy that is left beside it there over the noise's.
         remainder: share of the mismatch that a formula without a name explains in its own channels.
         is_number: whether it is a wrong number of the platform, which bends to much that it is not, and no law.
         kind: of platform; names are not as often right for every kind.
@@ -49,7 +50,6 @@ class Signs:
     parameters: int
     clusters: int
     unsteadiness: float = 0.0
-    captured: float = 1.0
     signal: float = 1.0
     excess: float = 1.0
     remainder: float = 0.0
@@ -68,13 +68,15 @@ class Signs:
     @property
     def features(self) -> dict[str, float]:
         """The signs on scales on which their differences count alike, by the names of `DIRECTIONS`."""
+        left = max(self.excess, 1.0)
+        dominance = min(max(self.signal / left, 1.0 / _MOST_DOMINANCE), _MOST_DOMINANCE)
+        excess = math.log10(min(left, _MOST_EXCESS))
         return {
             "evidence": math.asinh(self.log_bayes_factor),
             "unsteadiness": math.log1p(self.unsteadiness),
-            "captured": min(max(self.captured, 0.0), 1.0),
-            "signal": math.log10(min(max(self.signal, _LEAST_SIGNAL), _MOST_SIGNAL)),
-            "excess": math.log10(max(self.excess, 1.0)),
-            "stand_in": math.log10(max(self.excess, 1.0)) if self.is_number else 0.0,
+            "dominance": math.log10(dominance),
+            "excess": excess,
+            "stand_in": excess if self.is_number else 0.0,
             "remainder": self.remainder**2,
         }
 

@@ -1,5 +1,8 @@
 """Which way a recorded command is read, held or measured, once names say what it does."""
 
+import torch
+from torch import Tensor
+
 from pipeline.effects import MeasurementEffect
 from pipeline.effects.delay import CommandDelay
 from pipeline.gap.fit import Fit, excess_of, fit
@@ -32,23 +35,30 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
     later = _is_late_by_half_a_sample(renamed, other)
     if late or later:
         return (other, renamed) if late and not later else (prepared, naming)
-    return min((prepared, naming), (other, renamed), key=lambda reading: cost_of(*reading))
+    noise = _greater_noise(prepared, other)
+    return (other, renamed) if cost_of(renamed, noise) < cost_of(naming, noise) else (prepared, naming)
 
 
 def _may_cost_less(other: Prepared, prepared: Prepared, naming: Naming) -> bool:
     """Whether the other reading would cost less if all names but one had only made up for a wrong one."""
     refitted = fit(other.nominal.with_effects(naming.fit.simulator.effects), other.problem)
-    return _left(refitted, other) + min(len(naming.named), 1) < cost_of(prepared, naming)
+    noise = _greater_noise(prepared, other)
+    return _left(refitted, noise) + min(len(naming.named), 1) < cost_of(naming, noise)
 
 
-def _left(fitted: Fit, prepared: Prepared) -> float:
-    """Return the logarithm of what a fit leaves over the noise, summed over channels."""
-    return float(excess_of(fitted, prepared.problem.noise).clamp_min(1.0).log().sum())
+def cost_of(naming: Naming, noise: Tensor) -> float:
+    """Return what is left over a noise (channels,), and one for each name: a name is worth a factor of e."""
+    return _left(naming.fit, noise) + len(naming.named)
 
 
-def cost_of(prepared: Prepared, naming: Naming) -> float:
-    """Return what is left, and one for each name that it takes: a name is worth a factor of e."""
-    return _left(naming.fit, prepared) + len(naming.named)
+def _greater_noise(prepared: Prepared, other: Prepared) -> Tensor:
+    """Return the noise of each channel as the reading has it that makes it greater: none wins by its noise."""
+    return torch.maximum(prepared.problem.noise, other.problem.noise)
+
+
+def _left(fitted: Fit, noise: Tensor) -> float:
+    """Return the logarithm of what a fit leaves over a noise, summed over channels."""
+    return float(excess_of(fitted, noise).clamp_min(1.0).log().sum())
 
 
 def _is_late_by_half_a_sample(naming: Naming, prepared: Prepared) -> bool:

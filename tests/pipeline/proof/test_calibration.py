@@ -62,7 +62,7 @@ def test_more_evidence_never_lowers_a_probability():
 
 def test_a_feature_that_never_changes_does_no_harm():
     drawn = [
-        Statement(s.case, s.features | {"captured": 1.0}, s.kind, 1.0, s.true)
+        Statement(s.case, s.features | {"dominance": 1.0}, s.kind, 1.0, s.true)
         for s in statements(500, lambda f: f["evidence"])
     ]
     assert math.isfinite(fit_calibration(drawn)["intercept"])
