@@ -4,17 +4,18 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from pipeline.effects import Effect, ParameterError
+from pipeline.effects import Effect
 from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
 from pipeline.gap.candidate import Candidate, Judge, Starts
 from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Fit, Problem, excess_of, fit
-from pipeline.gap.model import drifts_of, unsteadiness_of
+from pipeline.gap.model import drifts_of
 from pipeline.gap.parsimony import single_cause
-from pipeline.gap.probability import Signs, presence_of
+from pipeline.gap.probability import presence_of
 from pipeline.gap.refit import extend, shrink
 from pipeline.gap.scoring import cross_validated, predictive_score
 from pipeline.gap.settings import Gap
+from pipeline.gap.signs import signs_of
 from pipeline.simulation import Simulator
 
 BEYOND_NOISE = (
@@ -210,18 +211,7 @@ class Competition:
     def presence(self, candidate: Candidate) -> float:
         """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
         drifts = drifts_of(self.current, candidate.effect, self.problem.blocks, self.problem.cluster)
-        return presence_of(
-            Signs(
-                gain=candidate.gain,
-                parameters=len(candidate.effect.parameters),
-                clusters=self.clusters,
-                unsteadiness=unsteadiness_of(drifts),
-                signal=candidate.signal,
-                excess=float(excess_of(self.current, self.problem.noise)[candidate.channel]),
-                is_number=isinstance(candidate.effect, ParameterError),
-                kind=self.current.simulator.platform.kind,
-            )
-        )
+        return presence_of(signs_of(candidate, self.current, self.problem, drifts))
 
     def without(self, effect: Effect) -> Fit:
         """Return the current fit without an effect, or with what was known of it before."""

@@ -10,7 +10,7 @@ from pipeline.gap.fit import Problem, channels_of, excess_of
 from pipeline.gap.horizon import HorizonError, horizon_errors
 from pipeline.gap.learned import LearnedResidual, learn, learned_rows
 from pipeline.gap.locate import Mismatch, locate
-from pipeline.gap.model import Drift, drifts_of, unsteadiness_of
+from pipeline.gap.model import Drift, drifts_of
 from pipeline.gap.name import Naming
 from pipeline.gap.probability import Signs, probability_of
 from pipeline.gap.prove import Proof, prove
@@ -20,6 +20,7 @@ from pipeline.gap.residuals import channels_on, noise_of_rows
 from pipeline.gap.rollout_fit import refit_through_rollouts
 from pipeline.gap.scoring import cross_validated, folds_of
 from pipeline.gap.settings import Gap
+from pipeline.gap.signs import signs_of
 from pipeline.gap.unnamed import Unnamed, find_unnamed
 from pipeline.gap.whiteness import Memory, memories_of, remembered
 from pipeline.platforms.mechanism import Channel
@@ -107,6 +108,11 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         residual, naming.base.residual, channels, regimes, problem, fold, settings.least_share
     )
     drifts = {c.effect.key: drifts_of(naming.fit, c.effect, fitted, cluster) for c in naming.named}
+    weights = {rivalry.winner.key: rivalry.weight for rivalry in naming.rivalries}
+    signs = {
+        c.effect.key: signs_of(c, naming.fit, problem, drifts[c.effect.key], weights.get(c.effect.key, 1.0))
+        for c in naming.named
+    }
     counted = _counted(naming, mismatches, channels)
     memories = memories_of(residual, channels, problem)
     learned = learn(residual, channels, regimes, problem, fold)
@@ -120,7 +126,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         warnings=(*recording.warnings, *prepared.remarks, *doubts),
         mismatches=mismatches,
         naming=naming,
-        signs=_signs(naming, drifts, problem, unnamed, channels),
+        signs=signs,
         drifts=drifts,
         unnamed=unnamed,
         learned=learned,
@@ -168,37 +174,6 @@ def _unseen(proof: Proof, naming: Naming, problem: Problem, channels: Sequence[C
         for channel, proved, known in zip(channels, (after / noise).tolist(), fitted.tolist(), strict=True)
         if proved > BEYOND_NOISE * known
     ]
-
-
-def _signs(
-    naming: Naming,
-    drifts: dict[str, list[Drift]],
-    problem: Problem,
-    unnamed: Sequence[Unnamed],
-    channels: Sequence[Channel],
-) -> dict[str, Signs]:
-    """Return what speaks for each named effect and against it.
-
-    What remains without a name in an effect's own channels may be what the effect stands in for.
-    """
-    weight = {rivalry.winner.key: rivalry.weight for rivalry in naming.rivalries}
-    left = {remainder.channel.name: remainder.share for remainder in unnamed}
-    signs = {}
-    for c in naming.named:
-        own = [channels[i].name for i in channels_of(naming.fit, c.effect)]
-        signs[c.effect.key] = Signs(
-            gain=c.gain,
-            parameters=len(c.effect.parameters),
-            clusters=int(problem.cluster.max()) + 1,
-            unsteadiness=unsteadiness_of(drifts[c.effect.key]),
-            signal=c.signal,
-            excess=float(excess_of(naming.fit, problem.noise)[c.channel]),
-            is_number=isinstance(c.effect, ParameterError),
-            kind=naming.fit.simulator.platform.kind,
-            remainder=max((left.get(channel, 0.0) for channel in own), default=0.0),
-            weight=weight.get(c.effect.key, 1.0),
-        )
-    return signs
 
 
 def _doubts(

@@ -14,18 +14,15 @@ CALIBRATION = Path(__file__).with_name("calibration.yaml")
 DIRECTIONS = {
     "evidence": 1,
     "unsteadiness": -1,
-    "dominance": 1,
+    "signal": 1,
     "excess": -1,
-    "stand_in": -1,
-    "remainder": -1,
+    "number": -1,
 }
 """Whether more of a feature speaks for the effect (+1) or against it (−1)."""
 
 _MOST = 0.995  # nothing is certain of one recording
-_MOST_DOMINANCE = (
-    100.0  # of what is explained over what is left, or the other way round: more says nothing new
-)
-_MOST_EXCESS = 10.0  # times the noise: that something is left is a sign, how much the dominance says
+_LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 1.0  # times the noise: what cannot hide in it may be as small as it is
+_MOST_EXCESS = 10.0  # times the noise, whose level says little where far more is left
 _MOST_ODDS = 50.0  # of the logarithm, beyond which the exponential says nothing more
 
 
@@ -40,7 +37,6 @@ class Signs:
         unsteadiness: greatest certain drift of its parameters between runs, over their values.
         signal: energy that it explains over the noise's, in the channel where it explains most.
         excess: energy that is left beside it there over the noise's.
-        remainder: share of the mismatch that a formula without a name explains in its own channels.
         is_number: whether it is a wrong number of the platform, which bends to much that it is not, and no law.
         kind: of platform; names are not as often right for every kind.
         weight: of the effect among those that this recording cannot tell from it.
@@ -52,7 +48,6 @@ class Signs:
     unsteadiness: float = 0.0
     signal: float = 1.0
     excess: float = 1.0
-    remainder: float = 0.0
     is_number: bool = False
     kind: str = ""
     weight: float = 1.0
@@ -68,16 +63,12 @@ class Signs:
     @property
     def features(self) -> dict[str, float]:
         """The signs on scales on which their differences count alike, by the names of `DIRECTIONS`."""
-        left = max(self.excess, 1.0)
-        dominance = min(max(self.signal / left, 1.0 / _MOST_DOMINANCE), _MOST_DOMINANCE)
-        excess = math.log10(min(left, _MOST_EXCESS))
         return {
             "evidence": math.asinh(self.log_bayes_factor),
             "unsteadiness": math.log1p(self.unsteadiness),
-            "dominance": math.log10(dominance),
-            "excess": excess,
-            "stand_in": excess if self.is_number else 0.0,
-            "remainder": self.remainder**2,
+            "signal": math.log10(min(max(self.signal, _LEAST_SIGNAL), _MOST_SIGNAL)),
+            "excess": math.log10(min(max(self.excess, 1.0), _MOST_EXCESS)),
+            "number": float(self.is_number),
         }
 
 

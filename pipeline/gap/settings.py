@@ -19,7 +19,7 @@ class Gap:
     """Greatest chance of naming an effect that is not there, over the whole catalogue."""
     least_share: float = 0.02
     """Least share of the excess over the noise floor that an effect must explain, cross-validated."""
-    least_probability: float = 0.25
+    least_probability: float = 0.15
     """Least probability of being there, whichever of its rivals it is, with which an effect is named."""
     folds: int = 5
     """Folds of the cross-validation over runs."""

@@ -39,7 +39,7 @@ def test_known_probabilities_are_recovered():
     assert found["intercept"] == pytest.approx(0.5, abs=0.15)
     assert found["coefficients"]["evidence"] == pytest.approx(2.0, abs=0.2)
     assert found["coefficients"]["excess"] == pytest.approx(-1.0, abs=0.15)
-    assert abs(found["coefficients"]["remainder"]) < 0.1
+    assert abs(found["coefficients"]["number"]) < 0.1
     assert found["expected_calibration_error"] < 0.03
     assert found["statements"] == 6000
 
@@ -62,7 +62,7 @@ def test_more_evidence_never_lowers_a_probability():
 
 def test_a_feature_that_never_changes_does_no_harm():
     drawn = [
-        Statement(s.case, s.features | {"dominance": 1.0}, s.kind, 1.0, s.true)
+        Statement(s.case, s.features | {"signal": 1.0}, s.kind, 1.0, s.true)
         for s in statements(500, lambda f: f["evidence"])
     ]
     assert math.isfinite(fit_calibration(drawn)["intercept"])
