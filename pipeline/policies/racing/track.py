@@ -1,40 +1,14 @@
 """A track: gates in the order in which they are to be passed, and the box that is not to be left."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
 from pipeline.errors import InputError
+from pipeline.policies.racing.settings import GateSettings, TrackSettings
 
 _REMEDY = "see conf/track for examples"
-
-
-@dataclass
-class GateSettings:
-    """A square gate, upright.
-
-    Attributes:
-        position: of its middle, world frame, m.
-        direction: in which it is to be passed, x and y of the world frame, of any length.
-    """
-
-    position: list[float] = field(default_factory=list)
-    direction: list[float] = field(default_factory=list)
-
-
-@dataclass
-class TrackSettings:
-    """The configuration group `track`."""
-
-    name: str = ""
-    gates: list[GateSettings] = field(default_factory=list)
-    opening: float = 1.5  # m, inner side of a gate
-    frame: float = 0.3  # m, width of the frame around the opening
-    clearance: float = 0.15  # m, to be kept between the machine's middle and a frame, the ground and the box
-    box: list[list[float]] = field(
-        default_factory=list
-    )  # m, least and greatest x, y, z; the least z is the ground
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from omegaconf import OmegaConf
 from pipeline.platforms import Quadrotor, platform_from_config
 from pipeline.policies.racing.flying import flight_in
 from pipeline.policies.racing.racing import Racing
-from pipeline.policies.racing.settings import Flying, RacingSettings
-from pipeline.policies.racing.track import Track, TrackSettings, track_from
+from pipeline.policies.racing.settings import Flying, RacingSettings, TrackSettings
+from pipeline.policies.racing.track import Track, track_from
 from pipeline.simulation import Simulator
 
 CONF = Path(__file__).parents[4] / "conf"
