@@ -1,0 +1,29 @@
+"""What a person may change about learning by reinforcement."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Learning:
+    """Proximal policy optimisation (Schulman et al. 2017, arXiv 1707.06347)."""
+
+    interactions: int = 10_000_000  # control steps of all machines together
+    machines: int = 4096  # that act at once
+    horizon: int = 32  # control steps of every machine between two updates
+    epochs: int = 4  # passes through the steps of an update
+    minibatch: int = 16384  # control steps in a step of the optimiser
+    learning_rate: float = 3e-4  # of Adam, at the start
+    final_learning_rate: float = 3e-4  # at the end; in between it changes linearly
+    discount: float = 0.99  # of the reward of the next step
+    trace: float = 0.95  # λ of the generalised advantage estimate (Schulman et al. 2016, arXiv 1506.02438)
+    clip: float = 0.2  # ratio of probabilities beyond which an update gains nothing
+    entropy: float = 0.0  # weight of the entropy in the loss
+    critic: float = 0.5  # weight of the critic's error in the loss
+    gradient_norm: float = 1.0  # to which a gradient is clipped
+    reward_scale: float = (
+        1.0  # by which rewards are multiplied, so that returns are of the order of one to ten
+    )
+    hidden: list[int] = field(default_factory=lambda: [128, 128])  # widths of the layers of both networks
+    slope: float = 0.2  # of LeakyReLU below zero
+    deviation: float = 0.5  # standard deviation of the actions at the start; the range of an action is ±1
+    checkpoint_every: int = 20  # updates after which a training that is killed goes on
