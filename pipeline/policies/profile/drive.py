@@ -1,5 +1,6 @@
 """A straight drive on wheels whose motors obey V = kS·sign(v) + kV·v + kA·dv/dt, sampled without error."""
 
+import math
 from dataclasses import dataclass
 
 import torch
@@ -18,12 +19,14 @@ class Drive:
         speed: kV, (wheels,) V/(m/s).
         acceleration: kA, (wheels,) V/(m/s²).
         voltage_limit: greatest voltage, V.
+        acceleration_limit: of the grip of the tyres, m/s², which no voltage is to exceed.
     """
 
     static: Tensor
     speed: Tensor
     acceleration: Tensor
     voltage_limit: float = 12.0
+    acceleration_limit: float = math.inf
 
     @property
     def time_constant(self) -> Tensor:
@@ -41,6 +44,19 @@ class Drive:
         decay = torch.exp(-period / self.time_constant)
         direction = torch.where(desired == 0.0, velocity, desired).sign()
         return self.static * direction + self.speed * (desired - decay * velocity) / (1.0 - decay)
+
+    def within_limits(self, velocity: Tensor, voltage: Tensor) -> Tensor:
+        """Return the nearest voltage that the battery can give and the tyres can bear, (..., wheels) V.
+
+        Args:
+            velocity: of each wheel, (..., wheels) m/s.
+            voltage: wanted, (..., wheels) V.
+        """
+        direction = torch.where(velocity == 0.0, voltage, velocity).sign()
+        holding = self.static * direction + self.speed * velocity
+        span = self.acceleration * self.acceleration_limit
+        borne = voltage.maximum(holding - span).minimum(holding + span)
+        return borne.clamp(-self.voltage_limit, self.voltage_limit)
 
     def advance(self, velocity: Tensor, voltage: Tensor, period: float) -> tuple[Tensor, Tensor]:
         """Return velocity, m/s, and distance made, m, of each wheel (..., wheels) after a period at a voltage.

@@ -47,7 +47,7 @@ class Motion:
 
 
 def drive_along(drive: Drive, desired: Array, period: float) -> Motion:
-    """Return what a drive at rest does when its feedforward is asked for velocities, as far as the voltage goes.
+    """Return what a drive at rest does when its feedforward is asked for velocities, as far as its limits let it.
 
     Args:
         drive: identified.
@@ -57,10 +57,10 @@ def drive_along(drive: Drive, desired: Array, period: float) -> Motion:
     velocity = torch.zeros_like(drive.speed)
     voltages = []
     for wanted in torch.from_numpy(desired).to(velocity):
-        bound = drive.voltage_limit
-        asked = drive.feedforward(velocity, wanted.expand_as(velocity), period).clamp(-bound, bound)
-        velocity, _ = drive.advance(velocity, asked, period)
-        voltages.append(asked)
+        asked = drive.feedforward(velocity, wanted.expand_as(velocity), period)
+        applied = drive.within_limits(velocity, asked)
+        velocity, _ = drive.advance(velocity, applied, period)
+        voltages.append(applied)
     return drive_open_loop(drive, torch.stack(voltages), period)
 
 

@@ -17,7 +17,7 @@ Shape = Callable[..., Reference]
 
 
 def fastest_trapezoid(drive: Drive, distance: float, speed: float) -> tuple[Reference, dict[str, float]]:
-    """Return the fastest trapezoid whose voltages stay within the limit, and its limits by name.
+    """Return the fastest trapezoid that stays within the limits of a drive, and its own limits by name.
 
     Args:
         drive: identified.
@@ -29,7 +29,7 @@ def fastest_trapezoid(drive: Drive, distance: float, speed: float) -> tuple[Refe
 
 
 def fastest_s_curve(drive: Drive, distance: float, speed: float) -> tuple[Reference, dict[str, float]]:
-    """Return the fastest S-curve within the voltage limit, and its limits by name (`fastest_trapezoid`)."""
+    """Return the fastest S-curve within the limits of a drive, and its own by name; see `fastest_trapezoid`."""
     reference, limits = _fastest(s_curve, drive, distance, speed, 2)
     return reference, dict(zip(("speed", "acceleration", "jerk"), limits, strict=True))
 
@@ -59,6 +59,8 @@ def _fastest(
 
     def duration(logarithms: Array) -> float:
         limits = np.exp(logarithms)
+        if limits[0] > drive.acceleration_limit:
+            return math.inf
         top = _highest_speed(shape, drive, distance, speed, limits)
         return shape(distance, top, *limits).duration if top > 0.0 else math.inf
 

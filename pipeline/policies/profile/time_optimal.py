@@ -1,4 +1,4 @@
-"""The bound: no voltage within its limit brings a drive from rest to rest over a distance in less time."""
+"""The bound: nothing within the limits of a drive brings it from rest to rest over a distance in less time."""
 
 import math
 from typing import Any
@@ -46,6 +46,9 @@ def time_optimal(drive: Drive, distance: float, speed: float = math.inf, interva
     problem.subject_to(velocity[1:] == before - away * gone)
     problem.subject_to(position[1:] - position[:-1] == settled * step + away * time_constant * gone)
     problem.subject_to(problem.bounded(-bound, voltage, bound))
+    if math.isfinite(drive.acceleration_limit):
+        change = drive.acceleration_limit * step
+        problem.subject_to(problem.bounded(-change, velocity[1:] - before, change))
     problem.subject_to(problem.bounded(0.0, velocity, fastest))
     problem.subject_to(casadi.vertcat(position[0], velocity[0], velocity[-1]) == 0.0)
     problem.subject_to(position[-1] == distance)

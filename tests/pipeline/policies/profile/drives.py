@@ -11,10 +11,10 @@ WHEELS = 4
 
 
 def uniform(
-    static: float = 0.4, speed: float = 3.78, acceleration: float = 1.06, dtype=torch.float64
+    static: float = 0.4, speed: float = 3.78, acceleration: float = 1.06, dtype=torch.float64, **limits: float
 ) -> Drive:
     constants = (torch.full((WHEELS,), value, dtype=dtype) for value in (static, speed, acceleration))
-    return Drive(*constants)
+    return Drive(*constants, **limits)
 
 
 def bang_bang(static: float, speed: float, acceleration: float, distance: float, top: float = math.inf):

@@ -73,6 +73,17 @@ def test_two_periods_are_one_long_one(velocity, voltage, first, second):
     torch.testing.assert_close(begun + ended, distance, atol=1e-9, rtol=0)
 
 
+@given(speeds, st.floats(-40.0, 40.0), st.floats(0.5, 20.0))
+def test_no_voltage_within_the_limits_exceeds_battery_or_grip(velocity, voltage, grip):
+    drive = uniform(acceleration_limit=grip)
+    applied = drive.within_limits(of(velocity), of(voltage))
+    assert float(applied.abs().max()) <= 12.0
+    reached, _ = drive.advance(of(velocity), applied, 1e-5)
+    pulled = float(reached[0] - velocity) / 1e-5
+    # A robot that is faster than its battery can drive it is slowed down by more than was asked.
+    assert abs(0.4 * np.sign(velocity) + 3.78 * velocity) > 12.0 or abs(pulled) <= grip * (1.0 + 1e-3) + 1e-6
+
+
 def test_friction_holds_a_wheel_at_rest():
     drive = uniform(static=0.4)
     velocity, distance = drive.advance(of(0.0), of(0.39), 1.0)

@@ -39,6 +39,14 @@ def test_the_fastest_profile_is_followed_within_the_voltage_and_behind_the_bound
     assert reference.duration > time_optimal(drive, 3.0, speed).time[-1]
 
 
+def test_no_profile_asks_more_than_the_grip():
+    drive = uniform(acceleration_limit=1.7)
+    for fastest in (fastest_trapezoid, fastest_s_curve):
+        reference, limits = fastest(drive, 3.0, 3.0)
+        steepest = np.abs(reference.acceleration(reference.acceleration.x)).max()
+        assert steepest <= limits["acceleration"] * (1.0 + 1e-9) <= 1.7 * (1.0 + 1e-8)
+
+
 def test_an_s_curve_that_gives_way_as_the_speed_rises_is_no_slower_than_the_trapezoid():
     trapezoidal, _ = fastest_trapezoid(uniform(), 3.0, 3.0)
     smooth, _ = fastest_s_curve(uniform(), 3.0, 3.0)

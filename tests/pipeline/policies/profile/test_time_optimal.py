@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import InputError
+from pipeline.policies.profile.reference import trapezoid
 from pipeline.policies.profile.time_optimal import time_optimal
 from tests.pipeline.policies.profile.drives import bang_bang, uniform
 
@@ -27,6 +28,12 @@ def test_the_voltage_is_full_ahead_and_then_full_back():
         np.sum(np.abs(np.abs(voltage) - 12.0) > 1e-3) <= 2
     )  # the intervals in which it turns round, and the last
     assert np.sum(np.abs(np.diff(np.sign(voltage))) > 0) == 1
+
+
+@pytest.mark.parametrize("top", [1.5, 3.0])
+def test_where_grip_alone_limits_it_the_bound_is_the_trapezoid(top):
+    found = time_optimal(uniform(acceleration_limit=2.0), 3.0, top)
+    assert found.time[-1] == pytest.approx(trapezoid(3.0, top, 2.0).duration, rel=2e-3)
 
 
 def test_more_intervals_come_nearer_to_the_bound():
