@@ -16,6 +16,8 @@ ORDER = (
     "build_sim",
     "diagnose",
     "report",
+    "profile",
+    "deploy",
     "prove",
     "calibrate",
     "results",

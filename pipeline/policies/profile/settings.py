@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from pipeline.policies.settings import Learning
+
 
 @dataclass
 class Weights:
@@ -36,5 +38,17 @@ class Profile:
     curriculum: float = 0.6  # share of the training over which they become narrow
     on_the_way: float = 0.5  # share of the attempts that start somewhere on the way, in motion
     weights: Weights = field(default_factory=Weights)
-    windows: list[int] = field(default_factory=lambda: [1, 5, 10, 25, 50])  # periods that are averaged
-    window: int = 25  # of those, the one whose voltages are handed on
+    learning: Learning = field(default_factory=Learning)
+
+
+@dataclass
+class Deployment:
+    """Trials on the concealed machine."""
+
+    motion: str = "policy"  # which of the motions is driven
+    window: int = 25  # periods over which its voltages are averaged; 1: they are driven as they are
+    trials: int = 5
+    scatter: float = (
+        0.05  # by which the strength of what is concealed differs between trials, as a share of it
+    )
+    within: float = 0.03  # m, that a trial may end off the target
