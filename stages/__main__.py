@@ -15,6 +15,8 @@ ORDER = (
     "train",
     "build_sim",
     "diagnose",
+    "train_policy",
+    "evaluate",
     "report",
     "profile",
     "deploy",

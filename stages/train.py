@@ -5,9 +5,9 @@ import logging
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pipeline.artifacts import checkpoint_folder, remove_checkpoint
 from pipeline.comparison.comparison import Metrics, flat
 from pipeline.models.settings import Training
 from pipeline.stage import StageConfig, StageRun, stage
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from pipeline.recordings.recording import Recording
 
 VALIDATION_SHARE = 0.2
-CHECKPOINTS = "checkpoints"
 NAIVE = "/naive"  # ends the names of the errors of the assumption that nothing changes
 STEPS = "steps"  # beside the quantities: one-step scores by target
 DISTRIBUTION = "distribution"  # beside the quantities: quantiles of the errors
@@ -70,7 +69,9 @@ def _train(config: TrainStage, run: StageRun) -> None:
     require_holdout(recording.split, str(path))
     fitted, chosen, held = _series(recording, layout, run)
     fitted = fitted.excerpt(config.train.share, config.train.shift)
-    checkpoint = _checkpoint_folder(config, settings, data)
+    checkpoint = checkpoint_folder(
+        config.artifacts, [asdict(settings), asdict(config.train), config.seed, data]
+    )
     loss = model.fit(fitted, chosen, config.train, FitContext(config.seed, checkpoint, run.log_metrics))
     model.provenance = Provenance(
         data=data,
@@ -88,7 +89,7 @@ def _train(config: TrainStage, run: StageRun) -> None:
     model.save(run.output / "model")
     run.log_metrics({"best_validation_loss": loss})
     _score(model, machines, config.train, before, run)
-    _discard(checkpoint)
+    remove_checkpoint(checkpoint)
 
 
 def _prepared(recording: "Recording", settings: Training) -> "Recording":
@@ -170,24 +171,6 @@ def _score(
 
 def _write_metrics(metrics: dict[str, Any], run: StageRun) -> None:
     (run.output / "metrics.json").write_text(json.dumps(metrics, indent=2) + "\n")
-
-
-def _discard(checkpoint: Path) -> None:
-    """Remove the checkpoint of a training that is done."""
-    import contextlib
-    import shutil
-
-    shutil.rmtree(checkpoint, ignore_errors=True)
-    with contextlib.suppress(OSError):  # another training may have its checkpoint beside
-        checkpoint.parent.rmdir()
-
-
-def _checkpoint_folder(config: TrainStage, settings: Any, data: str) -> Path:
-    """Return where an interrupted training with the same data and settings left its checkpoint."""
-    from pipeline.artifacts import hash_value
-
-    identity = hash_value([asdict(settings), asdict(config.train), config.seed, data])
-    return Path(config.artifacts) / CHECKPOINTS / identity[:16]
 
 
 def _finite(errors: Any) -> Any:

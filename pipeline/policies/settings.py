@@ -1,6 +1,8 @@
-"""What a person may change about learning by reinforcement."""
+"""What a person may change about policies."""
 
 from dataclasses import dataclass, field
+
+from pipeline.policies.racing.settings import RacingSettings
 
 
 @dataclass
@@ -27,3 +29,29 @@ class Learning:
     slope: float = 0.2  # of LeakyReLU below zero
     deviation: float = 0.5  # standard deviation of the actions at the start; the range of an action is ±1
     checkpoint_every: int = 20  # updates after which a training that is killed goes on
+
+
+@dataclass
+class PolicyTraining:
+    """The configuration group `train_policy`."""
+
+    simulator: str = (
+        "ideal"  # or build_sim, diagnose, or the folder of a simulator; ideal: the platform's own
+    )
+    device: str = "cpu"
+    learning: Learning = field(default_factory=Learning)
+    racing: RacingSettings = field(default_factory=RacingSettings)
+
+
+@dataclass
+class PolicyEvaluation:
+    """The configuration group `evaluate`."""
+
+    policy: str | None = None  # folder; null: what train_policy wrote
+    simulator: str = "ideal"  # as in train_policy
+    powertrain: bool | None = (
+        None  # whether battery, speed controllers and motors are added; null: as in training
+    )
+    starts: int = 100  # perturbed
+    laps: int = 2
+    seconds: float = 60.0  # after which a flight ends

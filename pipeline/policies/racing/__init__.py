@@ -1,0 +1,1 @@
+"""Racing a quadrotor through gates (Kaufmann et al. 2023, Nature 620, Methods)."""

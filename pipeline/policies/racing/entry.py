@@ -1,0 +1,63 @@
+"""A race from its configuration, and a policy that was trained for one."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from typing import Any
+
+import torch
+
+from pipeline.policies.racing.flying import flight_in
+from pipeline.policies.racing.racing import Racing
+from pipeline.policies.racing.settings import RacingSettings, TrackSettings
+from pipeline.policies.racing.track import track_from
+from pipeline.simulation import Simulator
+from pipeline.stage.mistakes import configuration_mistakes
+
+TASK = "racing"
+
+
+def race_in(
+    simulator: Simulator,
+    track: TrackSettings,
+    settings: RacingSettings,
+    machines: int,
+    device: torch.device | str = "cpu",
+) -> Racing:
+    """Return the environment of a race in a simulator.
+
+    Raises:
+        InputError: when the simulator is not of a quadrotor, or the track cannot be flown.
+    """
+    return Racing(flight_in(simulator, settings.flying), track_from(track), settings, machines, device)
+
+
+def described_race(track: TrackSettings, settings: RacingSettings) -> dict[str, Any]:
+    """Return what a policy has to be flown with, for its description."""
+    return {"track": asdict(track), "racing": asdict(settings)}
+
+
+def race_from(
+    description: Mapping[str, Any], powertrain: bool | None
+) -> tuple[TrackSettings, RacingSettings]:
+    """Return track and settings that a policy was trained with.
+
+    Args:
+        description: of `described_race`.
+        powertrain: what is to be flown with; None for what was trained with.
+
+    Raises:
+        InputError: when it is not such a description.
+    """
+    from omegaconf import OmegaConf
+
+    with configuration_mistakes("policy"):
+        track = OmegaConf.to_object(
+            OmegaConf.merge(OmegaConf.structured(TrackSettings), description["track"])
+        )
+        merged = OmegaConf.merge(OmegaConf.structured(RacingSettings), description["racing"])
+        settings = OmegaConf.to_object(merged)
+    assert isinstance(track, TrackSettings)
+    assert isinstance(settings, RacingSettings)
+    if powertrain is not None:
+        settings = replace(settings, flying=replace(settings.flying, powertrain=powertrain))
+    return track, settings

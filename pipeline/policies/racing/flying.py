@@ -1,0 +1,97 @@
+"""A batch of quadrotors that fly as one compiled loop."""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+from torch.utils import _pytree as tree
+
+from pipeline.effects import effect_by_key
+from pipeline.errors import InputError
+from pipeline.platforms import Quadrotor
+from pipeline.policies.racing.settings import Flying
+from pipeline.simulation import FittedEffect, Simulator
+from pipeline.simulation.controllers import Betaflight
+from pipeline.simulation.flight import Flight, racing_flight
+from pipeline.simulation.fused import FusedStep
+from pipeline.simulation.motion import QuadrotorMotion
+
+STATE = 13
+PARTS = QuadrotorMotion.parts
+
+
+def flight_in(simulator: Simulator, settings: Flying) -> Flight:
+    """Return a flight in a simulator, with what the settings add to it.
+
+    Raises:
+        InputError: when the simulator is not of a quadrotor, or an effect or its parameter is unknown.
+    """
+    platform = simulator.platform
+    if not isinstance(platform, Quadrotor):
+        raise InputError(f"a {platform.kind} cannot race", "platform", "choose a quadrotor: platform=racer")
+    effects = (*simulator.effects, *(_known(key, values) for key, values in settings.effects.items()))
+    options: dict[str, Any] = {
+        "period": settings.period,
+        "substeps": settings.substeps,
+        "integrator": settings.integrator,
+    }
+    if settings.powertrain:
+        return racing_flight(platform, effects, settings.time_constant, **options)
+    controller = Betaflight.tuned(platform, settings.time_constant)
+    return Flight(simulator.with_effects(effects), controller, **options)
+
+
+def _known(key: str, values: dict[str, float]) -> FittedEffect:
+    effect = effect_by_key("quadrotor", key)
+    unknown = values.keys() - effect.defaults().keys()
+    if unknown:
+        raise InputError(
+            f"has no parameter {sorted(unknown)[0]!r}",
+            f"effects.{key}",
+            f"see simgap effects quadrotor {key}",
+        )
+    return FittedEffect(effect, {**effect.defaults(), **values}, known=True)
+
+
+class Fleet:
+    """A flight that is compiled, for machines as columns of one tensor (rows, batch) of state and memory."""
+
+    def __init__(self, flight: Flight, device: torch.device | str = "cpu") -> None:
+        self.flight = flight
+        level = torch.zeros(1, STATE, device=device)
+        level[:, PARTS["attitude"].start] = 1.0
+        hover = torch.tensor([[flight.simulator.platform.gravity, 0.0, 0.0, 0.0]], device=device)
+        with torch.no_grad():
+            _, self._memory = flight.step(level, hover)
+        self._step = FusedStep(flight.inner_step, level, hover, self._memory, repeats=flight.substeps)
+
+    def rows(self, state: Tensor) -> Tensor:
+        """Return the rows of machines whose rotors and battery are as in hover.
+
+        Args:
+            state: (batch, 13), see `pipeline.simulation.motion.QuadrotorMotion`.
+        """
+        leaves, shape = tree.tree_flatten(self._memory)
+        spread = [leaf.expand(len(state), *leaf.shape[1:]) for leaf in leaves]
+        regulating, effects = tree.tree_unflatten(spread, shape)
+        regulating = {**regulating, "rate": state[:, PARTS["body_rate"]]}
+        return self._step.pack(state, (regulating, effects))
+
+    def step(self, rows: Tensor, command: Tensor) -> Tensor:
+        """Return the rows a period later.
+
+        Args:
+            rows: of the period before, contiguous.
+            command: collective thrust over mass and body rates, (batch, 4) m/s² and rad/s.
+        """
+        return self._step(rows, command.T.contiguous())
+
+    def angular_acceleration(self, rows: Tensor) -> Tensor:
+        """Return the angular acceleration as the rate controller filters it, (batch, 3) rad/s²."""
+        _, (regulating, _) = self._step.unpack(rows)
+        return regulating["slope"]
+
+
+def state_of(rows: Tensor) -> dict[str, Tensor]:
+    """Return position, attitude, velocity (world) and body rate that rows hold, each (batch, ...)."""
+    return {name: rows[part].T for name, part in PARTS.items()}

@@ -1,0 +1,55 @@
+"""What a racing policy sees, in ℝ³¹, and what its critic sees besides."""
+
+import torch
+from torch import Tensor
+
+from pipeline.physics import rotations
+from pipeline.policies.environment import Observation
+from pipeline.policies.racing.track import Track
+
+POLICY_SIZE = 31
+PRIVILEGED_SIZE = 18
+# Units in which the numbers are of the order of one.
+_LENGTH = 10.0  # m
+_SPEED = 10.0  # m/s
+_RATE = 10.0  # rad/s
+_ANGULAR_ACCELERATION = 100.0  # rad/s²
+
+
+def racing_observation(
+    track: Track, state: dict[str, Tensor], acceleration: Tensor, target: Tensor, previous: Tensor
+) -> Observation:
+    """Return what is seen (Kaufmann et al. 2023, Nature 620, Methods).
+
+    The policy sees position (3), velocity (3), rotation matrix (9), the corners of the next gate from the body (12) and
+    its previous action (4); the critic also body rate (3), angular acceleration (3) and the corners of the gate after
+    the next (12).
+
+    Args:
+        track: its gates.
+        state: position, attitude, velocity (world) and body rate, each (batch, ...).
+        acceleration: angular, (batch, 3) rad/s².
+        target: index of the next gate, (batch,).
+        previous: action within ±1, (batch, 4).
+    """
+    turn = rotations.to_matrix(state["attitude"])
+    position = state["position"]
+    seen = [
+        position / _LENGTH,
+        state["velocity"] / _SPEED,
+        turn.flatten(1),
+        _corners(track, position, turn, target),
+        previous,
+    ]
+    exact = [
+        state["body_rate"] / _RATE,
+        acceleration / _ANGULAR_ACCELERATION,
+        _corners(track, position, turn, (target + 1) % len(track)),
+    ]
+    return Observation(torch.cat(seen, -1), torch.cat(exact, -1))
+
+
+def _corners(track: Track, position: Tensor, turn: Tensor, target: Tensor) -> Tensor:
+    """Return the corners of a gate in the body frame, (batch, 12)."""
+    relative = (track.corners[target] - position[:, None]) / _LENGTH
+    return (relative @ turn).flatten(1)

@@ -1,0 +1,129 @@
+"""The environment of a race."""
+
+import torch
+from torch import Tensor
+
+from pipeline.policies.environment import Environment, Machines, Observation
+from pipeline.policies.racing.flying import STATE, Fleet, state_of
+from pipeline.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
+from pipeline.policies.racing.passage import Passage, passage
+from pipeline.policies.racing.reward import racing_reward
+from pipeline.policies.racing.settings import Flying, RacingSettings
+from pipeline.policies.racing.starts import drawn_start, first_starts, keep
+from pipeline.policies.racing.track import Track
+from pipeline.simulation.flight import Flight
+
+_COUNTS = ("gates", "crashes", "steps")
+
+
+class Racing(Environment):
+    """Quadrotors that race through gates; an episode ends with a crash.
+
+    Its state: `rows` of the fleet; `target`, the next gate's index; `previous`, the action before, within ±1;
+    `starts`, see `pipeline.policies.racing.starts`; `counts` of what happened.
+
+    Attributes:
+        track: on the device.
+        passage: what happened at the gates in the last step.
+        crashed: in the last step, (batch,) bool.
+    """
+
+    observation_size = POLICY_SIZE
+    privileged_size = PRIVILEGED_SIZE
+    action_size = 4
+
+    def __init__(
+        self,
+        flight: Flight,
+        track: Track,
+        settings: RacingSettings,
+        batch: int,
+        device: torch.device | str = "cpu",
+    ) -> None:
+        super().__init__(batch, device)
+        self.settings = settings
+        self.period = flight.period
+        self.episode_steps = settings.episode_steps
+        self.track = track.to(device)
+        self.fleet = Fleet(flight, device)
+        self.gravity = flight.simulator.platform.gravity
+        self.passage: Passage | None = None
+        self.crashed = torch.zeros(batch, dtype=torch.bool, device=self.device)
+
+    def reset(self, machines: Tensor) -> None:
+        """Put machines near a state in which a gate was passed; the gate is drawn."""
+        if "rows" not in self.state:
+            self._begin()
+        settings = self.settings.starts
+        gates, states = drawn_start(self.state["starts"], len(machines), settings, self.generator)
+        self.place(machines, states, (gates + 1) % len(self.track))
+
+    def place(self, machines: Tensor, states: Tensor, target: Tensor) -> None:
+        """Put machines into states (machines, 13), with the next gate (machines,) and hover as the action before."""
+        self.state["rows"][:, machines] = self.fleet.rows(states)
+        self.state["target"][machines] = target
+        self.state["previous"][machines] = 0.0
+
+    def _begin(self) -> None:
+        batch = self.batch
+        self.state |= {
+            "starts": first_starts(self.track, self.settings.starts),
+            "rows": self.fleet.rows(torch.zeros(batch, STATE, device=self.device)),
+            "target": torch.zeros(batch, dtype=torch.int64, device=self.device),
+            "previous": torch.zeros(batch, 4, device=self.device),
+            "counts": torch.zeros(len(_COUNTS), dtype=torch.float64, device=self.device),
+        }
+
+    def advance(self, action: Tensor) -> tuple[Tensor, Tensor]:
+        """Fly for a period."""
+        now, flying = self.state, self.settings.flying
+        command = commanded(action, flying, self.gravity)
+        previous = commanded(now["previous"], flying, self.gravity)
+        before, target = now["rows"][:3].T, now["target"]
+        now["rows"] = self.fleet.step(now["rows"], command)
+        after = state_of(now["rows"])
+        self.passage = passage(self.track, before, after["position"], target)
+        self.crashed = self.passage.hit | self.track.outside(after["position"])
+        gate = self.track.centres[target]
+        reward = racing_reward(self.settings.reward, before, after, gate, command, previous, self.crashed)
+        self._account(self.passage.passed & ~self.crashed)
+        now["previous"] = action
+        return reward, self.crashed
+
+    def _account(self, passed: Tensor) -> None:
+        """Send the machines that have passed a gate to the next one, and remember how they passed."""
+        now = self.state
+        some = passed.nonzero()[:, 0]
+        keep(now["starts"], now["target"][some], now["rows"][:STATE, some].T, self.generator)
+        now["target"] = torch.where(passed, (now["target"] + 1) % len(self.track), now["target"])
+        counted = [passed.sum(), self.crashed.sum(), torch.full_like(passed.sum(), self.batch)]
+        now["counts"] += torch.stack(counted)
+
+    def observe(self, machines: Machines = slice(None)) -> Observation:
+        """Return what is seen, see `pipeline.policies.racing.observation`."""
+        now = self.state
+        rows = now["rows"][:, machines]
+        acceleration = self.fleet.angular_acceleration(rows)
+        return racing_observation(
+            self.track, state_of(rows), acceleration, now["target"][machines], now["previous"][machines]
+        )
+
+    def measures(self) -> dict[str, float]:
+        """Return gates passed and crashes, each per second of one machine's flight."""
+        gates, crashes, steps = self.state["counts"].tolist()
+        self.state["counts"].zero_()
+        seconds = max(steps, 1.0) * self.period
+        return {"gates_per_second": gates / seconds, "crashes_per_second": crashes / seconds}
+
+
+def commanded(action: Tensor, settings: Flying, gravity: float) -> Tensor:
+    """Return collective thrust over mass and body rates, (batch, 4) m/s² and rad/s; an action of zero hovers.
+
+    Args:
+        action: (batch, 4) within ±1.
+        settings: the greatest thrust and rates.
+        gravity: m/s².
+    """
+    thrust = (gravity + (settings.thrust - gravity) * action[:, :1]).clamp_min(0.0)
+    rates = torch.tensor([settings.rate, settings.rate, settings.yaw_rate]).to(action)
+    return torch.cat([thrust, rates * action[:, 1:]], dim=-1)

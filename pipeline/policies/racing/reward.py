@@ -1,0 +1,59 @@
+"""The reward of a control step (Kaufmann et al. 2023, Nature 620, Methods, eqs. of the reward)."""
+
+import math
+
+import torch
+from torch import Tensor
+
+from pipeline.physics import rotations
+from pipeline.policies.racing.settings import Reward
+
+
+def racing_reward(
+    settings: Reward,
+    before: Tensor,
+    after: dict[str, Tensor],
+    gate: Tensor,
+    command: Tensor,
+    previous: Tensor,
+    crashed: Tensor,
+) -> Tensor:
+    """Return r_prog + r_perc + r_cmd − r_crash, (batch,).
+
+    Args:
+        settings: the weights.
+        before: position at the start of the step, (batch, 3) m.
+        after: state at its end, each part (batch, ...).
+        gate: middle of the gate that was to be passed, (batch, 3) m.
+        command: collective thrust over mass and body rates, (batch, 4) m/s² and rad/s.
+        previous: command of the step before, (batch, 4).
+        crashed: (batch,) bool.
+    """
+    towards = gate - after["position"]
+    distance = torch.linalg.vector_norm(towards, dim=-1)
+    progress = torch.linalg.vector_norm(gate - before, dim=-1) - distance
+    angle = viewing_angle(settings, after["attitude"], towards)
+    rates = torch.linalg.vector_norm(command[:, 1:], dim=-1)
+    change = (command - previous).square().sum(-1)
+    return (
+        settings.progress * progress
+        + settings.perception * torch.exp(settings.perception_angle * angle**4)
+        + settings.rates * rates
+        + settings.change * change
+        - settings.crash * crashed
+    )
+
+
+def viewing_angle(settings: Reward, attitude: Tensor, towards: Tensor) -> Tensor:
+    """Return the angle δ_cam between the camera's axis and the way to the gate, (batch,) rad.
+
+    Args:
+        settings: how far the camera looks up.
+        attitude: unit quaternions, (batch, 4).
+        towards: from machine to gate, world frame, (batch, 3) m.
+    """
+    pitch = settings.camera_pitch
+    camera = torch.tensor([math.cos(pitch), 0.0, math.sin(pitch)]).to(towards)
+    axis = rotations.rotate(attitude, camera.expand_as(towards))
+    across = torch.linalg.vector_norm(rotations.cross(axis, towards), dim=-1)
+    return torch.atan2(across, (axis * towards).sum(-1))

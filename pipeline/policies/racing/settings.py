@@ -1,0 +1,82 @@
+"""What a person may change about racing."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass
+class GateSettings:
+    """A square gate, upright.
+
+    Attributes:
+        position: of its middle, world frame, m.
+        direction: in which it is to be passed, x and y of the world frame, of any length.
+    """
+
+    position: list[float] = field(default_factory=list)
+    direction: list[float] = field(default_factory=list)
+
+
+@dataclass
+class TrackSettings:
+    """The configuration group `track`."""
+
+    name: str = ""
+    gates: list[GateSettings] = field(default_factory=list)
+    opening: float = 1.5  # m, inner side of a gate
+    frame: float = 0.3  # m, width of the frame around the opening
+    clearance: float = 0.15  # m, to be kept between the machine's middle and a frame, the ground and the box
+    box: list[list[float]] = field(
+        default_factory=list
+    )  # m, least and greatest x, y, z; the least z is the ground
+
+
+@dataclass
+class Reward:
+    """r = r_prog + r_perc + r_cmd − r_crash per control step (Kaufmann et al. 2023, Nature 620, Methods)."""
+
+    progress: float = 1.0  # λ1, per m that the next gate comes nearer
+    perception: float = 0.02  # λ2, for looking at the next gate
+    perception_angle: float = -10.0  # λ3, 1/rad⁴
+    rates: float = -2e-4  # λ4, per rad/s that is commanded
+    change: float = -1e-4  # λ5, per squared change of the command, m/s² and rad/s
+    crash: float = 5.0
+    camera_pitch: float = 0.35  # rad by which the camera looks up from the body's x axis
+
+
+@dataclass
+class Starts:
+    """Where episodes start: near a state in which some machine has passed a gate."""
+
+    kept: int = 256  # states of each gate
+    speed: float = 3.0  # m/s, towards the next gate, before any machine has passed
+    position: float = 0.3  # m, greatest perturbation along each axis
+    velocity: float = 0.5  # m/s
+    attitude: float = 0.1  # rad about each axis
+    body_rate: float = 0.5  # rad/s
+
+
+@dataclass
+class Flying:
+    """The machine and what is commanded."""
+
+    period: float = 0.01  # s between two actions
+    substeps: int = 5  # of the physics and the rate controller in a period
+    integrator: str = "rk4"
+    time_constant: float = 0.033  # s, of the motors, for which the rate controller is tuned
+    powertrain: bool = True  # battery, speed controllers and motors; false where the simulator names its own
+    effects: dict[str, dict[str, float]] = field(
+        default_factory=dict
+    )  # of the catalogue, beside the simulator's
+    thrust: float = 35.0  # m/s², greatest that is commanded
+    rate: float = 10.0  # rad/s, greatest about body x and y
+    yaw_rate: float = 4.0  # rad/s, greatest about body z
+
+
+@dataclass
+class RacingSettings:
+    """What a race is flown with, and how it is rewarded."""
+
+    episode_steps: int = 1500
+    flying: Flying = field(default_factory=Flying)
+    reward: Reward = field(default_factory=Reward)
+    starts: Starts = field(default_factory=Starts)

@@ -1,0 +1,70 @@
+"""Where episodes start: states in which machines have passed the gates, perturbed within bounds."""
+
+import torch
+from torch import Tensor
+
+from pipeline.physics import rotations
+from pipeline.policies.racing.flying import PARTS, STATE
+from pipeline.policies.racing.settings import Starts
+from pipeline.policies.racing.track import Track
+
+
+def first_starts(track: Track, settings: Starts) -> Tensor:
+    """Return states to start from before any machine has passed a gate, (gates, kept, 13).
+
+    The machine is in the middle of the gate, level, and flies towards the next one.
+    """
+    towards = track.centres.roll(-1, 0) - track.centres
+    towards = towards / torch.linalg.vector_norm(towards, dim=-1, keepdim=True)
+    state = track.centres.new_zeros(len(track), STATE)
+    yaw = torch.atan2(track.axes[:, 0, 1], track.axes[:, 0, 0])
+    vertical = torch.nn.functional.pad(yaw[:, None], (2, 0))
+    state[:, PARTS["position"]] = track.centres
+    state[:, PARTS["attitude"]] = rotations.from_rotation_vector(vertical)
+    state[:, PARTS["velocity"]] = settings.speed * towards
+    return state[:, None].repeat(1, settings.kept, 1)
+
+
+def keep(starts: Tensor, gates: Tensor, states: Tensor, generator: torch.Generator) -> None:
+    """Put states in which gates were passed in place of earlier ones, which are drawn.
+
+    Args:
+        starts: (gates, kept, 13), changed in place.
+        gates: that were passed, (passes,).
+        states: (passes, 13).
+        generator: of the draws.
+    """
+    places = torch.randint(starts.shape[1], gates.shape, generator=generator, device=starts.device)
+    # Of passes that drew one place the last counts, which writing all at once does not promise.
+    flat = gates * starts.shape[1] + places
+    order = torch.arange(len(flat), device=flat.device)
+    same = flat[:, None] == flat[None, :]
+    last = ~(same & (order[None, :] > order[:, None])).any(1)
+    starts[gates[last], places[last]] = states[last]
+
+
+def drawn_start(
+    starts: Tensor, count: int, settings: Starts, generator: torch.Generator
+) -> tuple[Tensor, Tensor]:
+    """Return gates that were passed (count,), drawn evenly, and states (count, 13) perturbed within bounds."""
+    gates = torch.randint(starts.shape[0], (count,), generator=generator, device=starts.device)
+    places = torch.randint(starts.shape[1], (count,), generator=generator, device=starts.device)
+    return gates, perturbed(starts[gates, places], settings, generator)
+
+
+def perturbed(state: Tensor, settings: Starts, generator: torch.Generator) -> Tensor:
+    """Return states (batch, 13) with each part moved within its bounds."""
+    draw = torch.rand(len(state), 12, generator=generator, device=state.device) * 2.0 - 1.0
+    position, attitude, velocity, rate = draw.split(3, dim=-1)
+    turned = rotations.multiply(
+        state[:, PARTS["attitude"]], rotations.from_rotation_vector(settings.attitude * attitude)
+    )
+    return torch.cat(
+        [
+            state[:, PARTS["position"]] + settings.position * position,
+            rotations.normalize(turned),
+            state[:, PARTS["velocity"]] + settings.velocity * velocity,
+            state[:, PARTS["body_rate"]] + settings.body_rate * rate,
+        ],
+        dim=-1,
+    )

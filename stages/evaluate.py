@@ -1,0 +1,58 @@
+"""The stage that flies a policy."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipeline.policies.settings import PolicyEvaluation
+from pipeline.stage import StageConfig, StageRun, stage
+
+if TYPE_CHECKING:
+    from pipeline.policies.racing.laps import Laps
+    from pipeline.policies.racing.track import Track
+
+
+@dataclass
+class EvaluateStage(StageConfig):
+    """What evaluating a policy reads of the configuration."""
+
+    evaluate: PolicyEvaluation = field(default_factory=PolicyEvaluation)
+
+
+@stage(EvaluateStage)
+def evaluate(config: EvaluateStage, run: StageRun) -> None:
+    """Race a policy through its track from perturbed starts, and say how fast and how safely it flew."""
+    from pipeline.policies.networks import Policy
+    from pipeline.policies.racing.entry import race_from, race_in
+    from pipeline.policies.racing.laps import fly_laps
+    from pipeline.policies.storage import load_policy
+    from stages._simulators import chosen_simulator
+
+    chosen = config.evaluate
+    folder = run.input(Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy"))
+    gaussian, description = load_policy(folder)
+    track, settings = race_from(description.configuration, chosen.powertrain)
+    platform = description.configuration["platform"]
+    simulator, _ = chosen_simulator(chosen.simulator, platform, config, run)
+    race = race_in(simulator, track, settings, chosen.starts)
+    policy = Policy(gaussian)
+    laps = fly_laps(race, lambda seen: policy(seen.policy), config.seed, chosen.laps, chosen.seconds)
+    run.log_metrics(laps.metrics())
+    _write(laps, race.track, race.period, run)
+
+
+def _write(laps: "Laps", track: "Track", period: float, run: StageRun) -> None:
+    """Write every lap, the flight of the fastest machine, and its picture."""
+    from pipeline.policies.racing.tables import flight_table, laps_table
+    from pipeline.report.race import race_figure
+
+    laps_table(laps).to_parquet(run.output / "laps.parquet", index=False)
+    flight = flight_table(laps, period)
+    flight.to_parquet(run.output / "flight.parquet", index=False)
+    figure = race_figure(flight, track.corners.cpu().numpy())
+    figure.savefig(run.output / "line.png", dpi=150)
+    run.log_figure(figure, "line")
+
+
+if __name__ == "__main__":
+    evaluate.main()

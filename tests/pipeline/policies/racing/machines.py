@@ -1,0 +1,37 @@
+"""A racer and the tracks of the project, as tests fly them."""
+
+from functools import cache
+from pathlib import Path
+
+import yaml
+from omegaconf import OmegaConf
+
+from pipeline.platforms import Quadrotor, platform_from_config
+from pipeline.policies.racing.flying import flight_in
+from pipeline.policies.racing.racing import Racing
+from pipeline.policies.racing.settings import Flying, RacingSettings, TrackSettings
+from pipeline.policies.racing.track import Track, track_from
+from pipeline.simulation import Simulator
+
+CONF = Path(__file__).parents[4] / "conf"
+# Fewer and simpler inner steps than a race has: they are compiled sooner.
+COARSE = Flying(substeps=2, integrator="euler", rate=6.0, yaw_rate=3.0)
+
+
+@cache
+def racer() -> Quadrotor:
+    platform = platform_from_config(yaml.safe_load((CONF / "platform" / "racer.yaml").read_text()))
+    assert isinstance(platform, Quadrotor)
+    return platform
+
+
+def track_named(name: str) -> Track:
+    merged = OmegaConf.merge(
+        OmegaConf.structured(TrackSettings), OmegaConf.load(CONF / "track" / f"{name}.yaml")
+    )
+    return track_from(OmegaConf.to_object(merged))
+
+
+def racing(batch: int, track: str = "tiny", settings: RacingSettings | None = None) -> Racing:
+    settings = settings or RacingSettings(flying=COARSE)
+    return Racing(flight_in(Simulator(racer()), settings.flying), track_named(track), settings, batch)

@@ -1,0 +1,53 @@
+import torch
+
+from pipeline.physics import rotations
+from pipeline.policies.racing.flying import PARTS
+from pipeline.policies.racing.settings import Starts
+from pipeline.policies.racing.starts import drawn_start, first_starts, keep, perturbed
+from tests.pipeline.policies.racing.machines import track_named
+
+SETTINGS = Starts(kept=8)
+
+
+def test_before_any_pass_a_machine_starts_in_a_gate_and_flies_to_the_next():
+    track = track_named("split_s")
+    starts = first_starts(track, SETTINGS)
+    assert starts.shape == (7, 8, 13)
+    torch.testing.assert_close(starts[:, 3, PARTS["position"]], track.centres)
+    ahead = rotations.rotate(starts[:, 0, PARTS["attitude"]], torch.tensor([1.0, 0.0, 0.0]).expand(7, 3))
+    torch.testing.assert_close(ahead, track.axes[:, 0], rtol=0.0, atol=1e-5)
+    nearer = track.centres + 0.1 * starts[:, 0, PARTS["velocity"]]
+    following = track.centres.roll(-1, 0)
+    assert bool(((following - nearer).norm(dim=-1) < (following - track.centres).norm(dim=-1)).all())
+
+
+def test_a_perturbation_stays_within_its_bounds_and_a_quaternion_a_unit():
+    state = first_starts(track_named("tiny"), SETTINGS)[:, 0].repeat(500, 1)
+    moved = perturbed(state, SETTINGS, torch.Generator().manual_seed(0))
+    difference = moved - state
+    for name in ("position", "velocity", "body_rate"):
+        bound = getattr(SETTINGS, name)
+        size = float(difference[:, PARTS[name]].abs().max())
+        assert 0.95 * bound < size <= bound + 1e-6
+    angle = rotations.rotation_angle(state[:, PARTS["attitude"]], moved[:, PARTS["attitude"]])
+    assert 0.0 < float(angle.max()) <= SETTINGS.attitude * 3**0.5 + 1e-4
+    torch.testing.assert_close(moved[:, PARTS["attitude"]].norm(dim=-1), torch.ones(2000))
+
+
+def test_seen_states_take_the_place_of_earlier_ones_of_their_gate():
+    starts = torch.zeros(3, 8, 13)
+    seen = torch.arange(1.0, 7.0)[:, None].expand(6, 13)
+    keep(starts, torch.tensor([1, 1, 1, 1, 2, 2]), seen, torch.Generator().manual_seed(0))
+    assert not bool(starts[0].any())
+    assert set(starts[1, :, 0].tolist()) <= {0.0, 1.0, 2.0, 3.0, 4.0}
+    assert set(starts[2, :, 0].tolist()) <= {0.0, 5.0, 6.0}
+    assert 6.0 in starts[2, :, 0]
+
+
+def test_gates_are_drawn_evenly_and_by_the_seed():
+    starts = first_starts(track_named("tiny"), SETTINGS)
+    gates, states = drawn_start(starts, 4000, SETTINGS, torch.Generator().manual_seed(0))
+    again = drawn_start(starts, 4000, SETTINGS, torch.Generator().manual_seed(0))
+    assert torch.equal(gates, again[0])
+    assert torch.equal(states, again[1])
+    assert bool((torch.bincount(gates) > 850).all())
