@@ -30,10 +30,10 @@ class DeployStage(StageConfig):
 def deploy(config: DeployStage, run: StageRun) -> None:
     """Drive the smoothed voltages of a motion on the concealed plant, trial by trial, and say where it came to rest."""
     from pipeline.policies.profile.contenders import measures
-    from pipeline.policies.profile.figure import draw_motions
     from pipeline.policies.profile.motion import drive_open_loop
     from pipeline.policies.profile.smoothing import smoothed
     from pipeline.policies.profile.storage import FILE, read_motions
+    from pipeline.report.motions import draw_motions
 
     drive, task = identified(config, run), config.profile
     motion = _chosen(read_motions(run.input(config.artifact("profile", FILE))), config.deploy.motion)

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pipeline.artifacts import checkpoint_folder, remove_checkpoint
 from pipeline.comparison.comparison import Metrics
 from pipeline.policies.profile.settings import Profile
 from pipeline.stage import StageConfig, StageRun, stage
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from pipeline.policies.profile.drive import Drive
     from pipeline.policies.profile.motion import Motion
 
-CHECKPOINTS = "checkpoints"
 FIGURE = "motions.svg"
 
 
@@ -42,8 +41,8 @@ def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
 def profile(config: ProfileStage, run: StageRun) -> None:
     """Drive straight from rest to rest: classical profiles, a policy trained by PPO, and the time-optimal bound."""
     from pipeline.policies.profile import contenders
-    from pipeline.policies.profile.figure import draw_motions
     from pipeline.policies.profile.storage import write_motions
+    from pipeline.report.motions import draw_motions
 
     drive = identified(config, run)
     task = config.profile
@@ -77,6 +76,7 @@ def identified(config: Any, run: StageRun) -> "Drive":
 
 def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
     """Train the policy, or go on where a training was killed; return what it does."""
+    from pipeline.policies.export import export_policy
     from pipeline.policies.networks import Policy
     from pipeline.policies.profile.environment import MotionProfile
     from pipeline.policies.profile.rollout import drive_by_policy
@@ -85,8 +85,10 @@ def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
 
     task = config.profile
     training = Training(MotionProfile(task, drive, task.learning.machines), task.learning, config.seed)
-    checkpoint = _checkpoint(config, run)
-    curve = training.run(checkpoint, lambda entry, update: run.log_metrics(entry, update))
+    inputs = sorted(run.inputs.values())
+    checkpoint = checkpoint_folder(config.artifacts, [asdict(task), config.seed, inputs])
+    curve = training.run(checkpoint, run.log_metrics)
+    remove_checkpoint(checkpoint)
     run.log_metrics({f"training/{name}": value for name, value in final(curve).items()})
     gaussian = training.learner.gaussian
     description = Description(
@@ -101,9 +103,8 @@ def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
         measures=final(curve),
     )
     save_policy(gaussian, description, run.output / "policy")
-    motion = drive_by_policy(Policy(gaussian), task, drive)
-    _discard(checkpoint)
-    return motion
+    export_policy(gaussian, run.output / "policy")
+    return drive_by_policy(Policy(gaussian), task, drive)
 
 
 def _compared_measures(motions: "Mapping[str, Motion]", task: Profile) -> dict[str, float]:
@@ -116,20 +117,6 @@ def _compared_measures(motions: "Mapping[str, Motion]", task: Profile) -> dict[s
         values["faster"] = 1.0 - values["time"] / published
         values["over_bound"] = values["time"] / bound - 1.0
     return {f"{name}/{key}": value for name, values in found.items() for key, value in values.items()}
-
-
-def _checkpoint(config: ProfileStage, run: StageRun) -> Path:
-    """Return where an interrupted training with the same drive and settings left its checkpoint."""
-    from pipeline.artifacts import hash_value
-
-    identity = hash_value([asdict(config.profile), config.seed, sorted(run.inputs.values())])
-    return Path(config.artifacts) / CHECKPOINTS / identity[:16]
-
-
-def _discard(checkpoint: Path) -> None:
-    import shutil
-
-    shutil.rmtree(checkpoint, ignore_errors=True)
 
 
 if __name__ == "__main__":

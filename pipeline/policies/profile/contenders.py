@@ -12,9 +12,9 @@ from pipeline.policies.profile.rivals import fastest_s_curve, fastest_trapezoid
 from pipeline.policies.profile.settings import Profile
 from pipeline.policies.profile.time_optimal import time_optimal
 
-PUBLISHED = "trapezoid of 3 m/s and 2 m/s²"
-TRAPEZOID, S_CURVE = "fastest trapezoid", "fastest S-curve"
-BOUND, VOLTAGE_BOUND = "time-optimal", "time-optimal by voltage alone"
+PUBLISHED = "published_trapezoid"
+TRAPEZOID, S_CURVE = "fastest_trapezoid", "fastest_s_curve"
+BOUND, VOLTAGE_BOUND = "time_optimal", "time_optimal_by_voltage"
 POLICY = "policy"
 
 _REST = 0.1  # s that the drive is watched after the end of a profile

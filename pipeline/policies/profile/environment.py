@@ -8,7 +8,7 @@ from pipeline.policies.profile.drive import Drive
 from pipeline.policies.profile.rewards import final_reward, step_reward
 from pipeline.policies.profile.settings import Profile
 
-_NEAR = 0.1  # m, over which the distance that is left is also seen enlarged
+_NEAR, _SLOW = 0.1, 0.2  # m and m/s, below which what is left of distance and speed is also seen enlarged
 
 _POSITION, _VELOCITY, _VOLTAGE = "position", "velocity", "voltage"
 
@@ -18,7 +18,7 @@ class MotionProfile(Environment):
 
     The state is the position, m, the speeds of the four wheels, m/s along the ground, and the voltages that act. The
     action is the desired speed over its limit. The observation has the distance that is left, plain and enlarged near
-    the target, and the speeds.
+    the target, the mean speed enlarged near standstill, and the speeds.
 
     Attributes:
         task: the way and what counts as arriving.
@@ -26,7 +26,7 @@ class MotionProfile(Environment):
         tolerances: of position, m, and speed, m/s, that count now.
     """
 
-    observation_size = 6
+    observation_size = 7
     privileged_size = 0
     action_size = 1
 
@@ -85,9 +85,10 @@ class MotionProfile(Environment):
     def observe(self, machines: Machines = slice(None)) -> Observation:
         """Return the distance that is left and the speeds of the wheels."""
         left = self.task.distance - self.state[_POSITION][machines]
-        speeds = self.state[_VELOCITY][machines] / self.task.speed_limit
-        seen = torch.stack([left / self.task.distance, torch.tanh(left / _NEAR)], -1)
-        return Observation(torch.cat([seen, speeds], -1), speeds[:, :0])
+        velocity = self.state[_VELOCITY][machines]
+        enlarged = torch.tanh(left / _NEAR), torch.tanh(velocity.mean(-1) / _SLOW)
+        seen = torch.stack([left / self.task.distance, *enlarged], -1)
+        return Observation(torch.cat([seen, velocity / self.task.speed_limit], -1), velocity[:, :0])
 
     def measures(self) -> dict[str, float]:
         """Return how many attempts have arrived and failed, and what arriving means now."""

@@ -1,10 +1,11 @@
 """What a trained policy does with the identified drive."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import torch
-from torch import nn
+from torch import Tensor
 
 from pipeline.policies.profile.drive import Drive
 from pipeline.policies.profile.environment import MotionProfile
@@ -15,7 +16,7 @@ _REST = 0.1  # s that the drive is watched after the policy has arrived
 
 
 @torch.no_grad()
-def drive_by_policy(policy: nn.Module, task: Profile, drive: Drive) -> Motion:
+def drive_by_policy(policy: Callable[[Tensor], Tensor], task: Profile, drive: Drive) -> Motion:
     """Return the motion from rest until the policy arrives, or its time is over, and a moment of standing.
 
     Args:

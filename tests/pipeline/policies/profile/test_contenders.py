@@ -5,10 +5,10 @@ import pytest
 import torch
 
 from pipeline.policies.profile import contenders
-from pipeline.policies.profile.figure import draw_motions
 from pipeline.policies.profile.rollout import drive_by_policy
 from pipeline.policies.profile.settings import Profile
 from pipeline.policies.profile.storage import FILE, read_motions, write_motions
+from pipeline.report.motions import draw_motions
 from tests.pipeline.policies.profile.drives import uniform
 
 TASK = Profile(acceleration_limit=8.0)
@@ -36,12 +36,18 @@ def test_the_published_trapezoid_takes_what_it_says(motions):
 
 def test_higher_limits_are_faster_and_none_beats_the_bounds(motions):
     times = {name: contenders.measures(motion, TASK)["time"] for name, motion in motions.items()}
-    order = [contenders.VOLTAGE_BOUND, contenders.BOUND, contenders.S_CURVE, contenders.TRAPEZOID, contenders.PUBLISHED]
+    order = [
+        contenders.VOLTAGE_BOUND,
+        contenders.BOUND,
+        contenders.S_CURVE,
+        contenders.TRAPEZOID,
+        contenders.PUBLISHED,
+    ]
     assert sorted(times, key=times.__getitem__) == order
 
 
 def full_speed_then_brakes(observation):
-    left, speed = 3.0 * observation[:, :1], 3.0 * observation[:, 2:3]
+    left, speed = 3.0 * observation[:, :1], 3.0 * observation[:, 3:4]
     return (left > 0.07 * speed.square()).float()
 
 
@@ -54,7 +60,7 @@ def test_a_policy_is_driven_until_it_arrives():
 
 
 def test_a_policy_that_never_arrives_takes_forever():
-    motion = drive_by_policy(torch.zeros_like, TASK, DRIVE)
+    motion = drive_by_policy(lambda seen: 0.0 * seen[:, :1], TASK, DRIVE)
     found = contenders.measures(motion, TASK)
     assert np.isnan(found["time"])
     assert found["miss"] == 3.0

@@ -39,7 +39,7 @@ def arrive(made):
     """Drive at full speed until the brakes are needed, and then stand; return the last transition and the steps."""
     seen = made.start(0)
     for step in range(made.episode_steps):
-        left, speed = float(seen.policy[0, 0]) * 3.0, float(seen.policy[0, 2]) * 3.0
+        left, speed = float(seen.policy[0, 0]) * 3.0, float(seen.policy[0, 3]) * 3.0
         braking = left < 0.056 * speed * speed
         transition = made.step(torch.tensor([[0.0 if braking else 1.0]]))
         if bool(transition.terminated):
