@@ -4,6 +4,7 @@
 #   make prove   the concealed benchmark: SEED=1 CASES=60 (of each kind) KIND=quadrotor,joint,swerve
 #   make bench   measure the simulator beside its peers, write docs/benchmark.md (leave the machine alone meanwhile)
 #   make bench-training   measure training beside its bare loop, write docs/benchmark_training.md
+#   make bench-policies   measure PPO on the racing quadrotor beside a bare loop, write docs/benchmark_policies.md
 # The pins in constraints.txt are made by:
 #   uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --no-header --no-annotate \
 #       --no-emit-index-url -o constraints.txt
@@ -16,7 +17,7 @@ KIND ?= quadrotor,joint,swerve
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-.PHONY: run test prove bench bench-training lint install
+.PHONY: run test prove bench bench-training bench-policies lint install
 
 run: $(STAMP)
 	@$(BIN)/simgap reproduce $(BRANCH)
@@ -38,6 +39,9 @@ bench: $(STAMP) .venv-bench/.installed
 
 bench-training: $(STAMP)
 	@$(BIN)/python -W ignore -m benchmarks.training --output docs/benchmark_training.md
+
+bench-policies: $(STAMP)
+	@$(BIN)/python -W ignore -m benchmarks.policies --output docs/benchmark_policies.md
 
 # The peers have an environment of their own: what they need is no need of the project.
 .venv-bench/.installed: benchmarks/requirements.txt

@@ -1,5 +1,6 @@
 """The stage that flies a policy."""
 
+import logging
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,6 +23,16 @@ class EvaluateStage(StageConfig):
 @stage(EvaluateStage)
 def evaluate(config: EvaluateStage, run: StageRun) -> None:
     """Race a policy through its track from perturbed starts, and say how fast and how safely it flew."""
+    chosen = config.evaluate
+    folder = run.input(Path(chosen.policy) if chosen.policy else config.artifact("train_policy", ""))
+    if not chosen.policy and not (folder / "policy").exists():
+        logging.getLogger("simgap").info("evaluate: nothing is flown, since no policy was trained")
+        (run.output / "metrics.json").write_text("{}\n")
+        return
+    _race(folder if chosen.policy else folder / "policy", config, run)
+
+
+def _race(folder: Path, config: EvaluateStage, run: StageRun) -> None:
     from pipeline.policies.networks import Policy
     from pipeline.policies.racing.entry import race_from, race_in
     from pipeline.policies.racing.laps import fly_laps
@@ -29,7 +40,6 @@ def evaluate(config: EvaluateStage, run: StageRun) -> None:
     from stages._simulators import chosen_simulator
 
     chosen = config.evaluate
-    folder = run.input(Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy"))
     gaussian, description = load_policy(folder)
     track, settings = race_from(description.configuration, chosen.powertrain)
     platform = description.configuration["platform"]

@@ -1,12 +1,14 @@
 """The stage that trains a policy in a simulator."""
 
 import json
+import logging
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.artifacts import checkpoint_folder, remove_checkpoint
-from pipeline.policies.racing.settings import TrackSettings
+from pipeline.errors import InputError
+from pipeline.policies.racing.settings import TASK, TrackSettings
 from pipeline.policies.settings import PolicyTraining
 from pipeline.stage import StageConfig, StageRun, stage
 
@@ -25,7 +27,20 @@ class TrainPolicyStage(StageConfig):
 
 @stage(TrainPolicyStage)
 def train_policy(config: TrainPolicyStage, run: StageRun) -> None:
-    """Train a policy to race through the gates of a track in a simulator, by PPO."""
+    """Train a policy in a simulator by PPO, to race through the gates of a track."""
+    task = config.train_policy.task
+    if task is None:
+        logging.getLogger("simgap").info(
+            "train_policy: no policy is trained, since train_policy.task is null"
+        )
+        (run.output / "metrics.json").write_text("{}\n")
+        return
+    if task != TASK:
+        raise InputError(f"there is no task {task!r}", "train_policy.task", f"use {TASK}")
+    _train(config, run)
+
+
+def _train(config: TrainPolicyStage, run: StageRun) -> None:
     from pipeline.policies.racing.entry import race_in
     from pipeline.policies.training import Training, final
     from stages._simulators import chosen_simulator
@@ -53,7 +68,7 @@ def _write(
 ) -> None:
     """Write the policy for this project, and for machines that know nothing of it."""
     from pipeline.policies.export import export_policy
-    from pipeline.policies.racing.entry import TASK, described_race
+    from pipeline.policies.racing.entry import described_race
     from pipeline.policies.racing.racing import Racing
     from pipeline.policies.storage import Description, save_policy
 

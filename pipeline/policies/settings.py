@@ -22,9 +22,7 @@ class Learning:
     entropy: float = 0.0  # weight of the entropy in the loss
     critic: float = 0.5  # weight of the critic's error in the loss
     gradient_norm: float = 1.0  # to which a gradient is clipped
-    reward_scale: float = (
-        1.0  # by which rewards are multiplied, so that returns are of the order of one to ten
-    )
+    reward_scale: float = 1.0  # by which rewards are multiplied, for returns of the order of one to ten
     hidden: list[int] = field(default_factory=lambda: [128, 128])  # widths of the layers of both networks
     slope: float = 0.2  # of LeakyReLU below zero
     deviation: float = 0.5  # standard deviation of the actions at the start; the range of an action is ±1
@@ -35,9 +33,8 @@ class Learning:
 class PolicyTraining:
     """The configuration group `train_policy`."""
 
-    simulator: str = (
-        "ideal"  # or build_sim, diagnose, or the folder of a simulator; ideal: the platform's own
-    )
+    task: str | None = None  # racing; null: no policy is trained
+    simulator: str = "ideal"  # the platform's own; or build_sim, diagnose, or a simulator's folder
     device: str = "cpu"
     learning: Learning = field(default_factory=Learning)
     racing: RacingSettings = field(default_factory=RacingSettings)
@@ -49,9 +46,7 @@ class PolicyEvaluation:
 
     policy: str | None = None  # folder; null: what train_policy wrote
     simulator: str = "ideal"  # as in train_policy
-    powertrain: bool | None = (
-        None  # whether battery, speed controllers and motors are added; null: as in training
-    )
+    powertrain: bool | None = None  # whether battery and motors are added; null: as in training
     starts: int = 100  # perturbed
     laps: int = 2
     seconds: float = 60.0  # after which a flight ends

@@ -13,8 +13,6 @@ from pipeline.policies.racing.track import track_from
 from pipeline.simulation import Simulator
 from pipeline.stage.mistakes import configuration_mistakes
 
-TASK = "racing"
-
 
 def race_in(
     simulator: Simulator,

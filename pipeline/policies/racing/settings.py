@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+TASK = "racing"
+
 
 @dataclass
 class GateSettings:

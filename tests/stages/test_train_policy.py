@@ -1,0 +1,159 @@
+"""Training and evaluating a policy, as a person does it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from pipeline.effects import effect_by_key
+from pipeline.errors import InputError
+from pipeline.policies.export import ONNX_FILE, SCRIPT_FILE
+from pipeline.policies.settings import PolicyEvaluation, PolicyTraining
+from pipeline.policies.storage import load_policy
+from pipeline.simulation import FittedEffect, Simulator, write_simulator
+from pipeline.stage import StageRun
+from stages.evaluate import EvaluateStage, evaluate
+from stages.train_policy import TrainPolicyStage, train_policy
+from tests.pipeline.policies.racing.machines import racer
+
+ROOT = Path(__file__).parents[2]
+RACE = ("platform=racer", "track=tiny", "train_policy=racing_quick", "tracking.enabled=false")
+FEW = (
+    *RACE,
+    "train_policy.learning.interactions=12_000",
+    "train_policy.learning.machines=32",
+    "train_policy.learning.horizon=16",
+    "train_policy.learning.minibatch=128",
+    "train_policy.learning.checkpoint_every=3",
+    "train_policy.racing.flying.substeps=2",
+    "train_policy.racing.flying.integrator=euler",
+)
+
+
+def ran(stage, *overrides: str) -> None:
+    """Run the command in this process, which has paid for its imports."""
+    with pytest.raises(SystemExit) as ended:
+        stage.main([*overrides])
+    assert ended.value.code == 0
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory) -> Path:
+    """Return the artifacts of a training that is far too short."""
+    artifacts = tmp_path_factory.mktemp("artifacts")
+    ran(train_policy, *FEW, f"artifacts={artifacts}")
+    return artifacts
+
+
+def test_a_policy_carries_what_it_was_trained_with(trained):
+    folder = trained / "train_policy" / "policy"
+    _, description = load_policy(folder)
+    assert description.task == "racing"
+    assert description.observation_size == 31
+    assert description.configuration["track"]["name"] == "tiny"
+    assert description.configuration["platform"]["mass"] == 0.87
+    assert description.simulator == ""
+    assert (folder / ONNX_FILE).stat().st_size > 0
+    assert (folder / SCRIPT_FILE).stat().st_size > 0
+    curve = json.loads((trained / "train_policy" / "curve.json").read_text())
+    assert [entry["interactions"] for entry in curve] == [512.0 * (n + 1) for n in range(24)]
+    assert not (trained / "checkpoints").exists()
+
+
+def test_an_evaluation_writes_laps_a_flight_and_its_picture(trained):
+    ran(
+        evaluate,
+        f"artifacts={trained}",
+        "evaluate.starts=5",
+        "evaluate.seconds=2.0",
+        "tracking.enabled=false",
+    )
+    folder = trained / "evaluate"
+    assert {"completed", "laps_completed"} <= json.loads((folder / "metrics.json").read_text()).keys()
+    laps = pd.read_parquet(folder / "laps.parquet")
+    assert laps.groupby("machine")["lap"].apply(list).tolist() == [[1, 2]] * 5
+    flight = pd.read_parquet(folder / "flight.parquet")
+    assert np.allclose(np.diff(flight["t"]), 0.02)
+    assert np.allclose(
+        np.linalg.norm(flight[[f"attitude_{axis}" for axis in "wxyz"]], axis=1), 1.0, atol=1e-4
+    )
+    assert (folder / "line.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_simulator_of_another_stage_changes_the_flight(trained, tmp_path):
+    effect = effect_by_key("quadrotor", "rotor_drag")
+    strong = {**effect.defaults(), **{name: 5.0 * value for name, value in effect.defaults().items()}}
+    write_simulator(Simulator(racer(), (FittedEffect(effect, strong),)), tmp_path / "simulator")
+    few = ("evaluate.starts=5", "evaluate.seconds=1.0", "tracking.enabled=false", f"artifacts={trained}")
+    ran(evaluate, *few, f"output={tmp_path / 'ideal'}")
+    ran(evaluate, *few, f"output={tmp_path / 'other'}", f"evaluate.simulator={tmp_path / 'simulator'}")
+    ideal, other = (pd.read_parquet(tmp_path / name / "flight.parquet") for name in ("ideal", "other"))
+    common = min(len(ideal), len(other))
+    assert not np.allclose(ideal["velocity_x"][:common], other["velocity_x"][:common])
+
+
+@pytest.mark.slow
+def test_a_killed_training_of_a_policy_ends_like_an_undisturbed_one(trained, tmp_path):
+    command = [sys.executable, "-m", "stages.train_policy", *FEW, f"artifacts={tmp_path}"]
+    process = subprocess.Popen(command, cwd=ROOT, env={**os.environ, "OMP_NUM_THREADS": "1"})
+    while process.poll() is None and not any(tmp_path.rglob("checkpoint.pt")):
+        time.sleep(0.01)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    assert not (tmp_path / "train_policy").exists()
+    assert any(tmp_path.rglob("checkpoint.pt"))
+    subprocess.run(
+        command, cwd=ROOT, check=True, capture_output=True, env={**os.environ, "OMP_NUM_THREADS": "1"}
+    )
+    for file in ("curve.json", "metrics.json", "policy/policy.yaml", "policy/policy.safetensors"):
+        assert (tmp_path / "train_policy" / file).read_bytes() == (
+            trained / "train_policy" / file
+        ).read_bytes()
+
+
+@pytest.mark.slow
+def test_the_tiny_track_is_learnt(tmp_path):
+    ran(train_policy, *RACE, f"artifacts={tmp_path}")
+    ran(evaluate, f"artifacts={tmp_path}", "tracking.enabled=false")
+    metrics = json.loads((tmp_path / "evaluate" / "metrics.json").read_text())
+    assert metrics["completed"] > 0.95
+    assert metrics["laps_completed"] > 0.9
+    assert metrics["least_margin"] >= 0.15
+
+
+def test_a_branch_without_a_policy_trains_none_and_flies_none(tmp_path):
+    for stage in (train_policy, evaluate):
+        ran(stage, f"artifacts={tmp_path}", "tracking.enabled=false")
+        assert [path.name for path in (tmp_path / stage.name).iterdir()] == ["metrics.json"]
+        assert json.loads((tmp_path / stage.name / "metrics.json").read_text()) == {}
+
+
+def test_mistakes_are_said_in_one_line(tmp_path):
+    run = StageRun(tmp_path)
+    with pytest.raises(InputError, match="no task 'swim'"):
+        train_policy(TrainPolicyStage(train_policy=PolicyTraining(task="swim")), run)
+    with pytest.raises(InputError, match="does not exist"):
+        evaluate(EvaluateStage(evaluate=PolicyEvaluation(policy=str(tmp_path / "none"))), run)
+    arm = {"kind": "joint", "inertia": 0.1}
+    with pytest.raises(InputError, match="joint cannot race"):
+        train_policy(TrainPolicyStage(platform=arm, train_policy=PolicyTraining(task="racing")), run)
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "conf" / "track").glob("*.yaml")))
+def test_every_track_is_a_valid_configuration(name):
+    from pipeline.policies.racing.track import track_from
+    from pipeline.stage.compose import compose, typed
+
+    config = typed(TrainPolicyStage, compose([f"track={name}", "train_policy=racing"]))
+    assert config.track.name == name
+    assert len(track_from(config.track)) == len(
+        yaml.safe_load((ROOT / "conf/track" / f"{name}.yaml").read_text())["gates"]
+    )
