@@ -35,7 +35,7 @@ class Profile:
     speed_tolerance: float = 0.01  # m/s, below which the drive counts as standing
     wide: list[float] = field(default_factory=lambda: [0.5, 0.5])  # m and m/s: both, when training begins
     narrow: list[float] = field(default_factory=lambda: [0.01, 0.01])  # m and m/s: both, when it ends
-    curriculum: float = 0.6  # share of the training over which they become narrow
+    curriculum: float = 0.4  # share of the training over which they become narrow
     on_the_way: float = 0.5  # share of the attempts that start somewhere on the way, in motion
     weights: Weights = field(default_factory=Weights)
     learning: Learning = field(default_factory=Learning)
