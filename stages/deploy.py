@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.policies.profile.settings import Deployment, Profile
 from pipeline.stage import StageConfig, StageRun, stage
-from stages.profile import identified
 
 if TYPE_CHECKING:
     from pipeline.policies.profile.motion import Motion
@@ -34,9 +34,12 @@ def deploy(config: DeployStage, run: StageRun) -> None:
     from pipeline.policies.profile.smoothing import smoothed
     from pipeline.policies.profile.storage import FILE, read_motions
     from pipeline.report.motions import draw_motions
+    from stages._drives import identified
 
-    drive, task = identified(config, run), config.profile
-    motion = _chosen(read_motions(run.input(config.artifact("profile", FILE))), config.deploy.motion)
+    task = config.profile
+    drive = identified(config.platform, task, config, run)
+    plan = Path(config.deploy.plan) / FILE if config.deploy.plan else config.artifact("profile", FILE)
+    motion = _chosen(read_motions(run.input(plan)), config.deploy.motion)
     voltage = smoothed(drive, motion, config.deploy.window)
     foreseen = drive_open_loop(drive, voltage, motion.period)
     trials = _driven(config, foreseen)

@@ -43,9 +43,10 @@ def profile(config: ProfileStage, run: StageRun) -> None:
     from pipeline.policies.profile import contenders
     from pipeline.policies.profile.storage import write_motions
     from pipeline.report.motions import draw_motions
+    from stages._drives import identified
 
-    drive = identified(config, run)
     task = config.profile
+    drive = identified(config.platform, task, config, run)
     motions = contenders.classical(task, drive)
     motions[contenders.POLICY] = _learned(config, drive, run)
     motions |= contenders.bounds(task, drive)
@@ -55,23 +56,6 @@ def profile(config: ProfileStage, run: StageRun) -> None:
     if math.isnan(found[f"{contenders.POLICY}/time"]):
         run.warn("the policy does not arrive: train it longer, or widen profile.narrow")
     run.log_metrics(found)
-
-
-def identified(config: Any, run: StageRun) -> "Drive":
-    """Return the drive that sysid found of the same branch; the stage `deploy` needs it too.
-
-    Raises:
-        InputError: when the platform is no swerve drive, or something is not known of its motors.
-    """
-    from pipeline.errors import InputError
-    from pipeline.platforms import Swerve, platform_from_config
-    from pipeline.policies.profile.identified import identified_drive
-
-    platform = platform_from_config(config.platform)
-    if not isinstance(platform, Swerve):
-        raise InputError("is no swerve drive", "platform", "choose platform=swerve_shuttle or another one")
-    path = run.input(config.artifact("sysid", "parameters.yaml"))
-    return identified_drive(path, platform, config.profile.voltage_limit, config.profile.acceleration_limit)
 
 
 def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":

@@ -123,3 +123,23 @@ def test_the_metrics_file_has_null_where_there_is_no_number(planned):
     run.write_metrics()
     written = json.loads((run.output / "metrics.json").read_text())
     assert written[f"{contenders.POLICY}/time"] is None
+
+
+def test_a_mistake_on_the_command_line_is_one_line(planned, capsys):
+    folder, _ = planned
+    command = ["+experiment=motion_profile", f"artifacts={folder}", f"output={folder / 'typed'}"]
+    with pytest.raises(SystemExit) as ended:
+        deploy.main([*command, "deploy.motion=bang_bang"])
+    assert ended.value.code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "there is no motion 'bang_bang'" in line
+    assert not (folder / "typed").exists()
+
+
+def test_the_command_line_drives_what_was_planned(planned, capsys):
+    folder, _ = planned
+    command = ["+experiment=motion_profile", f"artifacts={folder}", f"output={folder / 'driven'}"]
+    with pytest.raises(SystemExit) as ended:
+        deploy.main([*command, f"deploy.plan={folder / 'profile'}", "deploy.motion=fastest_s_curve"])
+    assert ended.value.code == 0
+    assert json.loads((folder / "driven" / "metrics.json").read_text())["trials/inside"] == 5

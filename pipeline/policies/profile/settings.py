@@ -45,7 +45,8 @@ class Profile:
 class Deployment:
     """Trials on the concealed machine."""
 
-    motion: str = "policy"  # which of the motions is driven
+    plan: str | None = None  # folder of the motions; null: what simgap profile wrote
+    motion: str = "policy"  # which of them is driven
     window: int = 25  # periods over which its voltages are averaged; 1: they are driven as they are
     trials: int = 5
     scatter: float = (
