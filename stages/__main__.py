@@ -18,6 +18,8 @@ ORDER = (
     "train_policy",
     "evaluate",
     "report",
+    "profile",
+    "deploy",
     "prove",
     "calibrate",
     "results",

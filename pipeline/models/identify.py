@@ -9,8 +9,9 @@ from pipeline.models.motor_samples import motors_of
 from pipeline.models.nominal_motor import nominal_feedforward
 from pipeline.models.parameters import WITHHELD
 from pipeline.models.quadrotor_parameters import identify_quadrotor
+from pipeline.models.rolling_radius import identify_rolling_radius
 from pipeline.models.settings import SystemIdentification
-from pipeline.platforms import Platform, Quadrotor
+from pipeline.platforms import Platform, Quadrotor, Swerve
 from pipeline.recordings.recording import Recording
 
 
@@ -19,7 +20,8 @@ class Identified:
     """Parameters and how well their equations fit.
 
     Attributes:
-        parameters: a tree of `Parameter`: by name, for motors by motor and name.
+        parameters: a tree of `Parameter`: by name, for motors by motor and name, and under `wheels` what is known of
+            those of a swerve drive.
         metrics: by equation or motor, scores by name.
         warnings: doubts, one sentence each.
     """
@@ -55,8 +57,12 @@ def identify(
         for name, samples in motors_of(recording, runs, settings.motors)
     }
     named = [(f"{key} of {name}", p) for name, motor in motors.items() for key, p in motor.parameters.items()]
+    parameters: dict[str, Any] = {name: motor.parameters for name, motor in motors.items()}
+    if isinstance(platform, Swerve):
+        radius = identify_rolling_radius(recording, platform, runs, settings)
+        parameters |= {"wheels": {"rolling_radius": radius}} if radius else {}
     return Identified(
-        parameters={name: motor.parameters for name, motor in motors.items()},
+        parameters=parameters,
         metrics={name: motor.scores for name, motor in motors.items() if motor.scores},
         warnings=tuple(_withheld(named)),
     )

@@ -29,7 +29,7 @@ def graph() -> Any:
 
 
 def test_every_stage_is_in_it_for_every_branch() -> None:
-    beside = {"reproduce", "prove", "calibrate", "results", "effects"}
+    beside = {"reproduce", "profile", "deploy", "prove", "calibrate", "results", "effects"}
     assert set(STAGES) == set(commands()) - beside
     assert {entry["foreach"] for entry in PIPELINE["stages"].values()} == {"${branches}"}
     assert sorted(BRANCHES) == sorted(path.stem for path in (CONFIGURATION / "branch").glob("*.yaml"))

@@ -125,6 +125,7 @@ def move(
     case: SwerveCase,
     reference: Reference,
     random: np.random.Generator,
+    controller: ModuleController | None = None,
 ) -> Log:
     """Drive all references in closed loop and log the truth.
 
@@ -135,9 +136,10 @@ def move(
         case: how it is driven.
         reference: of all modules.
         random: the battery's charge and the encoders' noise.
+        controller: of the modules; the one that follows the references unless given.
     """
     robot = Robot(effects, outside, platform, case, reference, random)
-    controller = ModuleController(platform, case, reference)
+    controller = controller or ModuleController(platform, case, reference)
     shape = reference.angle.shape
     noise = case.sensors.scale * case.sensors.steer_angle * random.standard_normal(shape)
     drive = Commands(effects.get("command_delay@drive", "delay"), STEP, shape, case.held)

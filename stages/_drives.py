@@ -1,0 +1,27 @@
+"""The drive of which two stages need to know what sysid found."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from pipeline.policies.profile.settings import Profile
+from pipeline.stage import StageConfig, StageRun
+
+if TYPE_CHECKING:
+    from pipeline.policies.profile.drive import Drive
+
+
+def identified(platform: Mapping[str, Any], task: Profile, config: StageConfig, run: StageRun) -> "Drive":
+    """Return the drive that sysid found of the same branch, straight ahead.
+
+    Raises:
+        InputError: when the platform is no swerve drive, or something is not known of its motors.
+    """
+    from pipeline.errors import InputError
+    from pipeline.platforms import Swerve, platform_from_config
+    from pipeline.policies.profile.identified import identified_drive
+
+    swerve = platform_from_config(platform)
+    if not isinstance(swerve, Swerve):
+        raise InputError("is no swerve drive", "platform", "choose platform=swerve_shuttle or another one")
+    path = run.input(config.artifact("sysid", "parameters.yaml"))
+    return identified_drive(path, swerve, task.voltage_limit, task.acceleration_limit)

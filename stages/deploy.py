@@ -1,0 +1,102 @@
+"""The stage that drives what was planned on the concealed plant; not a stage of every branch."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeline.policies.profile.settings import Deployment, Profile
+from pipeline.stage import StageConfig, StageRun, stage
+
+if TYPE_CHECKING:
+    from pipeline.policies.profile.motion import Motion
+    from pipeline.reality.swerve.open_loop import Trial
+
+FIGURE = "trials.svg"
+TRIALS = "trials.parquet"
+
+
+@dataclass
+class DeployStage(StageConfig):
+    """What deployment reads of the configuration."""
+
+    platform: dict[str, Any] = field(default_factory=dict)
+    record: dict[str, Any] = field(default_factory=dict)
+    profile: Profile = field(default_factory=Profile)
+    deploy: Deployment = field(default_factory=Deployment)
+
+
+@stage(DeployStage)
+def deploy(config: DeployStage, run: StageRun) -> None:
+    """Drive the smoothed voltages of a motion on the concealed plant, trial by trial, and say where it came to rest."""
+    from pipeline.policies.profile.contenders import measures
+    from pipeline.policies.profile.motion import drive_open_loop
+    from pipeline.policies.profile.smoothing import smoothed
+    from pipeline.policies.profile.storage import FILE, read_motions
+    from pipeline.report.motions import draw_motions
+    from stages._drives import identified
+
+    task = config.profile
+    drive = identified(config.platform, task, config, run)
+    plan = Path(config.deploy.plan) / FILE if config.deploy.plan else config.artifact("profile", FILE)
+    motion = _chosen(read_motions(run.input(plan)), config.deploy.motion)
+    voltage = smoothed(drive, motion, config.deploy.window)
+    foreseen = drive_open_loop(drive, voltage, motion.period)
+    trials = _driven(config, foreseen)
+    _table(trials).to_parquet(run.output / TRIALS, index=False)
+    shown = [(trial.time, trial.position, trial.velocity) for trial in trials]
+    draw_motions({config.deploy.motion: foreseen}, task.distance, run.output / FIGURE, shown)
+    expected = {f"foreseen/{name}": value for name, value in measures(foreseen, task).items()}
+    run.log_metrics(expected | _outcome(trials, config))
+
+
+def _chosen(motions: "Mapping[str, Motion]", name: str) -> "Motion":
+    from pipeline.errors import InputError
+    from pipeline.stage.project import nearest
+
+    if name not in motions:
+        raise InputError(f"there is no motion {name!r}", "deploy.motion", nearest(name, motions))
+    return motions[name]
+
+
+def _driven(config: DeployStage, motion: "Motion") -> "list[Trial]":
+    from pipeline.platforms import platform_from_config
+    from pipeline.reality import case_from_config
+    from pipeline.reality.swerve.open_loop import drive_trials
+
+    platform: Any = platform_from_config(config.platform)
+    case: Any = case_from_config("swerve", config.record)
+    settings = config.deploy
+    return drive_trials(
+        case, platform, motion.voltage, motion.period, settings.trials, settings.scatter, config.seed
+    )
+
+
+def _table(trials: "list[Trial]") -> Any:
+    import pandas as pd
+
+    rows = [pd.DataFrame({"trial": number + 1} | vars(trial)) for number, trial in enumerate(trials)]
+    return pd.concat(rows, ignore_index=True)
+
+
+def _outcome(trials: "list[Trial]", config: DeployStage) -> dict[str, float]:
+    """Return where the trials came to rest, m, when, s, and how many did so within what is asked."""
+    import numpy as np
+
+    settings, target = config.deploy, config.profile.distance
+    ends = np.array([np.hypot(trial.position[-1] - target, trial.aside[-1]) for trial in trials])
+    still = [
+        trial.time[np.flatnonzero(np.abs(trial.velocity) >= config.profile.speed_tolerance)[-1]]
+        for trial in trials
+    ]
+    return {
+        "trials/number": len(trials),
+        "trials/inside": int((ends <= settings.within).sum()),
+        "trials/mean_miss": float(ends.mean()),
+        "trials/worst_miss": float(ends.max()),
+        "trials/time": float(np.mean(still)),
+    }
+
+
+if __name__ == "__main__":
+    deploy.main()

@@ -1,0 +1,107 @@
+"""The stage that brings an identified swerve drive from rest to rest as fast as it can; not a stage of every branch."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from pipeline.artifacts import checkpoint_folder, remove_checkpoint
+from pipeline.comparison.comparison import Metrics
+from pipeline.policies.profile.settings import Profile
+from pipeline.stage import StageConfig, StageRun, stage
+
+if TYPE_CHECKING:
+    from pipeline.policies.profile.drive import Drive
+    from pipeline.policies.profile.motion import Motion
+
+FIGURE = "motions.svg"
+
+
+@dataclass
+class ProfileStage(StageConfig):
+    """What motion profiles read of the configuration."""
+
+    platform: dict[str, Any] = field(default_factory=dict)
+    profile: Profile = field(default_factory=Profile)
+
+
+def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
+    """Return the measures of the policy, and those of all that it is held against."""
+    from pipeline.policies.profile.contenders import POLICY
+
+    found: dict[str, Metrics] = {}
+    for key, value in metrics.items():
+        name, slash, measure = key.rpartition("/")
+        if slash and not name.startswith("training"):
+            found.setdefault("" if name == POLICY else name, {})[measure] = value
+    return found
+
+
+@stage(ProfileStage, compared)
+def profile(config: ProfileStage, run: StageRun) -> None:
+    """Drive straight from rest to rest: classical profiles, a policy trained by PPO, and the time-optimal bound."""
+    from pipeline.policies.profile import contenders
+    from pipeline.policies.profile.storage import write_motions
+    from pipeline.report.motions import draw_motions
+    from stages._drives import identified
+
+    task = config.profile
+    drive = identified(config.platform, task, config, run)
+    motions = contenders.classical(task, drive)
+    motions[contenders.POLICY] = _learned(config, drive, run)
+    motions |= contenders.bounds(task, drive)
+    write_motions(motions, run.output)
+    draw_motions(motions, task.distance, run.output / FIGURE)
+    found = _compared_measures(motions, task)
+    if math.isnan(found[f"{contenders.POLICY}/time"]):
+        run.warn("the policy does not arrive: train it longer, or widen profile.narrow")
+    run.log_metrics(found)
+
+
+def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
+    """Train the policy, or go on where a training was killed; return what it does."""
+    from pipeline.policies.export import export_policy
+    from pipeline.policies.networks import Policy
+    from pipeline.policies.profile.environment import MotionProfile
+    from pipeline.policies.profile.rollout import drive_by_policy
+    from pipeline.policies.storage import Description, save_policy
+    from pipeline.policies.training import Training, final
+
+    task = config.profile
+    training = Training(MotionProfile(task, drive, task.learning.machines), task.learning, config.seed)
+    inputs = sorted(run.inputs.values())
+    checkpoint = checkpoint_folder(config.artifacts, [asdict(task), config.seed, inputs])
+    curve = training.run(checkpoint, run.log_metrics)
+    remove_checkpoint(checkpoint)
+    run.log_metrics({f"training/{name}": value for name, value in final(curve).items()})
+    gaussian = training.learner.gaussian
+    description = Description(
+        task="motion_profile",
+        observation_size=MotionProfile.observation_size,
+        action_size=MotionProfile.action_size,
+        period=task.period,
+        hidden=list(task.learning.hidden),
+        slope=task.learning.slope,
+        configuration=asdict(task),
+        chosen_by="the last of the training",
+        measures=final(curve),
+    )
+    save_policy(gaussian, description, run.output / "policy")
+    export_policy(gaussian, run.output / "policy")
+    return drive_by_policy(Policy(gaussian), task, drive)
+
+
+def _compared_measures(motions: "Mapping[str, Motion]", task: Profile) -> dict[str, float]:
+    """Return the measures of all motions, with how much faster each is than as published, and over the bound."""
+    from pipeline.policies.profile.contenders import BOUND, PUBLISHED, measures
+
+    found = {name: measures(motion, task) for name, motion in motions.items()}
+    published, bound = found[PUBLISHED]["time"], found[BOUND]["time"]
+    for values in found.values():
+        values["faster"] = 1.0 - values["time"] / published
+        values["over_bound"] = values["time"] / bound - 1.0
+    return {f"{name}/{key}": value for name, values in found.items() for key, value in values.items()}
+
+
+if __name__ == "__main__":
+    profile.main()
