@@ -1,6 +1,6 @@
 """A simulated quadrotor with its rate controller in front: what a policy flies."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +9,7 @@ from torch import Tensor
 
 from pipeline.platforms import Quadrotor
 from pipeline.simulation.controllers import Betaflight
-from pipeline.simulation.knn_residual import HeldResidual, NearestNeighbours, residual_features
+from pipeline.simulation.knn_residual import HeldResidual, residual_features
 from pipeline.simulation.motion import QuadrotorMotion
 from pipeline.simulation.powertrain import Powertrain, powertrain_values
 from pipeline.simulation.rollout import step
@@ -19,6 +19,9 @@ _RATE = QuadrotorMotion.parts["body_rate"]
 
 Memory = tuple[Any, Any]
 """Of the controller and of the simulator's effects."""
+
+Residual = Callable[[Tensor], Tensor]
+"""From `residual_features` to specific force, m/s², and torque, N·m, (batch, 6)."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class Flight:
     period: float = 0.01
     substeps: int = 5
     integrator: str = "rk4"
-    residual: NearestNeighbours | None = None
+    residual: Residual | None = None
 
     def step(self, state: Tensor, action: Tensor, memory: Memory | None = None) -> tuple[Tensor, Memory]:
         """Advance a batch by one action.
@@ -83,7 +86,7 @@ def racing_flight(
     effects: tuple[FittedEffect, ...] = (),
     time_constant: float = 0.033,
     drive: Mapping[str, float] | None = None,
-    residual: NearestNeighbours | None = None,
+    residual: Residual | None = None,
     **options: Any,
 ) -> Flight:
     """Return a quadrotor with powertrain and rate controller.

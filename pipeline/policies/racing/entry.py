@@ -8,7 +8,8 @@ import torch
 
 from pipeline.policies.racing.flying import flight_in
 from pipeline.policies.racing.racing import Racing
-from pipeline.policies.racing.settings import RacingSettings, TrackSettings
+from pipeline.policies.racing.randomisation import nothing_left_over
+from pipeline.policies.racing.settings import RacingSettings, Randomisation, TrackSettings
 from pipeline.policies.racing.track import track_from
 from pipeline.simulation import Simulator
 from pipeline.stage.mistakes import configuration_mistakes
@@ -26,7 +27,9 @@ def race_in(
     Raises:
         InputError: when the simulator is not of a quadrotor, or the track cannot be flown.
     """
-    return Racing(flight_in(simulator, settings.flying), track_from(track), settings, machines, device)
+    residual = nothing_left_over if settings.randomisation.enabled else None
+    flight = flight_in(simulator, settings.flying, residual)
+    return Racing(flight, track_from(track), settings, machines, device)
 
 
 def described_race(track: TrackSettings, settings: RacingSettings) -> dict[str, Any]:
@@ -56,6 +59,7 @@ def race_from(
         settings = OmegaConf.to_object(merged)
     assert isinstance(track, TrackSettings)
     assert isinstance(settings, RacingSettings)
+    settings = replace(settings, randomisation=Randomisation())  # what is drawn in training is not flown
     if powertrain is not None:
         settings = replace(settings, flying=replace(settings.flying, powertrain=powertrain))
     return track, settings

@@ -12,16 +12,22 @@ from pipeline.platforms import Quadrotor
 from pipeline.policies.racing.settings import Flying
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.controllers import Betaflight
-from pipeline.simulation.flight import Flight, racing_flight
+from pipeline.simulation.flight import Flight, Residual, racing_flight
 from pipeline.simulation.fused import FusedStep
+from pipeline.simulation.knn_residual import HeldResidual, residual_features
 from pipeline.simulation.motion import QuadrotorMotion
 
 STATE = 13
 PARTS = QuadrotorMotion.parts
 
 
-def flight_in(simulator: Simulator, settings: Flying) -> Flight:
+def flight_in(simulator: Simulator, settings: Flying, residual: Residual | None = None) -> Flight:
     """Return a flight in a simulator, with what the settings add to it.
+
+    Args:
+        simulator: of a quadrotor.
+        settings: what is added.
+        residual: what the physics leaves over.
 
     Raises:
         InputError: when the simulator is not of a quadrotor, or an effect or its parameter is unknown.
@@ -36,9 +42,10 @@ def flight_in(simulator: Simulator, settings: Flying) -> Flight:
         "integrator": settings.integrator,
     }
     if settings.powertrain:
-        return racing_flight(platform, effects, settings.time_constant, **options)
+        return racing_flight(platform, effects, settings.time_constant, residual=residual, **options)
     controller = Betaflight.tuned(platform, settings.time_constant)
-    return Flight(simulator.with_effects(effects), controller, **options)
+    held = () if residual is None else (FittedEffect(HeldResidual(), {}, known=True),)
+    return Flight(simulator.with_effects((*effects, *held)), controller, residual=residual, **options)
 
 
 def _known(key: str, values: dict[str, float]) -> FittedEffect:
@@ -63,7 +70,8 @@ class Fleet:
         hover = torch.tensor([[flight.simulator.platform.gravity, 0.0, 0.0, 0.0]], device=device)
         with torch.no_grad():
             _, self._memory = flight.step(level, hover)
-        self._step = FusedStep(flight.inner_step, level, hover, self._memory, repeats=flight.substeps)
+            acting = flight.acting(level, hover)
+        self._step = FusedStep(flight.inner_step, level, acting, self._memory, repeats=flight.substeps)
 
     def rows(self, state: Tensor) -> Tensor:
         """Return the rows of machines whose rotors and battery are as in hover.
@@ -77,14 +85,23 @@ class Fleet:
         regulating = {**regulating, "rate": state[:, PARTS["body_rate"]]}
         return self._step.pack(state, (regulating, effects))
 
-    def step(self, rows: Tensor, command: Tensor) -> Tensor:
+    def step(self, rows: Tensor, command: Tensor, further: Tensor | None = None) -> Tensor:
         """Return the rows a period later.
 
         Args:
             rows: of the period before, contiguous.
             command: collective thrust over mass and body rates, (batch, 4) m/s² and rad/s.
+            further: force over mass and torque, (batch, 6) m/s² and N·m, beside the flight's own residual.
         """
-        return self._step(rows, command.T.contiguous())
+        acting = self.flight.acting(rows[:STATE].T, command)
+        if further is not None:
+            acting = torch.cat([command, acting[:, 4:] + further], dim=-1)
+        return self._step(rows, acting.T.contiguous())
+
+    def features(self, rows: Tensor, command: Tensor) -> Tensor:
+        """Return what residuals depend on, (batch, 7): velocity (body), body rate, thrust."""
+        signals = QuadrotorMotion().signals(rows[:STATE].T)
+        return residual_features(signals["velocity"], signals["body_rate"], command)
 
     def angular_acceleration(self, rows: Tensor) -> Tensor:
         """Return the angular acceleration as the rate controller filters it, (batch, 3) rad/s²."""

@@ -7,6 +7,7 @@ from pipeline.policies.environment import Environment, Machines, Observation
 from pipeline.policies.racing.flying import STATE, Fleet, state_of
 from pipeline.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
 from pipeline.policies.racing.passage import Passage, passage
+from pipeline.policies.racing.randomisation import DRAWN, drawn_episode, drawn_wrench
 from pipeline.policies.racing.reward import racing_reward
 from pipeline.policies.racing.settings import Flying, RacingSettings
 from pipeline.policies.racing.starts import drawn_start, first_starts, keep
@@ -20,7 +21,7 @@ class Racing(Environment):
     """Quadrotors that race through gates; an episode ends with a crash.
 
     Its state: `rows` of the fleet; `target`, the next gate's index; `previous`, the action before, within ±1;
-    `starts`, see `pipeline.policies.racing.starts`; `counts` of what happened.
+    `starts` and `drawn`, see the modules `starts` and `randomisation`; `counts` of what happened.
 
     Attributes:
         track: on the device.
@@ -47,6 +48,7 @@ class Racing(Environment):
         self.track = track.to(device)
         self.fleet = Fleet(flight, device)
         self.gravity = flight.simulator.platform.gravity
+        self.inertia = torch.tensor(flight.simulator.platform.inertia, device=self.device)
         self.passage: Passage | None = None
         self.crashed = torch.zeros(batch, dtype=torch.bool, device=self.device)
 
@@ -63,6 +65,9 @@ class Racing(Environment):
         self.state["rows"][:, machines] = self.fleet.rows(states)
         self.state["target"][machines] = target
         self.state["previous"][machines] = 0.0
+        if self.settings.randomisation.enabled:
+            drawn = drawn_episode(len(machines), self.settings.randomisation, self.generator)
+            self.state["drawn"][machines] = drawn
 
     def _begin(self) -> None:
         batch = self.batch
@@ -71,6 +76,7 @@ class Racing(Environment):
             "rows": self.fleet.rows(torch.zeros(batch, STATE, device=self.device)),
             "target": torch.zeros(batch, dtype=torch.int64, device=self.device),
             "previous": torch.zeros(batch, 4, device=self.device),
+            "drawn": torch.zeros(batch, DRAWN, device=self.device),
             "counts": torch.zeros(len(_COUNTS), dtype=torch.float64, device=self.device),
         }
 
@@ -80,7 +86,7 @@ class Racing(Environment):
         command = commanded(action, flying, self.gravity)
         previous = commanded(now["previous"], flying, self.gravity)
         before, target = now["rows"][:3].T, now["target"]
-        now["rows"] = self.fleet.step(now["rows"], command)
+        now["rows"] = self.fleet.step(now["rows"], command, self._drawn_wrench(command))
         after = state_of(now["rows"])
         self.passage = passage(self.track, before, after["position"], target)
         self.crashed = self.passage.hit | self.track.outside(after["position"])
@@ -90,11 +96,18 @@ class Racing(Environment):
         now["previous"] = action
         return reward, self.crashed
 
+    def _drawn_wrench(self, command: Tensor) -> Tensor | None:
+        if not self.settings.randomisation.enabled:
+            return None
+        features = self.fleet.features(self.state["rows"], command)
+        return drawn_wrench(self.state["drawn"], features, self.inertia)
+
     def _account(self, passed: Tensor) -> None:
         """Send the machines that have passed a gate to the next one, and remember how they passed."""
         now = self.state
         some = passed.nonzero()[:, 0]
-        keep(now["starts"], now["target"][some], now["rows"][:STATE, some].T, self.generator)
+        states = now["rows"][:STATE, some].T
+        keep(now["starts"], now["target"][some], states, self.settings.starts, self.generator)
         now["target"] = torch.where(passed, (now["target"] + 1) % len(self.track), now["target"])
         counted = [passed.sum(), self.crashed.sum(), torch.full_like(passed.sum(), self.batch)]
         now["counts"] += torch.stack(counted)

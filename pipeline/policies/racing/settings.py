@@ -50,6 +50,7 @@ class Starts:
     """Where episodes start: near a state in which some machine has passed a gate."""
 
     kept: int = 256  # states of each gate
+    slow: float = 0.25  # share of them that stay as they are before any machine has passed: a race begins so
     speed: float = 3.0  # m/s, towards the next gate, before any machine has passed
     position: float = 0.3  # m, greatest perturbation along each axis
     velocity: float = 0.5  # m/s
@@ -75,6 +76,20 @@ class Flying:
 
 
 @dataclass
+class Randomisation:
+    """Bounds of what is drawn for every episode; all zero: nothing is."""
+
+    drag: float = 0.0  # 1/s, of the force against the velocity along each body axis
+    thrust: float = 0.0  # share by which the thrust differs from the commanded one
+    angular_acceleration: float = 0.0  # rad/s² about each body axis, of a constant torque
+
+    @property
+    def enabled(self) -> bool:
+        """Whether anything is drawn."""
+        return any((self.drag, self.thrust, self.angular_acceleration))
+
+
+@dataclass
 class RacingSettings:
     """What a race is flown with, and how it is rewarded."""
 
@@ -82,3 +97,4 @@ class RacingSettings:
     flying: Flying = field(default_factory=Flying)
     reward: Reward = field(default_factory=Reward)
     starts: Starts = field(default_factory=Starts)
+    randomisation: Randomisation = field(default_factory=Randomisation)

@@ -3,6 +3,7 @@
 import torch
 from torch import Tensor
 
+from pipeline.errors import InputError
 from pipeline.physics import rotations
 from pipeline.policies.racing.flying import PARTS, STATE
 from pipeline.policies.racing.settings import Starts
@@ -13,7 +14,12 @@ def first_starts(track: Track, settings: Starts) -> Tensor:
     """Return states to start from before any machine has passed a gate, (gates, kept, 13).
 
     The machine is in the middle of the gate, level, and flies towards the next one.
+
+    Raises:
+        InputError: when no place is left for states that are seen later.
     """
+    if not 0 <= round(settings.slow * settings.kept) < settings.kept:
+        raise InputError("leaves no place for states that are seen later", "starts.slow", "choose 0 to 0.9")
     towards = track.centres.roll(-1, 0) - track.centres
     towards = towards / torch.linalg.vector_norm(towards, dim=-1, keepdim=True)
     state = track.centres.new_zeros(len(track), STATE)
@@ -25,18 +31,21 @@ def first_starts(track: Track, settings: Starts) -> Tensor:
     return state[:, None].repeat(1, settings.kept, 1)
 
 
-def keep(starts: Tensor, gates: Tensor, states: Tensor, generator: torch.Generator) -> None:
-    """Put states in which gates were passed in place of earlier ones, which are drawn.
+def keep(starts: Tensor, gates: Tensor, states: Tensor, settings: Starts, generator: torch.Generator) -> None:
+    """Put states in which gates were passed in place of earlier ones, which are drawn; the slow ones stay.
 
     Args:
         starts: (gates, kept, 13), changed in place.
         gates: that were passed, (passes,).
         states: (passes, 13).
+        settings: how many stay.
         generator: of the draws.
     """
-    places = torch.randint(starts.shape[1], gates.shape, generator=generator, device=starts.device)
+    kept = starts.shape[1]
+    slow = round(settings.slow * kept)
+    places = torch.randint(slow, kept, gates.shape, generator=generator, device=starts.device)
     # Of passes that drew one place the last counts, which writing all at once does not promise.
-    flat = gates * starts.shape[1] + places
+    flat = gates * kept + places
     order = torch.arange(len(flat), device=flat.device)
     same = flat[:, None] == flat[None, :]
     last = ~(same & (order[None, :] > order[:, None])).any(1)

@@ -25,11 +25,17 @@ def racer() -> Quadrotor:
     return platform
 
 
-def track_named(name: str) -> Track:
+def track_settings(name: str) -> TrackSettings:
     merged = OmegaConf.merge(
         OmegaConf.structured(TrackSettings), OmegaConf.load(CONF / "track" / f"{name}.yaml")
     )
-    return track_from(OmegaConf.to_object(merged))
+    settings = OmegaConf.to_object(merged)
+    assert isinstance(settings, TrackSettings)
+    return settings
+
+
+def track_named(name: str) -> Track:
+    return track_from(track_settings(name))
 
 
 def racing(batch: int, track: str = "tiny", settings: RacingSettings | None = None) -> Racing:

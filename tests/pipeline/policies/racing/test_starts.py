@@ -37,7 +37,7 @@ def test_a_perturbation_stays_within_its_bounds_and_a_quaternion_a_unit():
 def test_seen_states_take_the_place_of_earlier_ones_of_their_gate():
     starts = torch.zeros(3, 8, 13)
     seen = torch.arange(1.0, 7.0)[:, None].expand(6, 13)
-    keep(starts, torch.tensor([1, 1, 1, 1, 2, 2]), seen, torch.Generator().manual_seed(0))
+    keep(starts, torch.tensor([1, 1, 1, 1, 2, 2]), seen, SETTINGS, torch.Generator().manual_seed(0))
     assert not bool(starts[0].any())
     assert set(starts[1, :, 0].tolist()) <= {0.0, 1.0, 2.0, 3.0, 4.0}
     assert set(starts[2, :, 0].tolist()) <= {0.0, 5.0, 6.0}
@@ -51,3 +51,10 @@ def test_gates_are_drawn_evenly_and_by_the_seed():
     assert torch.equal(gates, again[0])
     assert torch.equal(states, again[1])
     assert bool((torch.bincount(gates) > 850).all())
+
+
+def test_a_share_of_the_starts_stays_slow():
+    starts, random = torch.zeros(1, 8, 13), torch.Generator().manual_seed(0)
+    for _ in range(20):
+        keep(starts, torch.zeros(10, dtype=torch.int64), torch.ones(10, 13), SETTINGS, random)
+    assert starts[0, :, 0].tolist() == [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
