@@ -1,5 +1,6 @@
 """The figure of a comparison: curves over what was swept, or bars where that is no number."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -88,8 +89,9 @@ def _curves(axes: "Axes", table: Table, column: str, abscissa: str) -> None:
 def _bars(axes: "Axes", table: Table, column: str) -> None:
     rows = [row for row in table.rows if not row.reference]
     means = [row.entries[column].mean for row in rows]
+    spreads = [row.entries[column].std or math.nan for row in rows]  # of one seed nothing is drawn
     places = range(len(rows))
-    axes.bar(places, means, yerr=[row.entries[column].std or 0.0 for row in rows], width=0.6, capsize=4)
+    axes.bar(places, means, yerr=spreads, width=0.6, capsize=4)
     axes.set_xticks(places, [_named(row) for row in rows], rotation=20 if len(rows) > 4 else 0)
 
 
