@@ -28,6 +28,10 @@ _WORDS = {
     "drive_x": "in the drive along x",
     "drive_y": "in the drive along y",
     "drive_yaw": "in the drive about the vertical",
+    "across_x": "across the wheels along x",
+    "across_y": "across the wheels along y",
+    "across_yaw": "across the wheels about the vertical",
+    **{f"rolling_{module}": f"between the ground and wheel {module}" for module in range(1, 5)},
 }
 
 

@@ -20,16 +20,17 @@ _MEDIAN_OF_SQUARE = 0.4549364  # median of a squared standard normal
 
 @dataclass(frozen=True)
 class ChannelSeries:
-    """Both sides of one equation of motion on the samples of the blocks.
+    """Both sides of one equation on the samples of the blocks.
 
     Attributes:
         channel: which equation.
-        measured: what a sensor read of the wrench, or the momentum whose rate it is; (blocks, samples).
+        measured: what a sensor read of the wrench, the momentum whose rate it is, or one of two readings of the same;
+            (blocks, samples).
         predicted: what the simulator says, (blocks, samples).
 
     Both are in terms of the platform's nominal inertia, so that a simulator cannot shrink its error by shrinking the
     momentum: what is compared is always the recorded motion.
-        direct: whether `measured` is the wrench itself (an accelerometer) rather than a momentum.
+        direct: whether `measured` is held against `predicted` itself (an accelerometer) rather than by its rate.
     """
 
     channel: Channel
@@ -49,11 +50,13 @@ def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
     balance = simulator.balance(inner)
     recorded = {name: blocks.inner(series) for name, series in blocks.signals.items()}
     momentum = simulator.mechanism.momentum(recorded, simulator.constants())
+    readings = simulator.mechanism.readings(inner, simulator.constants())
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
     series = []
     for channel in channels_on(simulator, blocks):
-        if channel.group == "actuator":
-            series.append(_actuator_series(simulator, channel, inner, blocks))
+        if channel.name in readings:
+            measured, predicted = (blocks.at_samples(side) for side in readings[channel.name])
+            series.append(ChannelSeries(channel, measured, predicted, direct=True))
             continue
         scale = nominal[channel.name] / believed[channel.name]
         sensed = _sensed(channel, recorded)
@@ -71,17 +74,6 @@ def signals_inside(simulator: Simulator, blocks: Blocks, acting: dict[str, Tenso
     """Return what acts in a simulator, its effects' memories gone through from the start of each block's margin."""
     signals = simulator.along_time(acting, blocks.time_step)
     return {name: blocks.acting_inside(series) for name, series in signals.items()}
-
-
-def _actuator_series(
-    simulator: Simulator, channel: Channel, signals: dict[str, Tensor], blocks: Blocks
-) -> ChannelSeries:
-    """Hold what the command makes of an actuator against its recorded output."""
-    output, place = simulator.mechanism.actuator_output, int(channel.name[-1]) - 1
-    measured, commanded = (
-        blocks.at_samples(signals[name][..., place]) for name in (output, f"commanded_{output}")
-    )
-    return ChannelSeries(channel, measured, commanded, direct=True)
 
 
 def _settling(channel: str, simulator: Simulator, blocks: Blocks) -> float:

@@ -13,12 +13,13 @@ Constants = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Channel:
-    """One equation of motion: the rate of a momentum equals what acts on it.
+    """One equation: the rate of a momentum equals what acts on it, or two readings of one quantity agree.
 
     Attributes:
         name: as in the diagnosis, for example `force_x`.
-        unit: of the wrench.
-        group: what kind of effect acts here (`force`, `torque`, `drive`, `steer`).
+        unit: of the wrench, or of the quantity.
+        group: what kind of effect acts here (`force`, `torque`, `drive`, `steer`), or which readings have to agree
+            (`actuator`, `rolling`).
     """
 
     name: str
@@ -45,6 +46,10 @@ class Mechanism(ABC):
     def channels_of(self, signals: Signals) -> tuple[Channel, ...]:
         """Return the equations that these signals can be held against: more where an actuator's output is recorded."""
         return self.channels
+
+    def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Tensor, Tensor]]:
+        """Return what was read and what the other signals say it must be, for each channel that holds no momentum."""
+        return {}
 
     def given_output(self, signals: Signals) -> str | None:
         """Return the actuator's output where it is among the signals: then nothing has to be made of the command."""

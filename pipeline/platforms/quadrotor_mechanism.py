@@ -40,6 +40,17 @@ class QuadrotorMechanism(Mechanism):
         both = self.actuator_output in signals and self.actuator_input in signals
         return (*self.channels, *self.rotors) if both else self.channels
 
+    def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Tensor, Tensor]]:
+        """Return the recorded rotor speeds beside those that the command makes, rad/s."""
+        commanded = signals.get(f"commanded_{self.actuator_output}")
+        if commanded is None:
+            return {}
+        measured = signals[self.actuator_output]
+        return {
+            channel.name: (measured[..., place], commanded[..., place])
+            for place, channel in enumerate(self.rotors)
+        }
+
     def constants(self) -> dict[str, Any]:
         """Return mass, coefficients, inertia and geometry of the platform."""
         platform = self.platform

@@ -24,6 +24,10 @@ _SHARPNESS = 400.0
 motion, summed: about 2 or more across, where a part of 1/(1 + 4k) = 0.06 % passes, and 4·δ² along wheels that disagree
 by δ, where 16·k·δ⁴ = 0.06 % is lost to δ = 1°."""
 
+_FLOOR = (
+    1e-4  # added to the eigenvalues of S, which may be 0: wheels that disagree by 0.3° stand as much across
+)
+
 
 def rolling_projection(angle: Tensor, turning: Tensor, constants: Mapping[str, Any]) -> tuple[Tensor, Tensor]:
     """Return the projection Q of the chassis momentum [x, y, yaw] and its rate dQ/dt, (..., 3, 3) each.
@@ -40,23 +44,52 @@ def rolling_projection(angle: Tensor, turning: Tensor, constants: Mapping[str, A
         angle.dtype,
         (angle.double(), turning.double()),
     )  # k costs single precision 4 digits
-    ratio = constants["inertia"] / constants["mass"]
-    gyration = torch.as_tensor(ratio, dtype=angle.dtype, device=angle.device).sqrt()
-    one = torch.ones_like(gyration)
-    lengths = torch.stack([one, one, gyration])
+    lengths = _lengths(angle, constants)
     positions = constants["module_positions"]
     across = _first(lateral_matrix(angle, positions) / lengths)
     rate = _first(lateral_matrix_rate(angle, turning, positions) / lengths)
     square, half = _product(across.transpose(0, 1), across), _product(rate.transpose(0, 1), across)
     turned = _product(square, half + half.transpose(0, 1))
-    unit = torch.eye(3, dtype=angle.dtype, device=angle.device)
-    unit = unit.reshape(3, 3, *[1] * (square.ndim - 2))
-    projection = _inverse(unit + _SHARPNESS * _product(square, square))
+    projection = _inverse(_unit(square) + _SHARPNESS * _product(square, square))
     changed = _product(projection, _product(turned + turned.transpose(0, 1), projection))
     to_momentum = lengths[:, None] / lengths
     found = projection, -_SHARPNESS * changed
     both = [to_momentum * matrix.movedim((0, 1), (-2, -1)) for matrix in found]
     return both[0].to(dtype), both[1].to(dtype)
+
+
+def along_the_wheels(twist: Tensor, angle: Tensor, constants: Mapping[str, Any]) -> Tensor:
+    """Return the part of a twist that the wheels let pass most easily, (..., 3).
+
+    Wheels never agree quite. Of all motions, the one goes on across which they stand least: the eigenvector of the
+    least eigenvalue of S, to which one step of inverse iteration takes a measured twist.
+
+    Args:
+        twist: measured, (..., 3).
+        angle: of the wheels, (..., 4) rad.
+        constants: with `mass` kg, `inertia` kg·m² and `module_positions` (4, 2) m.
+    """
+    lengths = _lengths(angle, constants)
+    scaled = twist * lengths
+    across = _first(lateral_matrix(angle, constants["module_positions"]) / lengths)
+    square = _product(across.transpose(0, 1), across)
+    easy = _inverse(_unit(square) * _FLOOR + square) * scaled.movedim(-1, 0)
+    easy = easy.sum(1).movedim(0, -1)
+    easy = easy / easy.norm(dim=-1, keepdim=True).clamp_min(1e-12)
+    return easy * (easy * scaled).sum(-1, keepdim=True) / lengths
+
+
+def _lengths(angle: Tensor, constants: Mapping[str, Any]) -> Tensor:
+    """Return what makes the components of a twist speeds: 1, 1 and the radius of gyration, m, (3,)."""
+    ratio = constants["inertia"] / constants["mass"]
+    gyration = torch.as_tensor(ratio, dtype=angle.dtype, device=angle.device).sqrt()
+    return torch.stack([torch.ones_like(gyration), torch.ones_like(gyration), gyration])
+
+
+def _unit(matrix: Tensor) -> Tensor:
+    """Return the unit matrix in the shape of matrices (3, 3, ...)."""
+    unit = torch.eye(3, dtype=matrix.dtype, device=matrix.device)
+    return unit.reshape(3, 3, *[1] * (matrix.ndim - 2))
 
 
 def _first(matrix: Tensor) -> Tensor:

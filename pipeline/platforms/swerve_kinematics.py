@@ -52,6 +52,11 @@ def wheel_direction(angle: Tensor) -> Tensor:
     return torch.stack([torch.cos(angle), torch.sin(angle)], dim=-1)
 
 
+def lateral_direction(angle: Tensor) -> Tensor:
+    """Return the unit vector across each wheel, to its left, (..., 2)."""
+    return torch.stack([-torch.sin(angle), torch.cos(angle)], dim=-1)
+
+
 def rolling_speed(twist: Tensor, angle: Tensor, positions: Tensor) -> Tensor:
     """Return how fast each wheel rolls along its direction, (..., modules) m/s.
 

@@ -8,10 +8,23 @@ from torch import Tensor
 
 from pipeline.platforms.mechanism import Channel, Constants, Mechanism, Signals
 from pipeline.platforms.swerve import Swerve
-from pipeline.platforms.swerve_constraint import rolling_projection
-from pipeline.platforms.swerve_kinematics import chassis_twist, module_matrix, wheel_direction
+from pipeline.platforms.swerve_constraint import along_the_wheels, rolling_projection
+from pipeline.platforms.swerve_kinematics import (
+    chassis_twist,
+    module_matrix,
+    rolling_speed,
+    wheel_direction,
+)
 
 _CHASSIS = ("drive_x", "drive_y", "drive_yaw")
+MEASURED = "measured_chassis_velocity"
+"""The chassis' motion where it was measured by itself and not taken from the wheels, (..., 3)."""
+SLIDING = "sliding"
+"""How freely each wheel slides, (..., 4): from 0, where it rolls, to 1, where how fast it turns says nothing."""
+LEAST_SLIP = "least_slip"
+"""How fast the tread of a wheel passes over the ground at least, for it pulls harder than its grip, (..., 4) m/s."""
+CREEP = 0.05  # m/s; a tread gives way a little wherever it pulls: slower motion over the ground is no sliding
+_ACROSS = ("across_x", "across_y", "across_yaw")
 
 
 class SwerveMechanism(Mechanism):
@@ -22,6 +35,8 @@ class SwerveMechanism(Mechanism):
     Rolling without slip leaves the wheels' forces undetermined one by one but not their sum, so the drive has three
     equations, those of the chassis: forces in N and a yaw torque in N·m. Of these, `constrain` keeps what is along the
     motion that the wheels allow; the modules' inertia is small, so that no reaction of it reaches the chassis.
+    Where the chassis' motion was measured by itself, it has to agree with the wheels: their motors turn as fast as it
+    moves (`rolling_1` to `rolling_4`), and it moves where they let it (`across_x`, `across_y`, `across_yaw`).
     """
 
     kind = "swerve"
@@ -33,8 +48,38 @@ class SwerveMechanism(Mechanism):
         *(Channel(f"steer_{module}", "N·m", "steer") for module in range(1, 5)),
     )
 
+    wheels = (
+        *(Channel(f"rolling_{module}", "rad/s", "rolling") for module in range(1, 5)),
+        *(
+            Channel(name, unit, "rolling")
+            for name, unit in zip(_ACROSS, ("m/s", "m/s", "rad/s"), strict=True)
+        ),
+    )
+
     def __init__(self, platform: Swerve) -> None:
         self.platform = platform
+
+    def channels_of(self, signals: Signals) -> tuple[Channel, ...]:
+        """Return those of the momenta, and those of the wheels where the chassis' motion was measured by itself."""
+        return (*self.channels, *self.wheels) if MEASURED in signals else self.channels
+
+    def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Tensor, Tensor]]:
+        """Return the motors' speeds beside those of the ground below, and the motion beside that along the wheels."""
+        if MEASURED not in signals:
+            return {}
+        twist, angle = signals[MEASURED], wheel_angle(signals["steer_angle"], constants)
+        rolls = torch.zeros_like(angle)
+        sliding, least_slip = signals.get(SLIDING, rolls), signals.get(LEAST_SLIP, rolls)
+        over = rolling_speed(twist, angle, constants["module_positions"].to(twist))
+        per_speed = constants["drive_gear_ratio"] / constants["wheel_radius"]
+        motor = per_speed * over + constants["coupling_ratio"] * signals["steer_velocity"]
+        measured = signals["drive_velocity"]
+        motor = motor + sliding * _beyond(measured - motor, CREEP * per_speed) + per_speed * least_slip
+        rolling = {f"rolling_{n + 1}": (measured[..., n], motor[..., n]) for n in range(4)}
+        along = along_the_wheels(twist, angle, constants)
+        along = along + sliding.mean(-1, keepdim=True) * _beyond(twist - along, CREEP)
+        across = {name: (twist[..., n], along[..., n]) for n, name in enumerate(_ACROSS)}
+        return rolling | across
 
     def constants(self) -> dict[str, Any]:
         """Return mass, geometry and motors of the platform."""
@@ -138,6 +183,11 @@ class SwerveMechanism(Mechanism):
         steer = rates["steer"] / float(constants["steer_inertia"])
         drive = 4.0 * rates["drive"] / (float(constants["wheel_radius"]) ** 2 * float(constants["mass"]))
         return {"drive_x": drive, "drive_y": drive} | {f"steer_{module}": steer for module in range(1, 5)}
+
+
+def _beyond(speed: Tensor, creep: Any) -> Tensor:
+    """Return what of a speed is beyond creep."""
+    return speed.sign() * (speed.abs() - creep).clamp_min(0.0)
 
 
 def wheel_angle(steer_angle: Tensor, constants: Constants) -> Tensor:

@@ -7,7 +7,7 @@ BOUNDS = {"clear": (10.0, math.inf), "faint": (0.5, 2.0)}
 """Energy that an effect adds to the residual over that of the sensors' noise: far above it, and near it."""
 
 MOST = 5.0
-"""Times the usual strength that a clear effect may have: more is no machine that anybody runs."""
+"""Times the usual strength that an effect may have: more is no machine that anybody runs."""
 
 _TRIES = 10
 _STEP = 30.0  # by which a strength changes at most from one try to the next
@@ -28,14 +28,13 @@ def settle_strength(energy_of: Callable[[float], float], wanted: str) -> tuple[f
     """
     low, high = BOUNDS[wanted]
     target = math.sqrt(low * high) if math.isfinite(high) else 1.5 * low
-    most = MOST if wanted == "clear" else math.inf
     tried: dict[float, float] = {}
     strength = 1.0
     while strength not in tried and len(tried) < _TRIES:
         tried[strength] = energy = energy_of(strength)
         if is_settled(energy, wanted):
             return strength, energy
-        strength = min(_next(tried, low, target), most)
+        strength = min(_next(tried, low, target), MOST)
     return min(tried.items(), key=lambda pair: _distance(pair[1], low, high))
 
 

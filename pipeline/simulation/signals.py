@@ -9,7 +9,7 @@ from pipeline.errors import InputError
 from pipeline.physics import rotations
 from pipeline.platforms import Joint, Platform, Swerve
 from pipeline.platforms.swerve_kinematics import heading_of
-from pipeline.platforms.swerve_mechanism import chassis_velocity_from_wheels
+from pipeline.platforms.swerve_mechanism import MEASURED, chassis_velocity_from_wheels
 
 _AXES = ("x", "y", "z")
 _QUATERNION = ("w", "x", "y", "z")
@@ -79,11 +79,12 @@ def _swerve(frame: pd.DataFrame, platform: Swerve, held: bool) -> dict[str, Tens
     }
     present = {name: series for name, series in signals.items() if series is not None}
     measured = [_column(frame, name) for name in ("chassis_velocity_x", "chassis_velocity_y", "chassis_rate")]
-    present["chassis_velocity"] = (
-        torch.stack([series for series in measured if series is not None], dim=-1)
-        if all(series is not None for series in measured)
-        else chassis_velocity_from_wheels(present["drive_velocity"], present["steer_angle"], platform)
+    present["chassis_velocity"] = chassis_velocity_from_wheels(
+        present["drive_velocity"], present["steer_angle"], platform
     )
+    if all(series is not None for series in measured):
+        present[MEASURED] = torch.stack([series for series in measured if series is not None], dim=-1)
+        present["chassis_velocity"] = present[MEASURED]
     time = torch.from_numpy(frame["t"].to_numpy(dtype=np.float64, copy=True))
     present["heading"] = heading_of(present["chassis_velocity"], time)
     return present

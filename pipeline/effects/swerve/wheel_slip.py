@@ -7,10 +7,15 @@ from torch import Tensor
 
 from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from pipeline.effects.swerve.common import wheel_angle
+from pipeline.platforms.swerve_mechanism import CREEP, LEAST_SLIP, SLIDING
+
+# Of a wheel's share of the weight: accelerations shift load, a light wheel slides first and a heavy one last.
+_LIGHTEST, _LIGHT, _HEAVIEST = 0.7, 0.8, 1.2
+_NO_FORCE = 1e-9  # N, lest the root has no slope at rest
 
 
 class WheelSlip(ActuatorEffect):
-    """Each wheel pulls no harder than its grip allows, which the side force in a curve uses up a part of."""
+    """Each wheel pulls no harder than its grip allows, of which a curve takes a part; beyond that it slides."""
 
     order = 3
     name = "wheel_slip"
@@ -34,13 +39,18 @@ class WheelSlip(ActuatorEffect):
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:
-        """Return the torques that the ground can answer."""
+        """Return the torques that the ground can answer, and whether a wheel may slide, and has to."""
         load = 0.25 * constants["mass"] * constants["gravity"]
         pull = signals["drive_torque"] / constants["wheel_radius"]
-        used = (pull.square() + _side_force(signals, constants).square()).div(
-            (values["friction_coefficient"] * load) ** 2
-        )
-        return {"drive_torque": signals["drive_torque"] * torch.rsqrt(used.clamp_min(1.0))}, None
+        force = torch.sqrt(pull.square() + _side_force(signals, constants).square() + _NO_FORCE**2)
+        used = force / (values["friction_coefficient"] * load)
+        sliding = ((used - _LIGHTEST) / (_LIGHT - _LIGHTEST)).clamp(0.0, 1.0)
+        spinning = ((used - 1.0) / (_HEAVIEST - 1.0)).clamp(0.0, 1.0)
+        return {
+            "drive_torque": signals["drive_torque"] / used.clamp_min(1.0),
+            SLIDING: sliding,
+            LEAST_SLIP: CREEP * spinning * torch.sign(pull),
+        }, None
 
 
 def _side_force(signals: Signals, constants: Values) -> Tensor:

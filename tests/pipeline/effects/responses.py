@@ -19,14 +19,18 @@ def simulator_with(effect: Effect, values: Mapping[str, Any]) -> Simulator:
 
 
 def response(effect: Effect, values: Mapping[str, Any], signals: Mapping[str, Tensor]) -> dict[str, Tensor]:
-    """Return both sides of the balance for blocks (blocks, samples, ...), with one effect."""
-    simulator = simulator_with(effect, values)
-    balance = simulator.balance(simulator.along_time(signals, TIME_STEP))
-    return {
-        f"{side} {channel}": value
-        for side in ("momentum", "wrench", "rate")
-        for channel, value in getattr(balance, side).items()
-    }
+    """Return what a simulator with one effect says of blocks (blocks, samples, ...)."""
+    return sides_of(simulator_with(effect, values), signals)
+
+
+def sides_of(simulator: Simulator, signals: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """Return both sides of the balance, and what readings have to be, for blocks (blocks, samples, ...)."""
+    acting = simulator.along_time(signals, TIME_STEP)
+    balance = simulator.balance(acting)
+    sides = {side: getattr(balance, side) for side in ("momentum", "wrench", "rate")}
+    readings = simulator.mechanism.readings(acting, simulator.constants())
+    sides["reading"] = {channel: predicted for channel, (_, predicted) in readings.items()}
+    return {f"{side} {channel}": value for side, parts in sides.items() for channel, value in parts.items()}
 
 
 def actuated(kind: str, signals: Mapping[str, Tensor]) -> dict[str, Tensor]:

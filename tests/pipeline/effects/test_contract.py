@@ -17,6 +17,7 @@ from tests.pipeline.effects.responses import (
     constants,
     response,
     sample_by_sample,
+    sides_of,
     simulator_with,
     smooth_flight,
     telling_values,
@@ -49,11 +50,7 @@ COMMANDS = {
 @EFFECT
 def test_at_neutral_strength_the_balance_is_the_nominal_one(effect):
     signals = signals_for(effect, BLOCKS, seed=1)
-    nominal = Simulator(MACHINES[effect.kind])
-    balance = nominal.balance(nominal.along_time(signals, TIME_STEP))
-    expected = {f"rate {name}": value for name, value in balance.rate.items()}
-    expected |= {f"wrench {name}": value for name, value in balance.wrench.items()}
-    expected |= {f"momentum {name}": value for name, value in balance.momentum.items()}
+    expected = sides_of(Simulator(MACHINES[effect.kind]), signals)
     assert_same(response(effect, effect.neutral(), signals), expected)
 
 

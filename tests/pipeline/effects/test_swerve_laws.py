@@ -120,6 +120,15 @@ def test_no_wheel_pulls_beyond_its_friction_circle_and_below_it_nothing_changes(
     assert (torch.hypot(found / SWERVE.wheel_radius, share * side) <= limit * (1 + 1e-12)).all()
 
 
+def test_a_wheel_slides_where_its_grip_is_used_up_and_nowhere_else():
+    signals = signals_of(drive_torque=four(2.0))
+    signals["chassis_velocity"] = torch.zeros(3, dtype=torch.float64)
+    used = 2.0 / SWERVE.wheel_radius / (0.25 * SWERVE.mass * SWERVE.gravity)
+    for grip, sliding in ((0.9 * used, 1.0), (1.2 * used, 1.0), (1.5 * used, 0.0), (3.0 * used, 0.0)):
+        found = changed("wheel_slip@drive", {"friction_coefficient": grip}, signals)["sliding"]
+        torch.testing.assert_close(found, four(sliding))
+
+
 def test_a_robot_that_slips_starts_no_faster_than_its_grip():
     volts = torch.full((1, 10, 4), 12.0, dtype=torch.float64)
     commands = {"drive_voltage": volts, "steer_voltage": torch.zeros_like(volts)}

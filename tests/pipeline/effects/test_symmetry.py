@@ -54,6 +54,12 @@ def mirrored_effect(effect: Effect, axis: str) -> Effect:
     )
 
 
+def balance_of(effect: Effect, values: dict[str, float], signals: dict[str, torch.Tensor]):
+    """Return the sides of the balance, which are components of vectors; the readings of single rotors are none."""
+    sides = response(effect, values, signals)
+    return {name: value for name, value in sides.items() if not name.startswith("reading")}
+
+
 @EFFECT
 @AXIS
 @given(seed=st.integers(0, 10**6))
@@ -65,8 +71,8 @@ def test_the_mirrored_state_feels_the_mirrored_wrench(effect, axis, seed):
     names = [parameter.name for parameter in behind.parameters]
     mirrored_values = {n: s * v for n, s, v in zip(names, signs, values.values(), strict=True)}
     expected = {}
-    for name, value in response(effect, values, signals).items():
+    for name, value in balance_of(effect, values, signals).items():
         component = "xyz".index(name[-1])
         expected[name] = value * (AXIAL if "torque" in name else POLAR)[axis][component]
-    found = response(behind, mirrored_values, mirrored_signals(signals, axis))
+    found = balance_of(behind, mirrored_values, mirrored_signals(signals, axis))
     assert_same(found, expected, rtol=1e-9)

@@ -34,6 +34,7 @@ SIGNALS = {
     },
     "swerve": {
         "chassis_velocity": ("m/s", "m/s", "rad/s"),
+        "measured_chassis_velocity": ("m/s", "m/s", "rad/s"),
         "heading": "rad",
         "steer_angle": "rad",
         "steer_velocity": "rad/s",

@@ -74,7 +74,8 @@ def some_signals(
         }
     if kind == "swerve":
         return {
-            "chassis_velocity": between(-3.0, 3.0, 3),
+            "chassis_velocity": (twist := between(-3.0, 3.0, 3)),
+            "measured_chassis_velocity": twist,
             "heading": between(-3.0, 3.0),
             "steer_angle": between(-3.0, 3.0, 4),
             "steer_velocity": between(-10.0, 10.0, 4),

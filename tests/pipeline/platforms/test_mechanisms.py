@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from pipeline.physics import rotations
 from pipeline.platforms.mechanisms import mechanism_of
-from pipeline.platforms.swerve_mechanism import chassis_velocity_from_wheels
+from pipeline.platforms.swerve_constraint import along_the_wheels
+from pipeline.platforms.swerve_mechanism import CREEP, MEASURED, SLIDING, chassis_velocity_from_wheels
 from tests.pipeline.platforms.machines import JOINT, MACHINES, QUADROTOR, SWERVE, some_signals
 
 KINDS = pytest.mark.parametrize("kind", list(MACHINES))
@@ -152,3 +153,63 @@ def test_wheels_pointing_along_the_motion_tell_the_chassis_velocity(seed):
 def test_hover_rotor_speed_carries_the_weight():
     lift = 4 * QUADROTOR.thrust_coefficient * QUADROTOR.hover_rotor_speed**2
     assert math.isclose(lift, QUADROTOR.mass * QUADROTOR.gravity)
+
+
+def rolling_signals(seed: int) -> dict[str, torch.Tensor]:
+    """Return a swerve drive whose wheels point along its motion and roll as fast, the motion measured."""
+    signals = some_signals("swerve", (5,), seed)
+    twist = signals["chassis_velocity"]
+    x, y, yaw = twist.unbind(-1)
+    places = torch.tensor(SWERVE.module_positions, dtype=torch.float64)
+    along_x, along_y = x[:, None] - yaw[:, None] * places[:, 1], y[:, None] + yaw[:, None] * places[:, 0]
+    motor = torch.hypot(along_x, along_y) * SWERVE.drive.gear_ratio / SWERVE.wheel_radius
+    angle = torch.atan2(along_y, along_x)
+    return signals | {"drive_velocity": motor, "steer_angle": angle, MEASURED: twist}
+
+
+@given(seed=SEEDS)
+def test_wheels_that_roll_agree_with_the_measured_motion(seed):
+    mechanism = mechanism_of(SWERVE)
+    signals = rolling_signals(seed)
+    readings = mechanism.readings(signals, mechanism.constants())
+    assert [channel.name for channel in mechanism.channels_of(signals)[7:]] == list(readings)
+    for measured, predicted in readings.values():
+        torch.testing.assert_close(measured, predicted, rtol=1e-3, atol=1e-3)
+
+
+@given(seed=SEEDS, share=st.floats(0.7, 1.3))
+def test_a_smaller_wheel_has_to_turn_faster(seed, share):
+    mechanism = mechanism_of(SWERVE)
+    constants = mechanism.constants()
+    smaller = constants | {"wheel_radius": share * constants["wheel_radius"]}
+    for measured, predicted in list(mechanism.readings(rolling_signals(seed), smaller).values())[:4]:
+        torch.testing.assert_close(measured, share * predicted)
+
+
+@given(seed=SEEDS, offset=st.floats(-0.3, 0.3))
+def test_motion_across_the_wheels_is_all_that_disagrees_with_them(seed, offset):
+    """All modules turned by one angle turn the motion of a robot that does not rotate by as much."""
+    mechanism = mechanism_of(SWERVE)
+    constants = mechanism.constants()
+    twist = some_signals("swerve", (5,), seed)["chassis_velocity"] * torch.tensor([1.0, 1.0, 0.0])
+    course = torch.atan2(twist[:, 1], twist[:, 0])
+    along = along_the_wheels(twist, (course + offset)[:, None].expand(5, 4), constants)
+    turned = torch.stack([torch.cos(course + offset), torch.sin(course + offset)], -1)
+    expected = twist[:, :2].norm(dim=-1, keepdim=True) * math.cos(offset) * turned
+    torch.testing.assert_close(along[:, :2], expected, rtol=1e-3, atol=1e-3)
+    torch.testing.assert_close(along[:, 2], torch.zeros(5, dtype=torch.float64), rtol=0, atol=2e-3)
+
+
+@given(seed=SEEDS, slip=st.floats(0.0, 100.0))
+def test_only_a_wheel_that_slides_may_turn_otherwise_and_creep_is_no_sliding(seed, slip):
+    mechanism = mechanism_of(SWERVE)
+    constants = mechanism.constants()
+    signals = rolling_signals(seed)
+    faster = signals["drive_velocity"] + slip
+    sliding = torch.tensor([0.0, 1.0, 0.0, 0.0], dtype=torch.float64).expand(5, 4)
+    readings = mechanism.readings(signals | {"drive_velocity": faster, SLIDING: sliding}, constants)
+    creep = CREEP * SWERVE.drive.gear_ratio / SWERVE.wheel_radius
+    left = (readings["rolling_2"][0] - readings["rolling_2"][1]).abs()
+    torch.testing.assert_close(left, torch.full_like(left, min(slip, creep)), rtol=1e-6, atol=1e-6)
+    held = readings["rolling_1"][0] - readings["rolling_1"][1]
+    torch.testing.assert_close(held, torch.full_like(held, slip), rtol=1e-6, atol=1e-6)

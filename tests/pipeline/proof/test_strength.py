@@ -9,11 +9,17 @@ from hypothesis import strategies as st
 from pipeline.proof.strength import BOUNDS, MOST, is_settled, settle_strength
 
 
-@given(st.floats(-6, 6), st.floats(1.0, 4.0))
-def test_a_faint_effect_is_near_the_noise_whatever_the_machine(size, power):
+@given(st.floats(0.0, 6), st.floats(1.0, 4.0))
+def test_a_faint_effect_is_near_the_noise_wherever_the_usual_one_shows(size, power):
     strength, energy = settle_strength(lambda s: 10.0**size * s**power, "faint")
     assert is_settled(energy, "faint")
     assert energy == 10.0**size * strength**power
+
+
+@given(st.floats(-6, 6), st.floats(1.0, 4.0), st.sampled_from(["clear", "faint"]))
+def test_no_effect_is_stronger_than_on_any_machine(size, power, wanted):
+    strength, _ = settle_strength(lambda s: 10.0**size * s**power, wanted)
+    assert strength <= MOST
 
 
 def test_a_threshold_is_found_between_what_shows_nothing_and_too_much():
