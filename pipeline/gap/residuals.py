@@ -50,13 +50,14 @@ def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
     balance = simulator.balance(inner)
     recorded = {name: blocks.inner(series) for name, series in blocks.signals.items()}
     momentum = simulator.mechanism.momentum(recorded, simulator.constants())
-    readings = simulator.mechanism.readings(inner, simulator.constants())
+    readings = simulator.mechanism.readings(
+        _at_samples(simulator, inner, recorded, blocks), simulator.constants()
+    )
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
     series = []
     for channel in channels_on(simulator, blocks):
         if channel.name in readings:
-            measured, predicted = (blocks.at_samples(side) for side in readings[channel.name])
-            series.append(ChannelSeries(channel, measured, predicted, direct=True))
+            series.append(ChannelSeries(channel, *readings[channel.name], direct=True))
             continue
         scale = nominal[channel.name] / believed[channel.name]
         sensed = _sensed(channel, recorded)
@@ -68,6 +69,18 @@ def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
             predicted = blocks.at_samples(balance.rate[channel.name])
             series.append(ChannelSeries(channel, scale * measured, scale * predicted, direct=False))
     return series
+
+
+def _at_samples(
+    simulator: Simulator, inner: dict[str, Tensor], recorded: dict[str, Tensor], blocks: Blocks
+) -> dict[str, Tensor]:
+    """Return the motion as it was sampled, and what acts as its mean around each sample.
+
+    Of the motion no mean will do: over a step a wheel turns so far that its mean cosine is not that of its mean angle.
+    """
+    acting = {name: blocks.at_samples(series) for name, series in inner.items()}
+    driven = simulator.mechanism.actuator_signals
+    return acting | {name: series for name, series in recorded.items() if name not in driven}
 
 
 def signals_inside(simulator: Simulator, blocks: Blocks, acting: dict[str, Tensor]) -> dict[str, Tensor]:
@@ -140,7 +153,7 @@ def quadrature_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFu
 
 
 def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
-    """Return the standard deviation that sensor noise alone gives each channel's rows, (channels,).
+    """Return the standard deviation that sensor noise and tolerances give each channel's rows, (channels,).
 
     The noise of a sampled signal is what its fifth difference leaves: physics is smooth over six samples, white noise
     is not. It is taken of the measured side and of the predicted side, whose inputs are noisy too.
@@ -152,6 +165,7 @@ def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
         mean_gain = functions.weights.square().sum(1).mean()
         if series.direct:
             variance = sample_noise(series.measured - series.predicted) * mean_gain
+            variance = variance + series.channel.tolerance**2
         else:
             slopes = functions.differences if blocks.held else functions.slopes
             rate_gain = slopes.square().sum(1).mean()

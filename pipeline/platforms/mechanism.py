@@ -20,11 +20,13 @@ class Channel:
         unit: of the wrench, or of the quantity.
         group: what kind of effect acts here (`force`, `torque`, `drive`, `steer`), or which readings have to agree
             (`actuator`, `rolling`).
+        tolerance: by how much, RMS, the two sides may differ on any machine without anything being amiss.
     """
 
     name: str
     unit: str
     group: str
+    tolerance: float = 0.0
 
 
 class Mechanism(ABC):

@@ -24,7 +24,12 @@ SLIDING = "sliding"
 LEAST_SLIP = "least_slip"
 """How fast the tread of a wheel passes over the ground at least, for it pulls harder than its grip, (..., 4) m/s."""
 CREEP = 0.05  # m/s; a tread gives way a little wherever it pulls: slower motion over the ground is no sliding
-_ACROSS = ("across_x", "across_y", "across_yaw")
+# A tyre that holds a side force gives way by a hundredth of its speed or two (Pacejka 2012, §1.2).
+_ACROSS = {
+    "across_x": ("m/s", "rolling", 0.02),
+    "across_y": ("m/s", "rolling", 0.02),
+    "across_yaw": ("rad/s", "rolling", 0.05),
+}
 
 
 class SwerveMechanism(Mechanism):
@@ -50,10 +55,7 @@ class SwerveMechanism(Mechanism):
 
     wheels = (
         *(Channel(f"rolling_{module}", "rad/s", "rolling") for module in range(1, 5)),
-        *(
-            Channel(name, unit, "rolling")
-            for name, unit in zip(_ACROSS, ("m/s", "m/s", "rad/s"), strict=True)
-        ),
+        *(Channel(name, *allowed) for name, allowed in _ACROSS.items()),
     )
 
     def __init__(self, platform: Swerve) -> None:
