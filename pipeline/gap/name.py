@@ -34,14 +34,16 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     """Let the catalogue compete for the residual of a nominal simulator.
 
     Clock offsets and the platform's own numbers are settled first: what they explain is no missing physics. Then one
-    effect is added at a time; each that stays must earn it again when the others are there. Where a number was settled
+    effect is added at a time; each that stays must earn it again when the others are there. Where something was settled
     and more than noise is left, it may have stood in for physics that explains more: then the competition is held again
     with everything in it from the start, and counts where it predicts better.
     """
     competition = Competition(simulator, problem, settings)
-    competition.run(_settled(competition.catalogue))
+    settled = _settled(competition.catalogue)
+    competition.run(settled)
     competition.finish()
-    if competition.leaves_more_than_noise() and competition.has_room() and _rests_on_numbers(competition):
+    rests_on_them = competition.names() & {effect.key for effect in settled}
+    if competition.leaves_more_than_noise() and competition.has_room() and rests_on_them:
         again = Competition(simulator, problem, settings)
         again.finish()
         if is_beyond_chance(again.scores() - competition.scores()):
@@ -57,7 +59,3 @@ def _settled(catalogue: list[Effect]) -> list[Effect]:
     errors = [e for e in catalogue if isinstance(e, MeasurementEffect | ParameterError)]
     mistaken = {name for effect in errors for name in effect.yields_to}
     return errors + [e for e in catalogue if e.name in mistaken]
-
-
-def _rests_on_numbers(competition: Competition) -> bool:
-    return any(isinstance(fitted.effect, ParameterError) for fitted in competition.current.simulator.free)
