@@ -8,22 +8,23 @@ from pipeline.policies.profile.drive import Drive
 from pipeline.policies.profile.rewards import final_reward, step_reward
 from pipeline.policies.profile.settings import Profile
 
-_NEAR, _SLOW = 0.1, 0.2  # m and m/s, below which what is left of distance and speed is also seen enlarged
+_SLOW = 0.2  # m/s, below which the speed is also seen enlarged
 
 _POSITION, _VELOCITY, _VOLTAGE = "position", "velocity", "voltage"
+_FROM_REST, _DIFFICULTY, _ENDED, _ARRIVED = "from_rest", "difficulty", "ended", "arrived"
 
 
 class MotionProfile(Environment):
     """Identified drives, each on a way of its own.
 
     The state is the position, m, the speeds of the four wheels, m/s along the ground, and the voltages that act. The
-    action is the desired speed over its limit. The observation has the distance that is left, plain and enlarged near
-    the target, the mean speed enlarged near standstill, and the speeds.
+    action is the desired speed over its limit. The observation has the distance that is left and its square root, with
+    which the speed goes from which a constant deceleration just stops, the mean speed enlarged near standstill, and the
+    speeds.
 
     Attributes:
         task: the way and what counts as arriving.
         drive: identified.
-        tolerances: of position, m, and speed, m/s, that count now.
     """
 
     observation_size = 7
@@ -35,24 +36,43 @@ class MotionProfile(Environment):
         self.task, self.drive = task, drive
         self.period = task.period
         self.episode_steps = round(task.episode / task.period)
-        self.tolerances = tuple(task.narrow)
-        self._arrived = self._failed = 0.0
+        self._failed = 0.0
+
+    @property
+    def tolerances(self) -> tuple[float, float]:
+        """Of position, m, and speed, m/s: what counts as arriving now."""
+        done = float(self.state[_DIFFICULTY]) if _DIFFICULTY in self.state else 1.0
+        position, speed = (
+            wide * (narrow / wide) ** done
+            for wide, narrow in zip(self.task.wide, self.task.narrow, strict=True)
+        )
+        return position, speed
 
     def schedule(self, share: float) -> None:
-        """Narrow the tolerances, by equal factors, until the curriculum is done."""
-        done = min(share / self.task.curriculum, 1.0)
-        pairs = zip(self.task.wide, self.task.narrow, strict=True)
-        self.tolerances = tuple(wide * (narrow / wide) ** done for wide, narrow in pairs)
+        """Narrow the tolerances by a step where enough of the whole ways since the last time have arrived."""
+        ended, arrived = float(self.state[_ENDED]), float(self.state[_ARRIVED])
+        harder = 0.0
+        if _DIFFICULTY in self.state:
+            enough = ended > 0.0 and arrived >= self.task.success * ended
+            harder = min(float(self.state[_DIFFICULTY]) + enough / self.task.curriculum, 1.0)
+        self.state |= {
+            _DIFFICULTY: torch.tensor(harder),
+            _ENDED: torch.tensor(0.0),
+            _ARRIVED: torch.tensor(0.0),
+        }
 
     def reset(self, machines: Tensor) -> None:
         """Start at rest, or, for a share of the attempts, anywhere on the way at any speed."""
         if _POSITION not in self.state:
             self._make_room()
+        else:
+            self.state[_ENDED] = self.state[_ENDED] + self.state[_FROM_REST][machines].sum()
         chance, place, speed = torch.rand(
             (3, len(machines)), generator=self.generator, device=self.device
         ).unbind()
         moving = chance < self.task.on_the_way
         still = torch.zeros_like(place)
+        self.state[_FROM_REST][machines] = ~moving
         start = torch.where(moving, speed * self.task.speed_limit, still)
         self.state[_POSITION][machines] = torch.where(moving, place * self.task.distance, still)
         self.state[_VELOCITY][machines] = start[:, None].expand(-1, len(self.drive.speed))
@@ -61,6 +81,8 @@ class MotionProfile(Environment):
     def _make_room(self) -> None:
         wheels = self.drive.speed.expand(self.batch, -1)
         self.state[_POSITION] = torch.zeros_like(wheels[:, 0])
+        self.state[_FROM_REST] = torch.zeros_like(wheels[:, 0], dtype=torch.bool)
+        self.state[_ENDED] = self.state[_ARRIVED] = torch.tensor(0.0)
         self.state[_VELOCITY], self.state[_VOLTAGE] = torch.zeros_like(wheels), torch.zeros_like(wheels)
 
     def advance(self, action: Tensor) -> tuple[Tensor, Tensor]:
@@ -74,24 +96,26 @@ class MotionProfile(Environment):
         reached = position + made.mean(-1)
         self.state |= {_POSITION: reached, _VELOCITY: velocity, _VOLTAGE: voltage}
         left, speed = (task.distance - reached).abs(), velocity.mean(-1).abs()
-        arrived = (left <= self.tolerances[0]) & (speed < self.tolerances[1])
+        near, slow = self.tolerances
+        arrived = (left <= near) & (speed < slow)
         failed = (left > task.distance + task.overrun) | (reached > task.distance + task.overrun)
         progress = (task.distance - position).abs() - left
-        reward = step_reward(task, left, progress, velocity, wanted, voltage, before)
-        self._arrived += float(arrived.sum())
+        reward = step_reward(task, progress, velocity, wanted, voltage, before)
+        self.state[_ARRIVED] = self.state[_ARRIVED] + (arrived & self.state[_FROM_REST]).sum()
         self._failed += float(failed.sum())
         return reward + final_reward(task, arrived, failed, speed), arrived | failed
 
     def observe(self, machines: Machines = slice(None)) -> Observation:
         """Return the distance that is left and the speeds of the wheels."""
-        left = self.task.distance - self.state[_POSITION][machines]
+        left = 1.0 - self.state[_POSITION][machines] / self.task.distance
         velocity = self.state[_VELOCITY][machines]
-        enlarged = torch.tanh(left / _NEAR), torch.tanh(velocity.mean(-1) / _SLOW)
-        seen = torch.stack([left / self.task.distance, *enlarged], -1)
+        slow = torch.tanh(velocity.mean(-1) / _SLOW)
+        seen = torch.stack([left, left.sign() * left.abs().sqrt(), slow], -1)
         return Observation(torch.cat([seen, velocity / self.task.speed_limit], -1), velocity[:, :0])
 
     def measures(self) -> dict[str, float]:
-        """Return how many attempts have arrived and failed, and what arriving means now."""
-        told = {"arrived": self._arrived, "failed": self._failed, "tolerance": self.tolerances[0]}
-        self._arrived = self._failed = 0.0
+        """Return how many whole ways have ended and arrived, how many attempts failed, and what arriving means now."""
+        told = {name: float(self.state[name]) for name in (_ENDED, _ARRIVED)}
+        told |= {"failed": self._failed, "tolerance": self.tolerances[0]}
+        self._failed = 0.0
         return told

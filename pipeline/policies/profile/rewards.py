@@ -7,7 +7,6 @@ from pipeline.policies.profile.settings import Profile
 
 def step_reward(
     task: Profile,
-    left: Tensor,
     made: Tensor,
     velocity: Tensor,
     wanted: Tensor,
@@ -16,12 +15,11 @@ def step_reward(
 ) -> Tensor:
     """Return the reward of a step that ends nothing, (batch,).
 
-    Progress is rewarded; what the drive cannot give, energy, wheels that disagree, jumps of the voltage and distance
-    that is still left are penalised.
+    Progress is rewarded; what the drive cannot give, energy, wheels that disagree, jumps of the voltage and time are
+    penalised.
 
     Args:
         task: with the weights.
-        left: distance to the target after the step, (batch,) m.
         made: distance to the target before less that after, (batch,) m.
         velocity: of the wheels after the step, (batch, wheels) m/s.
         wanted: voltage that the feedforward asked for, (batch, wheels) V.
@@ -36,7 +34,7 @@ def step_reward(
         - weights.energy * (voltage / limit).square().mean(-1)
         - weights.consistency * velocity.std(-1) / task.speed_limit
         - weights.smoothing * ((voltage - before).abs() / limit).mean(-1)
-        - weights.guidance * left / task.distance
+        - weights.guidance
     )
 
 

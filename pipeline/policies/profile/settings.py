@@ -14,7 +14,7 @@ class Weights:
     energy: float = 0.02  # of the voltage squared, over that of the limit squared
     consistency: float = 0.1  # of the spread of the wheels' speeds over the greatest speed
     smoothing: float = 0.05  # of the change of the voltage over its limit
-    guidance: float = 0.2  # of the distance that is left over the whole
+    guidance: float = 0.1  # for every step that it takes
     arrival: float = 1000.0  # once, on arriving
     failure: float = -100.0  # once, on leaving the track
     final_speed: float = -50.0  # once, per m/s at the end
@@ -35,7 +35,10 @@ class Profile:
     speed_tolerance: float = 0.01  # m/s, below which the drive counts as standing
     wide: list[float] = field(default_factory=lambda: [0.5, 0.5])  # m and m/s: both, when training begins
     narrow: list[float] = field(default_factory=lambda: [0.01, 0.01])  # m and m/s: both, when it ends
-    curriculum: float = 0.4  # share of the training over which they become narrow
+    curriculum: int = 100  # equal factors by which they become narrow
+    success: float = (
+        0.8  # share of the attempts from rest in an update that have to arrive before the next of them
+    )
     on_the_way: float = 0.5  # share of the attempts that start somewhere on the way, in motion
     weights: Weights = field(default_factory=Weights)
     learning: Learning = field(default_factory=Learning)

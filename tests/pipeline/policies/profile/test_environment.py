@@ -55,6 +55,7 @@ def test_who_comes_to_rest_at_the_target_has_arrived():
     assert steps * 0.01 > 0.98 * time_optimal(made.drive, 2.8, 3.0).time[-1]
     assert float(transition.observation.policy[0, 0]) == 1.0  # at the start of the next attempt
     assert made.measures()["arrived"] == 1.0
+    made.schedule(0.0)
     assert made.measures()["arrived"] == 0.0
 
 
@@ -66,13 +67,38 @@ def test_who_leaves_the_way_has_failed():
     assert float(failed.reward) < -100.0
 
 
-def test_arriving_becomes_harder():
-    made = environment()
-    for share, expected in ((0.0, TASK.wide), (TASK.curriculum, TASK.narrow), (1.0, TASK.narrow)):
-        made.schedule(share)
-        assert made.tolerances == pytest.approx(tuple(expected))
-    made.schedule(0.5 * TASK.curriculum)
-    assert made.tolerances[0] == pytest.approx((TASK.wide[0] * TASK.narrow[0]) ** 0.5)
+def test_arriving_becomes_harder_as_fast_as_the_attempts_arrive():
+    made = environment(replace(FROM_REST, curriculum=4, success=0.5), batch=1)
+    made.start(0)
+    made.schedule(0.0)
+    assert made.tolerances == pytest.approx(tuple(TASK.wide))
+    made.schedule(0.0)  # nothing ended since
+    assert made.tolerances == pytest.approx(tuple(TASK.wide))
+    seen = []
+    for _ in range(6):
+        made.state["ended"], made.state["arrived"] = torch.tensor(10.0), torch.tensor(5.0)
+        made.schedule(0.0)
+        seen.append(made.tolerances[0])
+    ratio = (TASK.narrow[0] / TASK.wide[0]) ** 0.25
+    assert seen == pytest.approx([TASK.wide[0] * ratio ** min(n, 4) for n in range(1, 7)])
+    made.state["ended"], made.state["arrived"] = torch.tensor(10.0), torch.tensor(4.0)
+    made.schedule(0.0)
+    assert made.tolerances[0] == seen[-1]
+
+
+def test_only_whole_ways_count_towards_the_next_tolerance():
+    made = environment(replace(TASK, on_the_way=1.0, episode=0.1), batch=8)
+    made.start(0)
+    made.schedule(0.0)
+    for _ in range(30):
+        made.step(torch.zeros(8, 1))
+    assert float(made.state["ended"]) == 0.0
+    whole = environment(replace(FROM_REST, episode=0.1), batch=8)
+    whole.start(0)
+    whole.schedule(0.0)
+    for _ in range(30):
+        whole.step(torch.zeros(8, 1))
+    assert float(whole.state["ended"]) == 24.0
 
 
 def test_some_attempts_start_on_the_way_and_the_others_at_rest():

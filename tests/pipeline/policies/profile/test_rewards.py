@@ -14,7 +14,6 @@ def reward(**changed):
     weights = {key: changed.pop(key) for key in list(changed) if key in vars(NOTHING)}
     still = torch.zeros(1, 4)
     step = {
-        "left": torch.tensor([1.5]),
         "made": torch.tensor([0.01]),
         "velocity": still + 1.5,
         "wanted": still + 6.0,
@@ -49,8 +48,8 @@ def test_a_jump_of_the_voltage_costs_its_size():
     assert reward(smoothing=1.0, before=-6.0) == pytest.approx(-1.0)
 
 
-def test_the_distance_that_is_left_costs_its_share():
-    assert reward(guidance=1.0) == pytest.approx(-0.5)
+def test_every_step_costs_the_same():
+    assert reward(guidance=1.0) == pytest.approx(-1.0)
 
 
 def test_the_end_is_worth_what_was_published():
