@@ -74,21 +74,61 @@ def fly_paths(
     """
     count = round((SETTLING + case.duration) / step) + 1
     times = np.arange(count, dtype=np.float64) * step - SETTLING
-    plant = build(airframe, platform, case, count, step, random)
-    drive, estimate = Drive(platform, case, random, step, battery), Gyro(case, random, step)
-    controller, advance = Controller(platform, tuned(case, platform), step), AdamsBashforth(step)
-    state = _start(paths, times[0])
+    machines = Machines(airframe, platform, case, battery, random, count, step)
+    controller = Controller(platform, tuned(case, platform), step)
+    machines.state = _start(paths, times[0])
     kept: list[tuple[Array, ...]] = []
-    for index, (*reference, shaking) in enumerate(zip(*paths.at(times), dither.at(times), strict=True)):
-        rotation, body_rate = matrix(state[:, 6:10]), state[:, 10:]
-        pose = state[:, :3], state[:, 3:6], rotation, estimate(body_rate)
-        command = controller.command(reference, *pose, shaking)
-        speed, acceleration = drive(command)
-        force, torque = plant.push(index, state, rotation, speed, acceleration)
-        kept.append((state, force, speed, command, *([] if drive.voltage is None else [drive.voltage])))
-        state = advance(state, _derivative(airframe, state, rotation, force, torque))
-        state[:, 6:10] /= np.sqrt((state[:, 6:10] ** 2).sum(axis=-1, keepdims=True))
-    return log_of(kept, step, plant.wind)
+    for *reference, shaking in zip(*paths.at(times), dither.at(times), strict=True):
+        state = machines.state
+        pose = state[:, :3], state[:, 3:6], matrix(state[:, 6:10]), machines.felt_rate()
+        kept.append(machines.advance(controller.command(reference, *pose, shaking)))
+    return log_of(kept, step, machines.plant.wind)
+
+
+class Machines:
+    """The machines of all runs with their air, motors, batteries and gyros, of which a command moves them a step.
+
+    Attributes:
+        plant: what pushes and turns them.
+        state: position, velocity (world), attitude and body rate, (runs, 13).
+    """
+
+    def __init__(
+        self,
+        airframe: Airframe,
+        platform: Quadrotor,
+        case: PlantCase,
+        battery: Battery,
+        random: np.random.Generator,
+        steps: int,
+        step: float = STEP,
+    ) -> None:
+        """Build them; see `fly_paths`. They fly for at most so many steps."""
+        self.plant = build(airframe, platform, case, steps, step, random)
+        self.state = np.zeros((case.runs, 13))
+        self._drive, self._gyro = Drive(platform, case, random, step, battery), Gyro(case, random, step)
+        self._integrate = AdamsBashforth(step)
+        self._airframe, self._index = airframe, 0
+
+    def felt_rate(self) -> Array:
+        """Return what the gyros tell of the body rates (runs, 3), rad/s; to be asked once a step."""
+        return self._gyro(self.state[:, 10:])
+
+    def advance(self, command: Array) -> tuple[Array, ...]:
+        """Move on by a step under commanded rotor speeds (runs, 4), rad/s.
+
+        Returns:
+            The state before, specific force, rotor speed, the command, and the voltage where motors feel it.
+        """
+        state, rotation = self.state, matrix(self.state[:, 6:10])
+        speed, acceleration = self._drive(command)
+        force, torque = self.plant.push(self._index, state, rotation, speed, acceleration)
+        rate = _derivative(self._airframe, state, rotation, force, torque)
+        self.state = self._integrate(state, rate)
+        self.state[:, 6:10] /= np.sqrt((self.state[:, 6:10] ** 2).sum(axis=-1, keepdims=True))
+        self._index += 1
+        voltage = self._drive.voltage
+        return (state, force, speed, command, *([] if voltage is None else [voltage]))
 
 
 def log_of(kept: list[tuple[Array, ...]], step: float, wind: Array | None = None) -> Log:

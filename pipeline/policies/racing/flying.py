@@ -1,6 +1,6 @@
 """A batch of quadrotors that fly as one compiled loop."""
 
-from typing import Any
+from typing import Any, Protocol
 
 import torch
 from torch import Tensor
@@ -58,6 +58,22 @@ def _known(key: str, values: dict[str, float]) -> FittedEffect:
             f"see simgap effects quadrotor {key}",
         )
     return FittedEffect(effect, {**effect.defaults(), **values}, known=True)
+
+
+class Flown(Protocol):
+    """Machines as columns of one tensor (rows, batch), whose first 13 rows are their states."""
+
+    def rows(self, state: Tensor) -> Tensor:
+        """Return the rows of machines in states (batch, 13), as if they had hovered before."""
+
+    def step(self, rows: Tensor, command: Tensor, further: Tensor | None = None) -> Tensor:
+        """Return the rows a period later; see `Fleet.step`."""
+
+    def features(self, rows: Tensor, command: Tensor) -> Tensor:
+        """Return what residuals depend on; see `Fleet.features`."""
+
+    def angular_acceleration(self, rows: Tensor) -> Tensor:
+        """Return the angular acceleration, (batch, 3) rad/s², as a critic is told it."""
 
 
 class Fleet:

@@ -4,7 +4,7 @@ import torch
 from torch import Tensor
 
 from pipeline.policies.environment import Environment, Machines, Observation
-from pipeline.policies.racing.flying import STATE, Fleet, state_of
+from pipeline.policies.racing.flying import STATE, Fleet, Flown, state_of
 from pipeline.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
 from pipeline.policies.racing.passage import Passage, passage
 from pipeline.policies.racing.randomisation import DRAWN, drawn_episode, drawn_wrench
@@ -40,13 +40,24 @@ class Racing(Environment):
         settings: RacingSettings,
         batch: int,
         device: torch.device | str = "cpu",
+        machines: Flown | None = None,
     ) -> None:
+        """Put machines on a track.
+
+        Args:
+            flight: of the simulator.
+            track: its gates.
+            settings: of the race.
+            batch: machines.
+            device: where they are.
+            machines: that are flown in the place of the simulator's; for flights, not for training.
+        """
         super().__init__(batch, device)
         self.settings = settings
         self.period = flight.period
         self.episode_steps = settings.episode_steps
         self.track = track.to(device)
-        self.fleet = Fleet(flight, device)
+        self.fleet = machines or Fleet(flight, device)
         self.gravity = flight.simulator.platform.gravity
         self.inertia = torch.tensor(flight.simulator.platform.inertia, device=self.device)
         self.passage: Passage | None = None
