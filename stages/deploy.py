@@ -1,4 +1,4 @@
-"""The stage that drives what was planned on the concealed plant; not a stage of every branch."""
+"""The stage that takes what was planned or trained to the concealed plant; not a stage of every branch."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.policies.profile.settings import Deployment, Profile
+from pipeline.policies.settings import PolicyEvaluation
 from pipeline.stage import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
@@ -24,11 +25,49 @@ class DeployStage(StageConfig):
     record: dict[str, Any] = field(default_factory=dict)
     profile: Profile = field(default_factory=Profile)
     deploy: Deployment = field(default_factory=Deployment)
+    evaluate: PolicyEvaluation = field(default_factory=PolicyEvaluation)
 
 
 @stage(DeployStage)
 def deploy(config: DeployStage, run: StageRun) -> None:
-    """Drive the smoothed voltages of a motion on the concealed plant, trial by trial, and say where it came to rest."""
+    """Take it to the concealed plant: a quadrotor races its policy, a swerve drive is driven by what was planned."""
+    if config.platform.get("kind") == "quadrotor":
+        _race(config, run)
+    else:
+        _drive(config, run)
+
+
+def _race(config: DeployStage, run: StageRun) -> None:
+    """Race the policy as `evaluate` does, on concealed machines that know the state exactly."""
+    from pipeline.platforms import platform_from_config
+    from pipeline.policies.networks import Policy
+    from pipeline.policies.racing.deployed import Deployed, RateLoop
+    from pipeline.policies.racing.entry import race_deployed, race_from
+    from pipeline.policies.racing.laps import fly_laps
+    from pipeline.policies.storage import load_policy
+    from pipeline.reality import case_from_config
+    from pipeline.reality.race import RacedMachines
+    from stages._flown import write_laps
+
+    chosen = config.evaluate
+    folder = Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy")
+    gaussian, description = load_policy(run.input(folder))
+    track, settings = race_from(description.configuration, None)
+    platform: Any = platform_from_config(config.platform)
+    case: Any = case_from_config(platform.kind, config.record)
+    flying = settings.flying
+    loop = RateLoop(platform, flying.time_constant, RacedMachines.step)
+    machines = RacedMachines(case, platform, loop, chosen.starts, chosen.seconds, config.seed)
+    deployed = Deployed(lambda state, reference: machines.fly(state, reference, flying.period))
+    race = race_deployed(deployed, platform, track, settings, chosen.starts)
+    policy = Policy(gaussian)
+    laps = fly_laps(race, lambda seen: policy(seen.policy), config.seed, chosen.laps, chosen.seconds)
+    run.log_metrics(laps.metrics())
+    write_laps(laps, race.track, race.period, run)
+
+
+def _drive(config: DeployStage, run: StageRun) -> None:
+    """Drive the smoothed voltages of a motion, trial by trial, and say where it came to rest."""
     from pipeline.policies.profile.contenders import measures
     from pipeline.policies.profile.motion import drive_open_loop
     from pipeline.policies.profile.smoothing import smoothed

@@ -3,14 +3,9 @@
 import logging
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pipeline.policies.settings import PolicyEvaluation
 from pipeline.stage import StageConfig, StageRun, stage
-
-if TYPE_CHECKING:
-    from pipeline.policies.racing.laps import Laps
-    from pipeline.policies.racing.track import Track
 
 
 @dataclass
@@ -37,6 +32,7 @@ def _race(folder: Path, config: EvaluateStage, run: StageRun) -> None:
     from pipeline.policies.racing.entry import race_from, race_in
     from pipeline.policies.racing.laps import fly_laps
     from pipeline.policies.storage import load_policy
+    from stages._flown import write_laps
     from stages._simulators import chosen_simulator
 
     chosen = config.evaluate
@@ -48,20 +44,7 @@ def _race(folder: Path, config: EvaluateStage, run: StageRun) -> None:
     policy = Policy(gaussian)
     laps = fly_laps(race, lambda seen: policy(seen.policy), config.seed, chosen.laps, chosen.seconds)
     run.log_metrics(laps.metrics())
-    _write(laps, race.track, race.period, run)
-
-
-def _write(laps: "Laps", track: "Track", period: float, run: StageRun) -> None:
-    """Write every lap, the flight of the fastest machine, and its picture."""
-    from pipeline.policies.racing.tables import flight_table, laps_table
-    from pipeline.report.race import race_figure
-
-    laps_table(laps).to_parquet(run.output / "laps.parquet", index=False)
-    flight = flight_table(laps, period)
-    flight.to_parquet(run.output / "flight.parquet", index=False)
-    figure = race_figure(flight, track.corners.cpu().numpy())
-    figure.savefig(run.output / "line.png", dpi=150)
-    run.log_figure(figure, "line")
+    write_laps(laps, race.track, race.period, run)
 
 
 if __name__ == "__main__":

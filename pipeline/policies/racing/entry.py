@@ -6,7 +6,8 @@ from typing import Any
 
 import torch
 
-from pipeline.policies.racing.flying import flight_in
+from pipeline.platforms import Quadrotor
+from pipeline.policies.racing.flying import Flown, flight_in
 from pipeline.policies.racing.racing import Racing
 from pipeline.policies.racing.randomisation import nothing_left_over
 from pipeline.policies.racing.settings import RacingSettings, Randomisation, TrackSettings
@@ -30,6 +31,18 @@ def race_in(
     residual = nothing_left_over if settings.randomisation.enabled else None
     flight = flight_in(simulator, settings.flying, residual)
     return Racing(flight, track_from(track), settings, machines, device)
+
+
+def race_deployed(
+    machines: Flown, platform: Quadrotor, track: TrackSettings, settings: RacingSettings, count: int
+) -> Racing:
+    """Return the environment of a race of machines that are no simulator's; nobody is trained in it.
+
+    Raises:
+        InputError: when the track cannot be flown.
+    """
+    flight = flight_in(Simulator(platform), settings.flying)
+    return Racing(flight, track_from(track), settings, count, machines=machines)
 
 
 def described_race(track: TrackSettings, settings: RacingSettings) -> dict[str, Any]:

@@ -1,0 +1,22 @@
+"""What is written of laps, wherever they were flown."""
+
+from typing import TYPE_CHECKING
+
+from pipeline.stage import StageRun
+
+if TYPE_CHECKING:
+    from pipeline.policies.racing.laps import Laps
+    from pipeline.policies.racing.track import Track
+
+
+def write_laps(laps: "Laps", track: "Track", period: float, run: StageRun) -> None:
+    """Write every lap, the flight of the fastest machine, and its picture."""
+    from pipeline.policies.racing.tables import flight_table, laps_table
+    from pipeline.report.race import race_figure
+
+    laps_table(laps).to_parquet(run.output / "laps.parquet", index=False)
+    flight = flight_table(laps, period)
+    flight.to_parquet(run.output / "flight.parquet", index=False)
+    figure = race_figure(flight, track.corners.cpu().numpy())
+    figure.savefig(run.output / "line.png", dpi=150)
+    run.log_figure(figure, "line")
