@@ -1,0 +1,70 @@
+"""The concealed machine, raced by the flight controller that the simulator has."""
+
+import numpy as np
+import pytest
+import torch
+
+from pipeline.policies.racing.deployed import Deployed, RateLoop
+from pipeline.policies.racing.flying import Fleet, flight_in, state_of
+from pipeline.policies.racing.settings import Flying
+from pipeline.reality.case import PlantCase, Sensors
+from pipeline.reality.race import RacedMachines
+from pipeline.simulation import Simulator
+from tests.pipeline.policies.racing.machines import racer
+
+RACER = racer()
+FLYING = Flying(powertrain=False)
+MACHINES = 3
+QUIET = Sensors(scale=0.0)
+
+
+def deployed(seed=0, **case):
+    loop = RateLoop(RACER, FLYING.time_constant, RacedMachines.step)
+    machines = RacedMachines(PlantCase(**case), RACER, loop, MACHINES, seconds=2.0, seed=seed)
+    return Deployed(lambda state, reference: machines.fly(state, reference, FLYING.period))
+
+
+def level() -> torch.Tensor:
+    state = torch.zeros(MACHINES, 13)
+    state[:, 3] = 1.0
+    return state
+
+
+def flown(machines, steps=40):
+    """Roll to and fro under more than hover thrust, each machine by another rate."""
+    rows, path = machines.rows(level()), []
+    rates = torch.tensor([0.5, -1.0, 2.0])
+    for step in range(steps):
+        command = torch.zeros(MACHINES, 4)
+        command[:, 0] = 11.0
+        command[:, 1] = rates * (1.0 if step < steps // 2 else -1.0)
+        rows = machines.step(rows, command)
+        path.append(state_of(rows))
+    return {name: torch.stack([entry[name] for entry in path]) for name in path[0]}
+
+
+def test_a_machine_that_conceals_nothing_flies_as_in_the_ideal_simulator():
+    ours, theirs = flown(Fleet(flight_in(Simulator(RACER), FLYING))), flown(deployed(sensors=QUIET))
+    torch.testing.assert_close(theirs["position"], ours["position"], rtol=0, atol=5e-3)
+    torch.testing.assert_close(theirs["attitude"], ours["attitude"], rtol=0, atol=2e-2)
+
+
+def test_what_is_concealed_is_felt():
+    drag = flown(deployed(sensors=QUIET, effects={"rotor_drag": 0.5}))
+    still = flown(deployed(sensors=QUIET))
+    slower = drag["velocity"][-1].norm(dim=-1) / still["velocity"][-1].norm(dim=-1)
+    assert (slower[2] < 0.98).all()
+
+
+def test_flights_are_those_of_their_seed():
+    once, again, other = (flown(deployed(seed), 10)["body_rate"] for seed in (1, 1, 2))
+    assert torch.equal(once, again)
+    assert not torch.equal(once, other)
+
+
+@pytest.mark.parametrize("rate", [0.0, 3.0])
+def test_the_rate_loop_asks_the_rotors_for_what_the_mixer_says(rate):
+    loop = RateLoop(RACER, 0.033, 1e-3)
+    body_rate = np.tile([rate, 0.0, 0.0], (2, 1))
+    speed = loop(body_rate, np.tile([RACER.gravity, rate, 0.0, 0.0], (2, 1)))
+    np.testing.assert_allclose(speed, RACER.hover_rotor_speed, rtol=1e-6)
