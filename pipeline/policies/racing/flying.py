@@ -1,6 +1,6 @@
 """A batch of quadrotors that fly as one compiled loop."""
 
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import torch
 from torch import Tensor
@@ -60,6 +60,7 @@ def _known(key: str, values: dict[str, float]) -> FittedEffect:
     return FittedEffect(effect, {**effect.defaults(), **values}, known=True)
 
 
+@runtime_checkable
 class Flown(Protocol):
     """Machines as columns of one tensor (rows, batch), whose first 13 rows are their states."""
 
