@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.policies.profile.settings import Deployment, Profile
-from pipeline.policies.settings import PolicyEvaluation
+from pipeline.policies.racing.settings import TrackSettings
+from pipeline.policies.settings import PolicyEvaluation, PolicyTraining
 from pipeline.stage import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ class DeployStage(StageConfig):
     record: dict[str, Any] = field(default_factory=dict)
     profile: Profile = field(default_factory=Profile)
     deploy: Deployment = field(default_factory=Deployment)
+    track: TrackSettings = field(default_factory=TrackSettings)
+    train_policy: PolicyTraining = field(default_factory=PolicyTraining)
     evaluate: PolicyEvaluation = field(default_factory=PolicyEvaluation)
 
 
@@ -38,30 +41,26 @@ def deploy(config: DeployStage, run: StageRun) -> None:
 
 
 def _race(config: DeployStage, run: StageRun) -> None:
-    """Race the policy as `evaluate` does, on concealed machines that know the state exactly."""
+    """Race as `evaluate` does, on concealed machines that know the state exactly."""
     from pipeline.platforms import platform_from_config
-    from pipeline.policies.networks import Policy
     from pipeline.policies.racing.deployed import Deployed, RateLoop
-    from pipeline.policies.racing.entry import race_deployed, race_from
+    from pipeline.policies.racing.entry import race_deployed
     from pipeline.policies.racing.laps import fly_laps
-    from pipeline.policies.storage import load_policy
     from pipeline.reality import case_from_config
     from pipeline.reality.race import RacedMachines
     from stages._flown import write_laps
+    from stages._pilots import entered
 
     chosen = config.evaluate
-    folder = Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy")
-    gaussian, description = load_policy(run.input(folder))
-    track, settings = race_from(description.configuration, None)
+    entry = entered(chosen, config.platform, config.track, config.train_policy, config, run)
     platform: Any = platform_from_config(config.platform)
     case: Any = case_from_config(platform.kind, config.record)
-    flying = settings.flying
+    flying = entry.settings.flying
     loop = RateLoop(platform, flying.time_constant, RacedMachines.step)
     machines = RacedMachines(case, platform, loop, chosen.starts, chosen.seconds, config.seed)
     deployed = Deployed(lambda state, reference: machines.fly(state, reference, flying.period))
-    race = race_deployed(deployed, platform, track, settings, chosen.starts)
-    policy = Policy(gaussian)
-    laps = fly_laps(race, lambda seen: policy(seen.policy), config.seed, chosen.laps, chosen.seconds)
+    race = race_deployed(deployed, platform, entry.track, entry.settings, chosen.starts)
+    laps = fly_laps(race, entry.pilot, config.seed, chosen.laps, chosen.seconds)
     run.log_metrics(laps.metrics())
     write_laps(laps, race.track, race.period, run)
 

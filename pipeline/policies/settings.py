@@ -44,6 +44,7 @@ class PolicyTraining:
 class PolicyEvaluation:
     """The configuration group `evaluate`."""
 
+    pilot: str = "policy"  # or time_optimal: the plan of optimal control, tracked by model-predictive control
     policy: str | None = None  # folder; null: what train_policy wrote
     simulator: str = "ideal"  # as in train_policy
     powertrain: bool | None = None  # whether battery and motors are added; null: as in training

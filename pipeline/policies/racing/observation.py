@@ -49,6 +49,12 @@ def racing_observation(
     return Observation(torch.cat(seen, -1), torch.cat(exact, -1))
 
 
+def seen_state(seen: Observation) -> tuple[Tensor, Tensor, Tensor]:
+    """Return position (batch, 3) m, velocity (batch, 3) m/s and rotation (batch, 3, 3), as a policy sees them."""
+    position, velocity, turn = seen.policy[:, :15].split([3, 3, 9], dim=-1)
+    return position * _LENGTH, velocity * _SPEED, turn.unflatten(-1, (3, 3))
+
+
 def _corners(track: Track, position: Tensor, turn: Tensor, target: Tensor) -> Tensor:
     """Return the corners of a gate in the body frame, (batch, 12)."""
     relative = (track.corners[target] - position[:, None]) / _LENGTH

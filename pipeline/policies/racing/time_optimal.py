@@ -48,7 +48,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class OptimalLap:
-    """A lap from the last gate to the last gate.
+    """A lap from the last gate, or from a start, to the last gate.
 
     Attributes:
         times: of the nodes, (nodes + 1,) s from 0 to the lap time.
@@ -68,7 +68,13 @@ class OptimalLap:
         return float(self.times[-1])
 
 
-def optimal_lap(track: Track, limits: Limits, gravity: float, nodes: int = 12) -> OptimalLap:
+def optimal_lap(
+    track: Track,
+    limits: Limits,
+    gravity: float,
+    nodes: int = 12,
+    ends: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
+) -> OptimalLap:
     """Return the fastest lap that a rigid body with these limits can fly.
 
     Args:
@@ -76,6 +82,7 @@ def optimal_lap(track: Track, limits: Limits, gravity: float, nodes: int = 12) -
         limits: of the machine.
         gravity: m/s².
         nodes: of each phase, between two gates.
+        ends: states (13,) in which it starts and ends; None for a lap that ends as it begins.
 
     Raises:
         InputError: when no such lap is found.
@@ -87,7 +94,7 @@ def optimal_lap(track: Track, limits: Limits, gravity: float, nodes: int = 12) -
     duration = problem.variable(1, gates)
     step = casadi.kron(duration / nodes, casadi.DM.ones(1, nodes))
     problem.subject_to(state[:, 1:] == _motion(gravity).map(gates * nodes)(state[:, :-1], command, step))
-    _join(problem, state)
+    _join(problem, state[:, 0], state[:, -1], ends)
     _bound(problem, state, command, duration, limits)
     _stay_inside(problem, state, track)
     for gate in range(gates):
@@ -136,14 +143,24 @@ def _motion(gravity: float) -> Any:
     return casadi.Function("motion", [state, command, step], [unit])
 
 
-def _join(problem: Any, state: Any) -> None:
-    """Let the lap end as it began; a quaternion may come back as its negative."""
-    first, last = state[:, 0], state[:, -1]
+def _join(
+    problem: Any, first: Any, last: Any, ends: tuple[NDArray[np.float64], NDArray[np.float64]] | None
+) -> None:
+    """Let the lap end as it began, or start and end in given states."""
+    if ends is None:
+        problem.subject_to(casadi.sumsqr(first[3:7]) == 1)
+        _same(problem, last, first)
+    else:
+        problem.subject_to(first == casadi.DM(ends[0]))
+        _same(problem, last, casadi.DM(ends[1]))
+
+
+def _same(problem: Any, state: Any, other: Any) -> None:
+    """Let a state be another; a quaternion may be its negative."""
     for part in (slice(0, 3), slice(7, 13)):
-        problem.subject_to(first[part] == last[part])
-    problem.subject_to(casadi.sumsqr(first[3:7]) == 1)
+        problem.subject_to(state[part] == other[part])
     # Of the rotation between the two nothing but the scalar may be left.
-    turned = first[3] * last[4:7] - last[3] * first[4:7] - casadi.cross(first[4:7], last[4:7])
+    turned = other[3] * state[4:7] - state[3] * other[4:7] - casadi.cross(other[4:7], state[4:7])
     problem.subject_to(turned == 0)
 
 

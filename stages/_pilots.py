@@ -1,0 +1,80 @@
+"""Who flies a race: a policy that was trained for it, or the time-optimal plan."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeline.errors import InputError
+from pipeline.policies.racing.settings import RacingSettings, TrackSettings
+from pipeline.policies.settings import PolicyEvaluation, PolicyTraining
+from pipeline.stage import StageConfig, StageRun
+
+if TYPE_CHECKING:
+    from pipeline.policies.racing.laps import Pilot
+
+POLICY, TIME_OPTIMAL = "policy", "time_optimal"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A pilot with the race that it is entered for.
+
+    Attributes:
+        pilot: from what is seen to actions.
+        platform: configuration of the machine.
+        track: its gates.
+        settings: of the race.
+    """
+
+    pilot: "Pilot"
+    platform: Mapping[str, Any]
+    track: TrackSettings
+    settings: RacingSettings
+
+
+def policy_folder(chosen: PolicyEvaluation, config: StageConfig) -> Path:
+    """Return where the policy to fly is, whether or not it is there."""
+    return Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy")
+
+
+def entered(
+    chosen: PolicyEvaluation,
+    platform: Mapping[str, Any],
+    track: TrackSettings,
+    training: PolicyTraining,
+    config: StageConfig,
+    run: StageRun,
+) -> Entry:
+    """Return who flies, and what; a policy brings the race that it was trained for.
+
+    Raises:
+        InputError: when there is no such pilot or no such policy, or when no plan is found.
+    """
+    if chosen.pilot == TIME_OPTIMAL:
+        return _planned(platform, track, training.racing)
+    if chosen.pilot != POLICY:
+        raise InputError(
+            f"there is no pilot {chosen.pilot!r}", "evaluate.pilot", f"use {POLICY} or {TIME_OPTIMAL}"
+        )
+    return _trained(policy_folder(chosen, config), chosen, run)
+
+
+def _planned(platform: Mapping[str, Any], track: TrackSettings, settings: RacingSettings) -> Entry:
+    from pipeline.platforms import platform_from_config
+    from pipeline.policies.racing.model_predictive import time_optimal_pilot
+    from pipeline.policies.racing.track import track_from
+
+    gravity = platform_from_config(platform).gravity
+    return Entry(time_optimal_pilot(track_from(track), settings, gravity), platform, track, settings)
+
+
+def _trained(folder: Path, chosen: PolicyEvaluation, run: StageRun) -> Entry:
+    from pipeline.policies.networks import Policy
+    from pipeline.policies.racing.entry import race_from
+    from pipeline.policies.storage import load_policy
+
+    gaussian, description = load_policy(run.input(folder))
+    track, settings = race_from(description.configuration, chosen.powertrain)
+    policy = Policy(gaussian)
+    return Entry(lambda seen: policy(seen.policy), description.configuration["platform"], track, settings)
