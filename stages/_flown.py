@@ -12,11 +12,13 @@ if TYPE_CHECKING:
 def write_laps(laps: "Laps", track: "Track", period: float, run: StageRun) -> None:
     """Write every lap, the flight of the fastest machine, and its picture."""
     from pipeline.policies.racing.tables import flight_table, laps_table
-    from pipeline.report.race import race_figure
+    from pipeline.report.race import animate_race, race_figure
 
     laps_table(laps).to_parquet(run.output / "laps.parquet", index=False)
     flight = flight_table(laps, period)
     flight.to_parquet(run.output / "flight.parquet", index=False)
-    figure = race_figure(flight, track.corners.cpu().numpy())
+    gates = track.corners.cpu().numpy()
+    figure = race_figure(flight, gates)
     figure.savefig(run.output / "line.png", dpi=150)
+    animate_race(flight, gates, run.output / "flight.gif")
     run.log_figure(figure, "line")

@@ -23,6 +23,7 @@ class ReportInputs:
         clean: folder of `changes.parquet`, `coverage.parquet`, `recording.parquet`.
         sysid: folder of `parameters.yaml`, `metrics.json`.
         train: folder of `metrics.json`.
+        evaluate: folder of `metrics.json`, `line.png`, `flight.gif`.
         sweeps: folders of `comparison.json`.
         name: name of the configuration.
     """
@@ -31,6 +32,7 @@ class ReportInputs:
     clean: Path | None = None
     sysid: Path | None = None
     train: Path | None = None
+    evaluate: Path | None = None
     sweeps: tuple[Path, ...] = ()
     name: str = ""
 
@@ -39,7 +41,7 @@ class ReportInputs:
         """Take every stage's folder below `artifacts`; those that are not there are left out."""
         folders = {
             stage: artifacts / stage if (artifacts / stage).is_dir() else None
-            for stage in ("diagnose", "clean", "sysid", "train")
+            for stage in ("diagnose", "clean", "sysid", "train", "evaluate")
         }
         sweeps = sorted(path.parent for path in artifacts.glob("sweeps/*/*/comparison.json"))
         return cls(**folders, sweeps=tuple(sweeps), name=name)
@@ -47,7 +49,7 @@ class ReportInputs:
     @property
     def folders(self) -> list[Path]:
         """The folders that are there."""
-        folders = (self.diagnose, self.clean, self.sysid, self.train, *self.sweeps)
+        folders = (self.diagnose, self.clean, self.sysid, self.train, self.evaluate, *self.sweeps)
         return [folder for folder in folders if folder is not None]
 
     @cached_property

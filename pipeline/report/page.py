@@ -15,6 +15,7 @@ from pipeline.report.cleaning import cleaning_section
 from pipeline.report.competition import competition_section
 from pipeline.report.figure import script_json
 from pipeline.report.fit import fit_section
+from pipeline.report.flown import flown_section
 from pipeline.report.identified import parameters_section
 from pipeline.report.inputs import ReportInputs
 from pipeline.report.laws import laws_section
@@ -39,6 +40,7 @@ _SECTIONS = (
     parameters_section,
     model_section,
     sweeps_section,
+    flown_section,
     warnings_section,
     provenance_section,
 )

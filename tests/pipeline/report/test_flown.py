@@ -1,0 +1,48 @@
+import json
+
+import numpy as np
+import pandas as pd
+from PIL import Image
+
+from pipeline.report.flown import flown_section
+from pipeline.report.inputs import ReportInputs
+from pipeline.report.page import write_page
+from pipeline.report.race import animate_race
+from pipeline.report.section import Drawing
+
+GATE = np.array([[[1.0, -0.5, 0.5], [1.0, 0.5, 0.5], [1.0, 0.5, 1.5], [1.0, -0.5, 1.5]]], dtype=np.float32)
+
+
+def flight(seconds):
+    time = np.arange(0.0, seconds, 0.02)
+    turning = {"position_x": np.sin(time), "position_y": np.cos(time), "velocity_x": np.cos(time)}
+    return pd.DataFrame(
+        {"t": time, **turning, "position_z": 1.0, "velocity_y": -np.sin(time), "velocity_z": 0.0}
+    )
+
+
+def test_the_animation_takes_as_long_as_the_flight(tmp_path):
+    path = tmp_path / "flight.gif"
+    animate_race(flight(1.5), GATE, path)
+    with Image.open(path) as animation:
+        frames = getattr(animation, "n_frames", 1)
+        assert abs(frames * animation.info["duration"] - 1500) < 150
+
+
+def test_a_race_has_its_laps_line_and_flight_on_the_page(tmp_path):
+    folder = tmp_path / "evaluate"
+    folder.mkdir()
+    (folder / "metrics.json").write_text(json.dumps({"laps_completed": 0.95, "fastest_lap": 6.123}))
+    animate_race(flight(0.3), GATE, folder / "flight.gif")
+    write_page(ReportInputs.of_branch(tmp_path), tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text()
+    assert "fastest lap, s" in page
+    assert "6.12" in page
+    assert "data:image/gif;base64," in page
+
+
+def test_where_nobody_raced_there_is_no_section(tmp_path):
+    folder = tmp_path / "evaluate"
+    folder.mkdir()
+    (folder / "metrics.json").write_text("{}")
+    assert flown_section(ReportInputs.of_branch(tmp_path), Drawing()) is None
