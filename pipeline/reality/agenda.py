@@ -60,9 +60,10 @@ def _shuffled(cards: list[Subject], seed: int) -> Iterator[Subject]:
 
 
 def _cards(category: str, table: Mapping[str, Any]) -> list[Subject]:
-    """Return what there is of a category."""
-    physics = [name for name in table["effects"] if not name.partition("@")[0].endswith("_error")]
-    errors = [name for name in table["effects"] if name not in physics]
+    """Return what there is of a category; an effect with a twin, which explains the very same, is `ambiguous` only."""
+    effects = [name for name, entry in table["effects"].items() if "twin" not in entry]
+    physics = [name for name in effects if not name.partition("@")[0].endswith("_error")]
+    errors = [name for name in effects if name not in physics]
     if category == "nothing":
         return [Subject("nothing")]
     if category in ("clear", "faint"):
@@ -71,15 +72,13 @@ def _cards(category: str, table: Mapping[str, Any]) -> list[Subject]:
         return [Subject("decoy", (name,), strength) for name in errors for strength in ("clear", "faint")]
     if category == "pair":
         apart = {frozenset(pair) for pair in table.get("apart", ())}
-        names = [(a, b) for i, a in enumerate(table["effects"]) for b in list(table["effects"])[i + 1 :]]
+        names = [(a, b) for i, a in enumerate(effects) for b in effects[i + 1 :]]
         return [Subject("pair", pair, "clear") for pair in names if frozenset(pair) not in apart]
     if category == "outside":
         return [Subject("outside", (name,), "clear") for name in table.get("outside", {})]
     if category == "mixed":
         return [
-            Subject("mixed", (name, other), "clear")
-            for name in table["effects"]
-            for other in table.get("outside", {})
+            Subject("mixed", (name, other), "clear") for name in effects for other in table.get("outside", {})
         ]
     return [
         Subject(category, (entry["effect"],), "clear", number)

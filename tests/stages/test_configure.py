@@ -45,7 +45,14 @@ def test_the_command_line_goes_before_the_branch() -> None:
 
 def test_twins_differ_in_nothing_but_what_is_concealed() -> None:
     one, other = (compose([f"branch={name}"]) for name in ("embedded", "embedded_null"))
-    named = {"name", "artifacts", "dataset", "record", "train_policy", "evaluate"}  # the twin trains no policy
+    named = {
+        "name",
+        "artifacts",
+        "dataset",
+        "record",
+        "train_policy",
+        "evaluate",
+    }  # the twin trains no policy
     assert {key for key in one if one[key] != other[key]} <= named
     assert one["record"] != other["record"]
 

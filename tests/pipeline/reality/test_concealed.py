@@ -42,11 +42,20 @@ def test_cases_are_reproducible_and_differ_from_each_other(kind):
 def test_every_effect_of_the_tables_can_be_drawn_alone():
     for kind in KINDS:
         table = PROVE[kind]["effects"]
-        errors = [name for name in table if name.partition("@")[0].endswith("_error")]
-        alone = drawn(kind, len(table) - len(errors), clear=1.0)
-        assert {case.subject.names[0] for case in alone} == set(table) - set(errors)
+        errors = {name for name in table if name.partition("@")[0].endswith("_error")}
+        twins = {name for name, entry in table.items() if "twin" in entry}
+        alone = drawn(kind, len(table) - len(errors | twins), clear=1.0)
+        assert {case.subject.names[0] for case in alone} == set(table) - errors - twins
         for case in alone:
             assert set(case.record["effects"]) >= set(case.subject.names)
+
+
+def test_an_effect_with_a_twin_is_ambiguous_and_nothing_else():
+    twins = {name for name, entry in PROVE["joint"]["effects"].items() if "twin" in entry}
+    assert twins
+    cases = drawn("joint", 150, **dict.fromkeys(("clear", "faint", "pair", "mixed", "ambiguous"), 0.2))
+    found = {case.subject.category for case in cases if twins & set(case.subject.names)}
+    assert found == {"ambiguous"}
 
 
 def test_a_null_conceals_nothing():
