@@ -63,15 +63,17 @@ def fly_laps(environment: Racing, pilot: Pilot, seed: int, laps: int = 2, second
     A lap is timed from the first gate to the first gate. A machine's flight ends with its laps, its crash or the time.
 
     Args:
-        environment: whose machines fly.
+        environment: whose machines fly; their episodes end no more by their length.
         pilot: chooses the actions.
         seed: of the perturbations.
         laps: that each machine is to complete.
         seconds: after which all flights end.
     """
+    steps = round(seconds / environment.period)
+    environment.episode_steps = steps + 1
     observation = _line_up(environment, seed)
     recorder = _Recorder(environment, laps)
-    for _ in range(round(seconds / environment.period)):
+    for _ in range(steps):
         states = environment.state["rows"][:STATE].T.clone()
         observation = environment.step(pilot(observation)).observation
         recorder.note(states)

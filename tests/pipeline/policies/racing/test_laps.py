@@ -44,6 +44,14 @@ def test_laps_at_a_constant_speed_take_the_time_of_the_circle(environment):
     assert metrics["least_margin"] == pytest.approx(1.5, abs=0.05)
 
 
+def test_a_race_goes_on_beyond_the_episodes_of_the_training():
+    short = racing(2, settings=RacingSettings(flying=COARSE, starts=STILL, episode_steps=50))
+    laps = fly_laps(short, Carried(short, speed=8.0), seed=0, laps=2, seconds=30.0)
+    assert laps.passed.tolist() == [9, 9]
+    steps = laps.states[:, 0, PARTS["position"]].diff(dim=0).norm(dim=-1)
+    assert float(steps.max()) < 0.2  # 8 m/s, and nobody is put elsewhere
+
+
 def test_a_lap_with_a_crash_is_no_lap(environment):
     laps = fly_laps(environment, Carried(environment, speed=8.0, radius=5.7), seed=0, seconds=5.0)
     assert laps.passed.tolist() == [0, 0, 0]
