@@ -52,7 +52,7 @@ def entered(
         InputError: when there is no such pilot or no such policy, or when no plan is found.
     """
     if chosen.pilot == TIME_OPTIMAL:
-        return _planned(platform, track, training.racing)
+        return _planned(platform, track, training.racing, chosen)
     if chosen.pilot != POLICY:
         raise InputError(
             f"there is no pilot {chosen.pilot!r}", "evaluate.pilot", f"use {POLICY} or {TIME_OPTIMAL}"
@@ -60,12 +60,15 @@ def entered(
     return _trained(policy_folder(chosen, config), chosen, run)
 
 
-def _planned(platform: Mapping[str, Any], track: TrackSettings, settings: RacingSettings) -> Entry:
+def _planned(
+    platform: Mapping[str, Any], track: TrackSettings, settings: RacingSettings, chosen: PolicyEvaluation
+) -> Entry:
     from pipeline.platforms import platform_from_config
+    from pipeline.policies.racing.entry import as_flown
     from pipeline.policies.racing.model_predictive import time_optimal_pilot
     from pipeline.policies.racing.track import track_from
 
-    gravity = platform_from_config(platform).gravity
+    settings, gravity = as_flown(settings, chosen.powertrain), platform_from_config(platform).gravity
     return Entry(time_optimal_pilot(track_from(track), settings, gravity), platform, track, settings)
 
 

@@ -56,7 +56,7 @@ class Deployed:
         return state.T.float().contiguous()
 
     def step(self, rows: Tensor, command: Tensor, further: Tensor | None = None) -> Tensor:
-        """Return the rows a period later."""
+        """Return the rows a period later; nothing further acts on such machines than what does."""
         theirs = np.concatenate([rows[PARTS[name]].T.double().numpy() for name in _THEIRS], axis=1)
         after = torch.from_numpy(self._fly(theirs, command.double().numpy())).to(rows)
         sizes = [PARTS[name].stop - PARTS[name].start for name in _THEIRS]
@@ -64,10 +64,6 @@ class Deployed:
         for name, part in zip(_THEIRS, after.split(sizes, dim=1), strict=True):
             flown[PARTS[name]] = part.T
         return flown
-
-    def features(self, rows: Tensor, command: Tensor) -> Tensor:
-        """No residual is added to such machines."""
-        raise NotImplementedError
 
     def angular_acceleration(self, rows: Tensor) -> Tensor:
         """Return zeros (batch, 3): it is not measured."""

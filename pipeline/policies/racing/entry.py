@@ -72,7 +72,17 @@ def race_from(
         settings = OmegaConf.to_object(merged)
     assert isinstance(track, TrackSettings)
     assert isinstance(settings, RacingSettings)
-    settings = replace(settings, randomisation=Randomisation())  # what is drawn in training is not flown
-    if powertrain is not None:
-        settings = replace(settings, flying=replace(settings.flying, powertrain=powertrain))
-    return track, settings
+    return track, as_flown(settings, powertrain)
+
+
+def as_flown(settings: RacingSettings, powertrain: bool | None) -> RacingSettings:
+    """Return the settings of a training as a race has them: what is drawn for an episode is not flown.
+
+    Args:
+        settings: of the training.
+        powertrain: what is to be flown with; None for what was trained with.
+    """
+    settings = replace(settings, randomisation=Randomisation())
+    if powertrain is None:
+        return settings
+    return replace(settings, flying=replace(settings.flying, powertrain=powertrain))

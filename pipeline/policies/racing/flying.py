@@ -70,9 +70,6 @@ class Flown(Protocol):
     def step(self, rows: Tensor, command: Tensor, further: Tensor | None = None) -> Tensor:
         """Return the rows a period later; see `Fleet.step`."""
 
-    def features(self, rows: Tensor, command: Tensor) -> Tensor:
-        """Return what residuals depend on; see `Fleet.features`."""
-
     def angular_acceleration(self, rows: Tensor) -> Tensor:
         """Return the angular acceleration, (batch, 3) rad/s², as a critic is told it."""
 
@@ -115,15 +112,16 @@ class Fleet:
             acting = torch.cat([command, acting[:, 4:] + further], dim=-1)
         return self._step(rows, acting.T.contiguous())
 
-    def features(self, rows: Tensor, command: Tensor) -> Tensor:
-        """Return what residuals depend on, (batch, 7): velocity (body), body rate, thrust."""
-        signals = QuadrotorMotion().signals(rows[:STATE].T)
-        return residual_features(signals["velocity"], signals["body_rate"], command)
-
     def angular_acceleration(self, rows: Tensor) -> Tensor:
         """Return the angular acceleration as the rate controller filters it, (batch, 3) rad/s²."""
         _, (regulating, _) = self._step.unpack(rows)
         return regulating["slope"]
+
+
+def features_of(rows: Tensor, command: Tensor) -> Tensor:
+    """Return what residuals depend on, (batch, 7): velocity (body), body rate, thrust."""
+    signals = QuadrotorMotion().signals(rows[:STATE].T)
+    return residual_features(signals["velocity"], signals["body_rate"], command)
 
 
 def state_of(rows: Tensor) -> dict[str, Tensor]:

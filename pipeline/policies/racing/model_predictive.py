@@ -99,7 +99,11 @@ def time_optimal_pilot(
 
 
 class Tracker:
-    """A pilot that follows a lap; see `pipeline.policies.racing.laps.Pilot`."""
+    """A pilot that follows a lap; see `pipeline.policies.racing.laps.Pilot`. It is at the start when it is made.
+
+    Attributes:
+        way: what is followed.
+    """
 
     def __init__(
         self,
@@ -119,17 +123,17 @@ class Tracker:
             tuning: of the tracking.
         """
         self._tuning = tuning or Tuning()
-        self._way = _resampled(start, lap, flying.period)
+        self.way = _resampled(start, lap, flying.period)
         self._most = torch.tensor([flying.thrust, flying.rate, flying.rate, flying.yaw_rate])
         self._least = torch.tensor([0.0, -flying.rate, -flying.rate, -flying.yaw_rate])
         self._gravity = gravity
-        self._inverse, self._slope, self._weight = _programmes(self._way, self._tuning, flying.period)
+        self._inverse, self._slope, self._weight = _programmes(self.way, self._tuning, flying.period)
         self._place: Tensor | None = None
 
     def __call__(self, seen: Observation) -> Tensor:
         """Return actions (batch, 4) within ±1 for what is seen of the machines."""
         position, velocity, rotation = seen_state(seen)
-        place, way = self._nearest(position), self._way
+        place, way = self._nearest(position), self.way
         self._place = place
         turned = way.rotation[place].transpose(1, 2) @ rotation
         error = torch.cat(
@@ -146,27 +150,44 @@ class Tracker:
     def _nearest(self, position: Tensor) -> Tensor:
         """Return the step of the way that each machine is at, (batch,): where it was, or a little further."""
         before = torch.zeros(len(position), dtype=torch.int64) if self._place is None else self._place
-        near = self._way.after(before[:, None] + torch.arange(self._tuning.ahead))
-        away = (position[:, None] - self._way.position[near]).square().sum(-1)
+        near = self.way.after(before[:, None] + torch.arange(self._tuning.ahead))
+        away = (position[:, None] - self.way.position[near]).square().sum(-1)
         return near.gather(1, away.argmin(1, keepdim=True))[:, 0]
 
     def _solved(self, place: Tensor, error: Tensor) -> Tensor:
         """Return what the commands that keep closest to the way begin with, (batch, 4), less the way's own."""
-        planned = self._way.command[self._way.after(place[:, None] + torch.arange(self._tuning.horizon))]
+        planned = self.way.command[self.way.after(place[:, None] + torch.arange(self._tuning.horizon))]
         least, most = (self._least - planned).flatten(1), (self._most - planned).flatten(1)
-        inverse, slope = self._inverse[place], (self._slope[place] @ error[..., None])[..., 0]
-        bounded = torch.zeros_like(slope)
-        price = torch.zeros_like(slope)
-        for _ in range(self._tuning.iterations):
-            free = (inverse @ (self._weight * (bounded - price) - slope)[..., None])[..., 0]
-            bounded = torch.minimum(torch.maximum(free + price, least), most)
-            price = price + free - bounded
-        return bounded[:, :_INPUT]
+        slope = (self._slope[place] @ error[..., None])[..., 0]
+        best = bounded_least(
+            self._inverse[place], self._weight, slope, (least, most), self._tuning.iterations
+        )
+        return best[:, :_INPUT]
 
     def _action(self, command: Tensor) -> Tensor:
         """Return what `pipeline.policies.racing.racing.commanded` makes a command of."""
         thrust = (command[:, :1] - self._gravity) / (self._most[0] - self._gravity)
         return torch.cat([thrust, command[:, 1:] / self._most[1:]], dim=-1).clamp(-1.0, 1.0)
+
+
+def bounded_least(
+    inverse: Tensor, weight: float, slope: Tensor, bounds: tuple[Tensor, Tensor], iterations: int
+) -> Tensor:
+    """Return what minimises ½·xᵀHx + slopeᵀx within bounds, (batch, n), by alternating directions.
+
+    Args:
+        inverse: of H + weight·1, (batch, n, n).
+        weight: of the regularisation.
+        slope: (batch, n).
+        bounds: least and greatest x, (batch, n) each.
+        iterations: after which it is left.
+    """
+    bounded, price = torch.zeros_like(slope), torch.zeros_like(slope)
+    for _ in range(iterations):
+        free = (inverse @ (weight * (bounded - price) - slope)[..., None])[..., 0]
+        bounded = torch.minimum(torch.maximum(free + price, bounds[0]), bounds[1])
+        price = price + free - bounded
+    return bounded
 
 
 def _resampled(start: OptimalLap, lap: OptimalLap, period: float) -> _Way:

@@ -4,7 +4,7 @@ import torch
 from torch import Tensor
 
 from pipeline.policies.environment import Environment, Machines, Observation
-from pipeline.policies.racing.flying import STATE, Fleet, Flown, state_of
+from pipeline.policies.racing.flying import STATE, Fleet, Flown, features_of, state_of
 from pipeline.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
 from pipeline.policies.racing.passage import Passage, passage
 from pipeline.policies.racing.randomisation import DRAWN, drawn_episode, drawn_wrench
@@ -110,7 +110,7 @@ class Racing(Environment):
     def _drawn_wrench(self, command: Tensor) -> Tensor | None:
         if not self.settings.randomisation.enabled:
             return None
-        features = self.fleet.features(self.state["rows"], command)
+        features = features_of(self.state["rows"], command)
         return drawn_wrench(self.state["drawn"], features, self.inertia)
 
     def _account(self, passed: Tensor) -> None:
