@@ -50,12 +50,14 @@ def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
     balance = simulator.balance(inner)
     recorded = {name: blocks.inner(series) for name, series in blocks.signals.items()}
     momentum = simulator.mechanism.momentum(recorded, simulator.constants())
-    readings = simulator.mechanism.readings(
-        _at_samples(simulator, inner, recorded, blocks), simulator.constants()
-    )
+    channels = channels_on(simulator, blocks)
+    readings = {}
+    if len(channels) > len(simulator.mechanism.channels):
+        sampled = _at_samples(simulator, inner, recorded, blocks)
+        readings = simulator.mechanism.readings(sampled, simulator.constants())
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
     series = []
-    for channel in channels_on(simulator, blocks):
+    for channel in channels:
         if channel.name in readings:
             series.append(ChannelSeries(channel, *readings[channel.name], direct=True))
             continue
@@ -165,14 +167,13 @@ def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
         mean_gain = functions.weights.square().sum(1).mean()
         if series.direct:
             variance = sample_noise(series.measured - series.predicted) * mean_gain
-            variance = variance + series.channel.tolerance**2
         else:
             slopes = functions.differences if blocks.held else functions.slopes
             rate_gain = slopes.square().sum(1).mean()
             settling = _settling(series.channel.name, simulator, blocks)
             variance = settling**2 * sample_noise(series.measured) * rate_gain
             variance = variance + sample_noise(series.predicted) * mean_gain
-        deviations.append(variance.sqrt())
+        deviations.append((variance + series.channel.tolerance**2).sqrt())
     return torch.stack(deviations)
 
 

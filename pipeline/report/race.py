@@ -56,7 +56,7 @@ def animate_race(flight: pd.DataFrame, gates: NDArray[np.float32], path: Path) -
     shown = np.searchsorted(time, np.arange(time[0], min(time[-1], time[0] + _LONGEST), 1.0 / _PICTURES))
 
     def draw(place: Any) -> tuple[Any, ...]:
-        trail = line[max(place - round(_TRAIL * len(time) / max(time[-1] - time[0], 1e-9)), 0) : place + 1]
+        trail = line[np.searchsorted(time, time[place] - _TRAIL) : place + 1]
         behind.set_data_3d(*trail.T)
         machine.set_data_3d(*line[place : place + 1].T)
         axes.set_title(f"{time[place] - time[0]:.1f} s, {speed[place]:.1f} m/s")

@@ -79,12 +79,13 @@ def _swerve(frame: pd.DataFrame, platform: Swerve, held: bool) -> dict[str, Tens
     }
     present = {name: series for name, series in signals.items() if series is not None}
     measured = [_column(frame, name) for name in ("chassis_velocity_x", "chassis_velocity_y", "chassis_rate")]
-    present["chassis_velocity"] = chassis_velocity_from_wheels(
-        present["drive_velocity"], present["steer_angle"], platform
-    )
     if all(series is not None for series in measured):
         present[MEASURED] = torch.stack([series for series in measured if series is not None], dim=-1)
-        present["chassis_velocity"] = present[MEASURED]
+    present["chassis_velocity"] = (
+        present[MEASURED]
+        if MEASURED in present
+        else chassis_velocity_from_wheels(present["drive_velocity"], present["steer_angle"], platform)
+    )
     time = torch.from_numpy(frame["t"].to_numpy(dtype=np.float64, copy=True))
     present["heading"] = heading_of(present["chassis_velocity"], time)
     return present

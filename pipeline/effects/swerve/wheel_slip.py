@@ -23,7 +23,8 @@ class WheelSlip(ActuatorEffect):
     acts_on = "drive"
     parameters = (Parameter("friction_coefficient", "1", 0.9, 0.02, 100.0, neutral=100.0),)
     formula = (
-        "√(pull² + side force²) ≤ friction_coefficient · mass · gravity / 4 for each wheel, both cut alike"
+        "√(pull² + side force²) ≤ friction_coefficient · mass · gravity / 4 for each wheel, both cut alike; beyond it "
+        "a wheel slides, seen where the chassis' own motion is measured (in a simulation wheels roll)"
     )
     source = "Pacejka 2012, Tire and vehicle dynamics, §1.2.2: the friction circle"
     sentence = (
