@@ -38,6 +38,11 @@ def policy_folder(chosen: PolicyEvaluation, config: StageConfig) -> Path:
     return Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy")
 
 
+def is_entered(chosen: PolicyEvaluation, config: StageConfig) -> bool:
+    """Return whether there is somebody to fly: a policy that is named or was trained, or another pilot."""
+    return chosen.pilot != POLICY or bool(chosen.policy) or policy_folder(chosen, config).exists()
+
+
 def entered(
     chosen: PolicyEvaluation,
     platform: Mapping[str, Any],

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from pipeline.simulation import Simulator
 
 IDEAL = "ideal"
-_OF_STAGES = {"build_sim": "", "diagnose": "simulator"}
+_OF_STAGES = {"build_sim": "", "diagnose": "simulator", "identify_residual": "simulator"}
 
 
 def chosen_simulator(

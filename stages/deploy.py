@@ -1,5 +1,6 @@
-"""The stage that takes what was planned or trained to the concealed plant; not a stage of every branch."""
+"""The stage that takes what was planned or trained to the concealed plant."""
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +12,9 @@ from pipeline.policies.settings import PolicyEvaluation, PolicyTraining
 from pipeline.stage import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from pipeline.policies.profile.motion import Motion
     from pipeline.reality.swerve.open_loop import Trial
 
@@ -34,20 +38,27 @@ class DeployStage(StageConfig):
 @stage(DeployStage)
 def deploy(config: DeployStage, run: StageRun) -> None:
     """Take it to the concealed plant: a quadrotor races its policy, a swerve drive is driven by what was planned."""
-    if config.platform.get("kind") == "quadrotor":
-        _race(config, run)
-    else:
+    from stages._pilots import is_entered
+
+    races = config.platform.get("kind") == "quadrotor"
+    if races and is_entered(config.evaluate, config):
+        race(config, run)
+    elif not races and (config.deploy.plan or _plan(config).exists()):
         _drive(config, run)
+    else:
+        logging.getLogger("simgap").info("deploy: nothing is deployed, since nothing was planned or trained")
+        (run.output / "metrics.json").write_text("{}\n")
 
 
-def _race(config: DeployStage, run: StageRun) -> None:
-    """Race as `evaluate` does, on concealed machines that know the state exactly."""
+def race(config: DeployStage, run: StageRun) -> None:
+    """Race as `evaluate` does, on concealed machines, and record some of the flights."""
     from pipeline.platforms import platform_from_config
     from pipeline.policies.racing.deployed import Deployed, RateLoop
     from pipeline.policies.racing.entry import race_deployed
     from pipeline.policies.racing.laps import fly_laps
     from pipeline.reality import case_from_config
     from pipeline.reality.race import RacedMachines
+    from pipeline.recordings.recording import write_recording
     from stages._flown import write_laps
     from stages._pilots import entered
 
@@ -57,12 +68,24 @@ def _race(config: DeployStage, run: StageRun) -> None:
     case: Any = case_from_config(platform.kind, config.record)
     flying = entry.settings.flying
     loop = RateLoop(platform, flying.time_constant, RacedMachines.step)
-    machines = RacedMachines(case, platform, loop, chosen.starts, chosen.seconds, config.seed)
+    logged = min(config.deploy.most_flights, chosen.starts)
+    machines = RacedMachines(case, platform, loop, chosen.starts, chosen.seconds, config.seed, logged)
     deployed = Deployed(lambda state, reference: machines.fly(state, reference, flying.period))
     race = race_deployed(deployed, platform, entry.track, entry.settings, chosen.starts)
     laps = fly_laps(race, entry.pilot, config.seed, chosen.laps, chosen.seconds)
     run.log_metrics(laps.metrics())
     write_laps(laps, race.track, race.period, run)
+    lengths = laps.states[:, :logged, 0].isfinite().sum(0).numpy() * race.period
+    recording = machines.recording(_recorded(lengths, config.deploy))
+    write_recording(recording, run.output / "recording.parquet")
+
+
+def _recorded(lengths: "NDArray[np.float64]", chosen: Deployment) -> "NDArray[np.float64]":
+    """Return the lengths, s, of the first flights that together are as many and as long as asked for."""
+    import numpy as np
+
+    enough = int(np.searchsorted(np.cumsum(lengths), chosen.recorded_seconds)) + 1
+    return lengths[: max(enough, chosen.flights)]
 
 
 def _drive(config: DeployStage, run: StageRun) -> None:
@@ -70,14 +93,13 @@ def _drive(config: DeployStage, run: StageRun) -> None:
     from pipeline.policies.profile.contenders import measures
     from pipeline.policies.profile.motion import drive_open_loop
     from pipeline.policies.profile.smoothing import smoothed
-    from pipeline.policies.profile.storage import FILE, read_motions
+    from pipeline.policies.profile.storage import read_motions
     from pipeline.report.motions import draw_motions
     from stages._drives import identified
 
     task = config.profile
     drive = identified(config.platform, task, config, run)
-    plan = Path(config.deploy.plan) / FILE if config.deploy.plan else config.artifact("profile", FILE)
-    motion = _chosen(read_motions(run.input(plan)), config.deploy.motion)
+    motion = _chosen(read_motions(run.input(_plan(config))), config.deploy.motion)
     voltage = smoothed(drive, motion, config.deploy.window)
     foreseen = drive_open_loop(drive, voltage, motion.period)
     trials = _driven(config, foreseen)
@@ -86,6 +108,13 @@ def _drive(config: DeployStage, run: StageRun) -> None:
     draw_motions({config.deploy.motion: foreseen}, task.distance, run.output / FIGURE, shown)
     expected = {f"foreseen/{name}": value for name, value in measures(foreseen, task).items()}
     run.log_metrics(expected | _outcome(trials, config))
+
+
+def _plan(config: DeployStage) -> Path:
+    """Return where the motions are that may be driven, whether or not they are there."""
+    from pipeline.policies.profile.storage import FILE
+
+    return Path(config.deploy.plan) / FILE if config.deploy.plan else config.artifact("profile", FILE)
 
 
 def _chosen(motions: "Mapping[str, Motion]", name: str) -> "Motion":

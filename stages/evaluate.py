@@ -22,11 +22,9 @@ class EvaluateStage(StageConfig):
 @stage(EvaluateStage)
 def evaluate(config: EvaluateStage, run: StageRun) -> None:
     """Race a policy through its track from perturbed starts, and say how fast and how safely it flew."""
-    from stages._pilots import POLICY, policy_folder
+    from stages._pilots import is_entered
 
-    chosen = config.evaluate
-    nobody = chosen.pilot == POLICY and not chosen.policy and not policy_folder(chosen, config).exists()
-    if nobody:
+    if not is_entered(config.evaluate, config):
         logging.getLogger("simgap").info("evaluate: nothing is flown, since no policy was trained")
         (run.output / "metrics.json").write_text("{}\n")
         return

@@ -50,7 +50,8 @@ class Learner:
             share: of the training that is done, 0 to 1.
         """
         settings = self.settings
-        rate = (1.0 - share) * settings.learning_rate + share * settings.final_learning_rate
+        rate = _between(settings.learning_rate, settings.final_learning_rate, share)
+        self._loss.entropy_coeff.fill_(_between(settings.entropy, settings.final_entropy, share))
         for group in self.optimizer.param_groups:
             group["lr"] = rate
         samples = self._samples(steps)
@@ -102,6 +103,10 @@ class Learner:
         for name in ("gaussian", "critic", "optimizer"):
             getattr(self, name).load_state_dict(snapshot[name])
         self.generator.set_state(snapshot["generator"])  # type: ignore[arg-type]
+
+
+def _between(start: float, end: float, share: float) -> float:
+    return (1.0 - share) * start + share * end
 
 
 def networks(environment: Environment, settings: Learning) -> tuple[Gaussian, Critic]:

@@ -19,7 +19,8 @@ class Learning:
     discount: float = 0.99  # of the reward of the next step
     trace: float = 0.95  # λ of the generalised advantage estimate (Schulman et al. 2016, arXiv 1506.02438)
     clip: float = 0.2  # ratio of probabilities beyond which an update gains nothing
-    entropy: float = 0.0  # weight of the entropy in the loss
+    entropy: float = 0.0  # weight of the entropy in the loss, at the start
+    final_entropy: float = 0.0  # at the end
     critic: float = 0.5  # weight of the critic's error in the loss
     gradient_norm: float = 1.0  # to which a gradient is clipped
     reward_scale: float = 1.0  # by which rewards are multiplied, for returns of the order of one to ten
@@ -34,10 +35,26 @@ class PolicyTraining:
     """The configuration group `train_policy`."""
 
     task: str | None = None  # racing; null: no policy is trained
-    simulator: str = "ideal"  # the platform's own; or build_sim, diagnose, or a simulator's folder
+    simulator: str = (
+        "ideal"  # the platform's own; or build_sim, diagnose, identify_residual, or a simulator's folder
+    )
+    observation: str | None = None  # folder of a residual of observations; null: the state is known
+    start: str | None = None  # folder of a policy to go on with; null: a new one
     device: str = "cpu"
     learning: Learning = field(default_factory=Learning)
     racing: RacingSettings = field(default_factory=RacingSettings)
+
+
+@dataclass
+class PolicyFinetuning:
+    """The configuration group `finetune`: what is other than in the training that is gone on with."""
+
+    enabled: bool = False
+    policy: str | None = None  # folder; null: what train_policy wrote
+    residual: str | None = None  # folder; null: what identify_residual wrote
+    interactions: int = 20_000_000
+    learning_rate: float = 3e-4
+    final_learning_rate: float = 1e-4
 
 
 @dataclass

@@ -23,7 +23,7 @@ _GYRO_CUT_OFF = 250.0  # rad/s, of the low-pass between gyro and rate controller
 
 @dataclass(frozen=True)
 class Log:
-    """What truly happened, every `step` from `-SETTLING` on; (steps, runs, ...) each.
+    """What truly happened, every `step` from `-before` on; (steps, runs, ...) each.
 
     Attributes:
         position: m.
@@ -36,6 +36,7 @@ class Log:
         step: s.
         wind: world frame, m/s; None in still air.
         voltage: of the battery (steps, runs), V; None where the motors do not feel it.
+        before: what is logged before the recording starts, s.
     """
 
     position: Array
@@ -48,6 +49,7 @@ class Log:
     step: float = STEP
     wind: Array | None = None
     voltage: Array | None = None
+    before: float = SETTLING
 
 
 def fly_paths(
@@ -131,11 +133,13 @@ class Machines:
         return (state, force, speed, command, *([] if voltage is None else [voltage]))
 
 
-def log_of(kept: list[tuple[Array, ...]], step: float, wind: Array | None = None) -> Log:
+def log_of(
+    kept: list[tuple[Array, ...]], step: float, wind: Array | None = None, before: float = SETTLING
+) -> Log:
     """Return the log of what was kept at every step: state, force, speed, command, and voltage where it is felt."""
     states, forces, speeds, commands, *voltage = (np.stack(part) for part in zip(*kept, strict=True))
     motion = states[..., :3], states[..., 3:6], states[..., 6:10], states[..., 10:]
-    return Log(*motion, forces, speeds, commands, step, wind, voltage[0] if voltage else None)
+    return Log(*motion, forces, speeds, commands, step, wind, voltage[0] if voltage else None, before)
 
 
 class Gyro:

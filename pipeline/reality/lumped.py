@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.platforms import Quadrotor
 from pipeline.reality.airframe import Airframe
 from pipeline.reality.drive import sag_exponent, speed_at_voltage
-from pipeline.reality.flight import SETTLING, Log
+from pipeline.reality.flight import Log
 from pipeline.reality.rotation import Array, cross, matrix
 
 _UP = np.array([0.0, 0.0, 1.0])
@@ -99,7 +99,7 @@ def lumped_sag(strength: float, platform: Quadrotor, log: Log) -> float:
 
 
 def _thinned(log: Log) -> slice:
-    return slice(round(SETTLING / log.step), None, max(round(0.01 / log.step), 1))
+    return slice(round(log.before / log.step), None, max(round(0.01 / log.step), 1))
 
 
 def _flown(airframe: Airframe, platform: Quadrotor, log: Log) -> Flown:

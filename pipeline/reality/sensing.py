@@ -6,8 +6,8 @@ import pandas as pd
 from pipeline.platforms import Quadrotor
 from pipeline.reality.battery import Battery, voltage_behind
 from pipeline.reality.case import PlantCase
-from pipeline.reality.estimator import believed
-from pipeline.reality.flight import SETTLING, Log
+from pipeline.reality.estimator import believed, errors_along
+from pipeline.reality.flight import Log
 from pipeline.reality.rotation import Array, from_small_angles, product
 from pipeline.reality.sampling import at, instants, kept, quantised
 
@@ -35,14 +35,14 @@ def record(
     samples = round(case.duration * case.rate)
     draw = _Noise(case, random)
     voltage = _voltage(log, platform, case, charge, samples)
-    for_estimates = random.spawn(1)[0]
+    errors = errors_along(log, case, random.spawn(1)[0]) if case.estimates > 0 else None
     frames = []
     for run, name in enumerate(names):
         t = instants(samples, case.rate, case.jitter, random)
         frame = _run(log, run, t, platform, case, draw)
         frame["battery_voltage"] = draw(voltage[:, run], "battery_voltage")
-        if case.estimates > 0:
-            frame = frame.assign(**believed(log, run, t, case, for_estimates))
+        if errors is not None:
+            frame = frame.assign(**believed(log, run, t, errors))
         frame.insert(0, "run", name)
         frames.append(frame[kept(samples, case.dropped, random)])
     recorded = pd.concat(frames, ignore_index=True)
@@ -53,8 +53,8 @@ def _voltage(log: Log, platform: Quadrotor, case: PlantCase, charge: Array, samp
     """Return the battery's voltage (samples, runs), V: as it was, or as the flight left it."""
     grid = np.arange(samples) / case.rate
     if log.voltage is not None:
-        return at(log.voltage, grid, log.step, SETTLING)
-    speed = at(log.rotor_speed, grid, log.step, SETTLING)
+        return at(log.voltage, grid, log.step, log.before)
+    speed = at(log.rotor_speed, grid, log.step, log.before)
     return voltage_behind(Battery(platform, charge, case.battery_wear), speed, 1.0 / case.rate)
 
 
@@ -81,11 +81,11 @@ class _Noise:
 def _run(log: Log, run: int, t: Array, platform: Quadrotor, case: PlantCase, draw: _Noise) -> pd.DataFrame:
     late = t - case.strength("sensor_time_offset")
     state = {
-        name: at(getattr(log, name)[:, run], late, log.step, SETTLING)
+        name: at(getattr(log, name)[:, run], late, log.step, log.before)
         for name in ("position", "velocity", "attitude", "body_rate", "specific_force")
     }
-    speed = at(log.rotor_speed[:, run], t, log.step, SETTLING)
-    command = at(log.rotor_command[:, run], t, log.step, SETTLING) / platform.motor_speed_max
+    speed = at(log.rotor_speed[:, run], t, log.step, log.before)
+    command = at(log.rotor_command[:, run], t, log.step, log.before) / platform.motor_speed_max
     channels = {
         ("position", "xyz"): draw(state["position"], "position"),
         ("attitude", "wxyz"): draw.turn(state["attitude"]),

@@ -1,4 +1,4 @@
-"""How a policy flew: its laps, its line through the gates, and the flight itself."""
+"""How a policy flew: laps in the simulator and on the machine, the line through the gates, and the flight itself."""
 
 import base64
 from collections.abc import Callable
@@ -21,17 +21,32 @@ _SAID: dict[str, tuple[str, Callable[[Any], str]]] = {
 
 
 def flown_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
-    """Show the race that was flown, if there was one."""
-    metrics = read_json(inputs.evaluate, "metrics.json")
-    if not metrics or inputs.evaluate is None:
+    """Show the races that were flown, if there were any."""
+    folders = {
+        "in the simulator": inputs.evaluate,
+        "on the machine": inputs.deploy,
+        "trained further, on the machine": inputs.redeploy,
+    }
+    races = {where: read_json(folder, "metrics.json") for where, folder in folders.items()}
+    races = {where: metrics for where, metrics in races.items() if metrics and "laps_completed" in metrics}
+    if not races:
         return None
-    rows = [[said, write(metrics[name])] for name, (said, write) in _SAID.items() if name in metrics]
-    pictures = [
-        (f"image/{path.suffix[1:]}", _encoded(path))
-        for path in (inputs.evaluate / "line.png", inputs.evaluate / "flight.gif")
-        if path.exists()
+    rows = [
+        [said, *(write(metrics[name]) if name in metrics else "–" for metrics in races.values())]
+        for name, (said, write) in _SAID.items()
     ]
-    return Section("flown", "Race", {"table": Table("", ["", ""], rows), "pictures": pictures})
+    content = {
+        "table": Table("", ["", *races], rows),
+        "pictures": _pictures(inputs.evaluate, "line.png", "flight.gif"),
+        "misjudged": _pictures(inputs.identify_residual, "realisations.png"),
+    }
+    return Section("flown", "Race", content)
+
+
+def _pictures(folder: Path | None, *names: str) -> list[tuple[str, str]]:
+    """Return kind and content of the pictures that are there."""
+    paths = [folder / name for name in names] if folder is not None else []
+    return [(f"image/{path.suffix[1:]}", _encoded(path)) for path in paths if path.exists()]
 
 
 def _encoded(path: Path) -> str:

@@ -13,6 +13,8 @@ import yaml
 
 from pipeline.errors import InputError
 
+_STAGES = ("diagnose", "clean", "sysid", "train", "evaluate", "deploy", "identify_residual", "redeploy")
+
 
 @dataclass(frozen=True)
 class ReportInputs:
@@ -24,6 +26,9 @@ class ReportInputs:
         sysid: folder of `parameters.yaml`, `metrics.json`.
         train: folder of `metrics.json`.
         evaluate: folder of `metrics.json`, `line.png`, `flight.gif`.
+        deploy: folder of `metrics.json`, of flights on the machine.
+        identify_residual: folder of `realisations.png`.
+        redeploy: as deploy, of the policy that was trained further.
         sweeps: folders of `comparison.json`.
         name: name of the configuration.
     """
@@ -33,23 +38,23 @@ class ReportInputs:
     sysid: Path | None = None
     train: Path | None = None
     evaluate: Path | None = None
+    deploy: Path | None = None
+    identify_residual: Path | None = None
+    redeploy: Path | None = None
     sweeps: tuple[Path, ...] = ()
     name: str = ""
 
     @classmethod
     def of_branch(cls, artifacts: Path, name: str = "") -> "ReportInputs":
         """Take every stage's folder below `artifacts`; those that are not there are left out."""
-        folders = {
-            stage: artifacts / stage if (artifacts / stage).is_dir() else None
-            for stage in ("diagnose", "clean", "sysid", "train", "evaluate")
-        }
+        folders = {stage: artifacts / stage if (artifacts / stage).is_dir() else None for stage in _STAGES}
         sweeps = sorted(path.parent for path in artifacts.glob("sweeps/*/*/comparison.json"))
         return cls(**folders, sweeps=tuple(sweeps), name=name)
 
     @property
     def folders(self) -> list[Path]:
         """The folders that are there."""
-        folders = (self.diagnose, self.clean, self.sysid, self.train, self.evaluate, *self.sweeps)
+        folders = [*(getattr(self, stage) for stage in _STAGES), *self.sweeps]
         return [folder for folder in folders if folder is not None]
 
     @cached_property

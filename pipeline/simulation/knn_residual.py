@@ -13,6 +13,7 @@ from torch import Tensor
 from pipeline.effects import WrenchEffect
 from pipeline.effects.effect import Signals, Values
 from pipeline.errors import InputError
+from pipeline.platforms import Quadrotor
 
 _AT_ONCE = 512  # queries whose distances to all samples stay in the cache of a processor
 
@@ -36,6 +37,54 @@ class HeldResidual(WrenchEffect):
         residual = signals["residual"]
         names = [f"{group}_{axis}" for group in ("force", "torque") for axis in "xyz"]
         return {name: residual[..., index] for index, name in enumerate(names)}
+
+
+class RecordedResidual(WrenchEffect):
+    """The residual of a recording, as part of a simulator.
+
+    A flight of a policy looks it up once in a control period, see `HeldResidual`; anything else at every instant.
+
+    Attributes:
+        neighbours: from `residual_features` to specific force, m/s², (batch, 3).
+    """
+
+    linear = False
+    name = "recorded_residual"
+    kind = "quadrotor"
+    acts_on = "force"
+    parameters = ()
+    needs = ("body_rate",)
+    formula = "a = a_physics + mean of the residuals at the nearest recorded (velocity, body rate, commanded thrust)"
+    source = "Kaufmann et al. 2023, Champion-level drone racing using deep reinforcement learning, Methods"
+    sentence = "What the physics leaves over is looked up among recorded residuals."
+    excitation = "the flights that the policy will fly"
+    names_physics = False
+
+    def __init__(self, neighbours: "NearestNeighbours", platform: Quadrotor) -> None:
+        self.neighbours, self._platform = neighbours, platform
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return specific force, m/s²."""
+        thrust = commanded_thrust(signals, self._platform)[..., None]
+        force = self(residual_features(signals["velocity"], signals["body_rate"], thrust))
+        return {f"force_{axis}": force[..., index] for index, axis in enumerate("xyz")}
+
+    def __call__(self, features: Tensor) -> Tensor:
+        """Return specific force, (..., 3) m/s², by `residual_features` (..., 7)."""
+        flat = features.reshape(-1, features.shape[-1]).to(self.neighbours.inputs)
+        return self.neighbours(flat).to(features).unflatten(0, features.shape[:-1])
+
+
+def commanded_thrust(signals: Signals, platform: Quadrotor) -> Tensor:
+    """Return the thrust over mass that the platform makes of what is commanded, (...,) m/s².
+
+    Args:
+        signals: `motor_command`, or `rotor_speed` where there is no command.
+        platform: whose coefficients are believed.
+    """
+    known = signals.get("motor_command")
+    speed = signals["rotor_speed"] if known is None else platform.motor_speed_max * known
+    return platform.thrust_coefficient / platform.mass * speed.square().sum(-1)
 
 
 @dataclass(frozen=True)

@@ -1,18 +1,27 @@
-"""A simulator as a folder: `simulator.yaml`, which a person can read and which loads without running anything."""
+"""A simulator as a folder: `simulator.yaml`, which a person can read, and the numbers of what was learned.
+
+Loading runs nothing.
+"""
 
 import math
 from pathlib import Path
 from typing import Any
 
 import yaml
+from safetensors import SafetensorError
+from safetensors.torch import load as tensors_from_bytes
+from safetensors.torch import save as tensors_to_bytes
 
+from pipeline.artifacts import hash_path
 from pipeline.effects import effect_by_key
 from pipeline.errors import InputError
-from pipeline.platforms import platform_from_config, platform_to_config
+from pipeline.platforms import Platform, Quadrotor, platform_from_config, platform_to_config
+from pipeline.simulation.knn_residual import NearestNeighbours, RecordedResidual
 from pipeline.simulation.simulator import FittedEffect, Simulator
 
 _FILE = "simulator.yaml"
 _SCHEMA = "simgap.simulator/1"
+_TENSORS = "recorded_residual.safetensors"
 
 
 def write_simulator(simulator: Simulator, folder: Path) -> None:
@@ -23,14 +32,16 @@ def write_simulator(simulator: Simulator, folder: Path) -> None:
         "position_unit": simulator.position_unit,
         "platform": platform_to_config(simulator.platform),
         "settings": dict(simulator.settings),
-        "effects": [_describe(fitted, simulator.position_unit) for fitted in simulator.effects],
+        "effects": [_describe(fitted, simulator.position_unit, folder) for fitted in simulator.effects],
     }
     (folder / _FILE).write_text(
         yaml.safe_dump(content, sort_keys=False, allow_unicode=True), encoding="utf-8"
     )
 
 
-def _describe(fitted: FittedEffect, position_unit: str) -> dict[str, Any]:
+def _describe(fitted: FittedEffect, position_unit: str, folder: Path) -> dict[str, Any]:
+    if isinstance(fitted.effect, RecordedResidual):
+        return _describe_recorded(fitted.effect, folder)
     units = fitted.effect.units(position_unit)
     parameters = {}
     for name, value in fitted.values.items():
@@ -39,6 +50,20 @@ def _describe(fitted: FittedEffect, position_unit: str) -> dict[str, Any]:
             parameters[name]["std"] = float(fitted.std[name])
     described = {"effect": fitted.effect.key, "formula": fitted.effect.formula, "parameters": parameters}
     return described | ({"known": True} if fitted.known else {})
+
+
+def _describe_recorded(residual: RecordedResidual, folder: Path) -> dict[str, Any]:
+    known, file = residual.neighbours, folder / _TENSORS
+    tensors = {"inputs": known.inputs.float().contiguous(), "outputs": known.outputs.float().contiguous()}
+    file.write_bytes(tensors_to_bytes(tensors))
+    stored = {"file": _TENSORS, "sha256": hash_path(file)}
+    return {
+        "effect": residual.key,
+        "formula": residual.formula,
+        "neighbours": known.count,
+        "tensors": stored,
+        "known": True,
+    }
 
 
 def read_simulator(folder: Path) -> Simulator:
@@ -58,7 +83,7 @@ def read_simulator(folder: Path) -> Simulator:
         raise InputError(f"is not a {_SCHEMA} file", str(path), "give the folder that build_sim wrote")
     platform = platform_from_config(content.get("platform"), f"{path}: platform")
     try:
-        effects = tuple(_fitted(platform.kind, entry) for entry in content["effects"])
+        effects = tuple(_fitted(platform, entry, folder) for entry in content["effects"])
         settings = {str(name): _number(value) for name, value in content["settings"].items()}
         if content["position_unit"] not in ("rad", "m"):
             raise ValueError(f"position_unit is {content['position_unit']!r}, neither rad nor m")
@@ -69,13 +94,27 @@ def read_simulator(folder: Path) -> Simulator:
     return Simulator(platform, effects, content["position_unit"], settings)
 
 
-def _fitted(kind: str, entry: dict[str, Any]) -> FittedEffect:
-    effect, parameters = effect_by_key(kind, str(entry["effect"])), entry["parameters"]
+def _fitted(platform: Platform, entry: dict[str, Any], folder: Path) -> FittedEffect:
+    if entry["effect"] == RecordedResidual.name and isinstance(platform, Quadrotor):
+        return FittedEffect(_recorded(platform, entry, folder / _TENSORS), {}, known=True)
+    effect, parameters = effect_by_key(platform.kind, str(entry["effect"])), entry["parameters"]
     values = {name: _number(parameter["value"]) for name, parameter in parameters.items()}
     if values.keys() != {parameter.name for parameter in effect.parameters}:
         raise ValueError(f"{effect.key} has the parameters {', '.join(p.name for p in effect.parameters)}")
     std = {name: float(parameter["std"]) for name, parameter in parameters.items() if "std" in parameter}
     return FittedEffect(effect, values, std, bool(entry.get("known")))
+
+
+def _recorded(platform: Quadrotor, entry: dict[str, Any], file: Path) -> RecordedResidual:
+    try:
+        if hash_path(file) != entry["tensors"]["sha256"]:
+            raise ValueError(f"{file.name} is not the file that belongs to it")
+        tensors = tensors_from_bytes(file.read_bytes())
+    except (OSError, SafetensorError) as error:
+        raise ValueError(f"{file.name} cannot be read: {error}") from error
+    return RecordedResidual(
+        NearestNeighbours(tensors["inputs"], tensors["outputs"], int(entry["neighbours"])), platform
+    )
 
 
 def _number(value: Any) -> float:

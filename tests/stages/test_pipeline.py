@@ -29,7 +29,7 @@ def graph() -> Any:
 
 
 def test_every_stage_is_in_it_for_every_branch() -> None:
-    beside = {"reproduce", "profile", "deploy", "prove", "calibrate", "results", "effects"}
+    beside = {"reproduce", "profile", "prove", "calibrate", "results", "effects"}
     assert set(STAGES) == set(commands()) - beside
     assert {entry["foreach"] for entry in PIPELINE["stages"].values()} == {"${branches}"}
     assert sorted(BRANCHES) == sorted(path.stem for path in (CONFIGURATION / "branch").glob("*.yaml"))
@@ -37,6 +37,12 @@ def test_every_stage_is_in_it_for_every_branch() -> None:
 
 def test_the_results_of_every_branch_are_compared() -> None:
     assert PIPELINE["metrics"] == [f"artifacts/{branch}/report/metrics.json" for branch in BRANCHES]
+
+
+def upstream(name: str) -> set[str]:
+    """Return the stages but record that a stage waits for."""
+    before = {entry.rpartition("/")[2] for entry in STAGES[name]["deps"] if entry.startswith("artifacts/")}
+    return (before - {"record"}).union(*(upstream(other) for other in before))
 
 
 @pytest.mark.parametrize("name", STAGES)
@@ -61,14 +67,16 @@ def test_a_stage_depends_on_the_code_that_it_imports(name: str) -> None:
     modules = graph().find_upstream_modules(f"stages.{name}")
     packages = {".".join(module.split(".")[:2]) for module in modules if module.startswith("pipeline.")}
     code = {entry for entry in STAGES[name]["deps"] if not entry.startswith(("artifacts/", "conf"))}
-    helpers = {module for module in modules if module.startswith("stages._")}
+    helpers = {module for module in modules if module.startswith("stages.")}
     own = {f"{module.replace('.', '/')}.py" for module in helpers | {f"stages.{name}"}}
     assert code == {package.replace(".", "/") for package in packages - SILENT} | own
 
 
 def test_no_path_leads_from_the_concealed_plants_to_a_diagnosis() -> None:
-    """Beside the recording, record writes an answer key: no stage but clean reads its folder."""
+    """Beside the recording, record writes an answer key: no stage but clean reads its folder, and those that have to do
+    with the plants stand behind the diagnosis."""
     readers = {name for name, stage in STAGES.items() if "artifacts/${item}/record" in str(stage["deps"])}
     assert readers == {"clean"}
     uses = {name for name, stage in STAGES.items() if "pipeline/reality" in stage["deps"]}
-    assert uses == {"record"}
+    assert uses == {"record", "deploy", "redeploy"}
+    assert not uses & upstream("diagnose")

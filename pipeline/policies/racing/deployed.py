@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from pipeline.platforms import Quadrotor
-from pipeline.policies.racing.flying import PARTS
+from pipeline.policies.racing.flying import PARTS, STATE
 from pipeline.simulation.controllers import Betaflight
 
 Array = NDArray[Any]
-Fly = Callable[[Array, Array], Array]
-"""From states (batch, 13) as such machines have them and references (batch, 4) to the states a period later."""
+Fly = Callable[[Array, Array], tuple[Array, Array]]
+"""From states (batch, 13) as such machines have them and references (batch, 4) to the states a period later, and to
+what the machines believe them to be."""
 
 _THEIRS = ("position", "velocity", "attitude", "body_rate")  # the order of their states
 
@@ -46,25 +47,38 @@ class RateLoop:
 
 
 class Deployed:
-    """The machines as a race has them, see `pipeline.policies.racing.flying.Flown`; a critic is told nothing here."""
+    """The machines as a race has them, see `pipeline.policies.racing.flying.Flown`; a critic is told nothing here.
+
+    Their rows are their states and, below them, what they believe of them.
+    """
 
     def __init__(self, fly: Fly) -> None:
         self._fly = fly
 
     def rows(self, state: Tensor) -> Tensor:
         """Return states (batch, 13) as rows; what else such a machine remembers is its own affair."""
-        return state.T.float().contiguous()
+        state = state.T.float()
+        return torch.cat([state, state])
 
     def step(self, rows: Tensor, command: Tensor, further: Tensor | None = None) -> Tensor:
         """Return the rows a period later; nothing further acts on such machines than what does."""
         theirs = np.concatenate([rows[PARTS[name]].T.double().numpy() for name in _THEIRS], axis=1)
-        after = torch.from_numpy(self._fly(theirs, command.double().numpy())).to(rows)
-        sizes = [PARTS[name].stop - PARTS[name].start for name in _THEIRS]
-        flown = torch.empty_like(rows)
-        for name, part in zip(_THEIRS, after.split(sizes, dim=1), strict=True):
-            flown[PARTS[name]] = part.T
-        return flown
+        flown = self._fly(theirs, command.double().numpy())
+        return torch.cat([_ours(part).to(rows) for part in flown])
+
+    def believed(self, rows: Tensor) -> Tensor:
+        """Return the states as the machines believe them to be, (13, batch)."""
+        return rows[STATE:]
 
     def angular_acceleration(self, rows: Tensor) -> Tensor:
         """Return zeros (batch, 3): it is not measured."""
         return torch.zeros_like(rows[:3].T)
+
+
+def _ours(states: Array) -> Tensor:
+    """Return states (batch, 13) in the order of ours, as rows."""
+    sizes = [PARTS[name].stop - PARTS[name].start for name in _THEIRS]
+    ours = torch.empty(STATE, len(states), dtype=torch.float64)
+    for name, part in zip(_THEIRS, torch.from_numpy(states).split(sizes, dim=1), strict=True):
+        ours[PARTS[name]] = part.T
+    return ours

@@ -8,7 +8,7 @@ import torch
 
 from pipeline.platforms import Quadrotor
 from pipeline.policies.racing.flying import Flown, flight_in
-from pipeline.policies.racing.racing import Racing
+from pipeline.policies.racing.racing import Misjudging, Racing
 from pipeline.policies.racing.randomisation import nothing_left_over
 from pipeline.policies.racing.settings import RacingSettings, Randomisation, TrackSettings
 from pipeline.policies.racing.track import track_from
@@ -22,15 +22,24 @@ def race_in(
     settings: RacingSettings,
     machines: int,
     device: torch.device | str = "cpu",
+    misjudging: Misjudging | None = None,
 ) -> Racing:
     """Return the environment of a race in a simulator.
+
+    Args:
+        simulator: of a quadrotor.
+        track: its gates.
+        settings: of the race.
+        machines: how many fly at once.
+        device: where they are.
+        misjudging: how they misjudge their states; None: they know them.
 
     Raises:
         InputError: when the simulator is not of a quadrotor, or the track cannot be flown.
     """
     residual = nothing_left_over if settings.randomisation.enabled else None
     flight = flight_in(simulator, settings.flying, residual)
-    return Racing(flight, track_from(track), settings, machines, device)
+    return Racing(flight, track_from(track), settings, machines, device, misjudging=misjudging)
 
 
 def race_deployed(

@@ -14,7 +14,7 @@ from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.controllers import Betaflight
 from pipeline.simulation.flight import Flight, Residual, racing_flight
 from pipeline.simulation.fused import FusedStep
-from pipeline.simulation.knn_residual import HeldResidual, residual_features
+from pipeline.simulation.knn_residual import HeldResidual, RecordedResidual, residual_features
 from pipeline.simulation.motion import QuadrotorMotion
 
 STATE = 13
@@ -25,9 +25,9 @@ def flight_in(simulator: Simulator, settings: Flying, residual: Residual | None 
     """Return a flight in a simulator, with what the settings add to it.
 
     Args:
-        simulator: of a quadrotor.
+        simulator: of a quadrotor; a residual that was recorded is held through each period.
         settings: what is added.
-        residual: what the physics leaves over.
+        residual: what the physics leaves over, where the simulator has none of its own.
 
     Raises:
         InputError: when the simulator is not of a quadrotor, or an effect or its parameter is unknown.
@@ -35,7 +35,9 @@ def flight_in(simulator: Simulator, settings: Flying, residual: Residual | None 
     platform = simulator.platform
     if not isinstance(platform, Quadrotor):
         raise InputError(f"a {platform.kind} cannot race", "platform", "choose a quadrotor: platform=racer")
-    effects = (*simulator.effects, *(_known(key, values) for key, values in settings.effects.items()))
+    residual = _recorded(simulator) or residual
+    physics = tuple(f for f in simulator.effects if not isinstance(f.effect, RecordedResidual))
+    effects = (*physics, *(_known(key, values) for key, values in settings.effects.items()))
     options: dict[str, Any] = {
         "period": settings.period,
         "substeps": settings.substeps,
@@ -46,6 +48,16 @@ def flight_in(simulator: Simulator, settings: Flying, residual: Residual | None 
     controller = Betaflight.tuned(platform, settings.time_constant)
     held = () if residual is None else (FittedEffect(HeldResidual(), {}, known=True),)
     return Flight(simulator.with_effects((*effects, *held)), controller, residual=residual, **options)
+
+
+def _recorded(simulator: Simulator) -> Residual | None:
+    """Return the force and the torque of a simulator's recorded residual, (batch, 6)."""
+    known = [f.effect for f in simulator.effects if isinstance(f.effect, RecordedResidual)]
+    if not known:
+        return None
+    return lambda features: torch.nn.functional.pad(
+        torch.stack([effect(features) for effect in known]).sum(0), (0, 3)
+    )
 
 
 def _known(key: str, values: dict[str, float]) -> FittedEffect:
@@ -69,6 +81,9 @@ class Flown(Protocol):
 
     def step(self, rows: Tensor, command: Tensor, further: Tensor | None = None) -> Tensor:
         """Return the rows a period later; see `Fleet.step`."""
+
+    def believed(self, rows: Tensor) -> Tensor:
+        """Return the states as the machines believe them to be, (13, batch): the first thing that a policy is told."""
 
     def angular_acceleration(self, rows: Tensor) -> Tensor:
         """Return the angular acceleration, (batch, 3) rad/s², as a critic is told it."""
@@ -111,6 +126,10 @@ class Fleet:
         if further is not None:
             acting = torch.cat([command, acting[:, 4:] + further], dim=-1)
         return self._step(rows, acting.T.contiguous())
+
+    def believed(self, rows: Tensor) -> Tensor:
+        """Return the states (13, batch) as they are: a simulated machine knows where it is."""
+        return rows[:STATE]
 
     def angular_acceleration(self, rows: Tensor) -> Tensor:
         """Return the angular acceleration as the rate controller filters it, (batch, 3) rad/s²."""

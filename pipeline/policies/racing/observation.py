@@ -17,34 +17,40 @@ _ANGULAR_ACCELERATION = 100.0  # rad/s²
 
 
 def racing_observation(
-    track: Track, state: dict[str, Tensor], acceleration: Tensor, target: Tensor, previous: Tensor
+    track: Track,
+    believed: dict[str, Tensor],
+    true: dict[str, Tensor],
+    acceleration: Tensor,
+    target: Tensor,
+    previous: Tensor,
 ) -> Observation:
     """Return what is seen (Kaufmann et al. 2023, Nature 620, Methods).
 
-    The policy sees position (3), velocity (3), rotation matrix (9), the corners of the next gate from the body (12) and
-    its previous action (4); the critic also body rate (3), angular acceleration (3) and the corners of the gate after
-    the next (12).
+    The policy sees position (3), velocity (3), rotation matrix (9), the corners of the next gate from the body (12),
+    all as the machine believes them to be, and its previous action (4); the critic also the true body rate (3), angular
+    acceleration (3) and corners of the gate after the next (12).
 
     Args:
         track: its gates.
-        state: position, attitude, velocity (world) and body rate, each (batch, ...).
+        believed: position, attitude, velocity (world) and body rate, each (batch, ...).
+        true: the same, exact.
         acceleration: angular, (batch, 3) rad/s².
         target: index of the next gate, (batch,).
         previous: action within ±1, (batch, 4).
     """
-    turn = rotations.to_matrix(state["attitude"])
-    position = state["position"]
+    turn, position = rotations.to_matrix(believed["attitude"]), believed["position"]
     seen = [
         position / _LENGTH,
-        state["velocity"] / _SPEED,
+        believed["velocity"] / _SPEED,
         turn.flatten(1),
         _corners(track, position, turn, target),
         previous,
     ]
+    following = (target + 1) % len(track)
     exact = [
-        state["body_rate"] / _RATE,
+        true["body_rate"] / _RATE,
         acceleration / _ANGULAR_ACCELERATION,
-        _corners(track, position, turn, (target + 1) % len(track)),
+        _corners(track, true["position"], rotations.to_matrix(true["attitude"]), following),
     ]
     return Observation(torch.cat(seen, -1), torch.cat(exact, -1))
 

@@ -1,5 +1,7 @@
 """The environment of a race."""
 
+from typing import Protocol, runtime_checkable
+
 import torch
 from torch import Tensor
 
@@ -17,11 +19,23 @@ from pipeline.simulation.flight import Flight
 _COUNTS = ("gates", "crashes", "steps")
 
 
+@runtime_checkable
+class Misjudging(Protocol):
+    """What on-board estimates get wrong, as one of several functions of what they estimate."""
+
+    def __len__(self) -> int:
+        """Return how many functions there are."""
+
+    def __call__(self, state: dict[str, Tensor], which: Tensor) -> dict[str, Tensor]:
+        """Return what is believed of states, each part (batch, ...), by the functions (batch,) of the machines."""
+
+
 class Racing(Environment):
     """Quadrotors that race through gates; an episode ends with a crash.
 
     Its state: `rows` of the fleet; `target`, the next gate's index; `previous`, the action before, within ±1;
-    `starts` and `drawn`, see the modules `starts` and `randomisation`; `counts` of what happened.
+    `starts` and `drawn`, see the modules `starts` and `randomisation`; `misjudged`, the function by which each machine
+    misjudges where it is; `counts` of what happened.
 
     Attributes:
         track: on the device.
@@ -41,6 +55,7 @@ class Racing(Environment):
         batch: int,
         device: torch.device | str = "cpu",
         machines: Flown | None = None,
+        misjudging: Misjudging | None = None,
     ) -> None:
         """Put machines on a track.
 
@@ -51,6 +66,7 @@ class Racing(Environment):
             batch: machines.
             device: where they are.
             machines: that are flown in the place of the simulator's; for flights, not for training.
+            misjudging: how the machines misjudge their states; None: they know them.
         """
         super().__init__(batch, device)
         self.settings = settings
@@ -58,6 +74,7 @@ class Racing(Environment):
         self.episode_steps = settings.episode_steps
         self.track = track.to(device)
         self.fleet = machines or Fleet(flight, device)
+        self.misjudging = misjudging
         self.gravity = flight.simulator.platform.gravity
         self.inertia = torch.tensor(flight.simulator.platform.inertia, device=self.device)
         self.passage: Passage | None = None
@@ -79,6 +96,11 @@ class Racing(Environment):
         if self.settings.randomisation.enabled:
             drawn = drawn_episode(len(machines), self.settings.randomisation, self.generator)
             self.state["drawn"][machines] = drawn
+        if self.misjudging is not None:
+            which = torch.randint(
+                len(self.misjudging), machines.shape, generator=self.generator, device=self.device
+            )
+            self.state["misjudged"][machines] = which
 
     def _begin(self) -> None:
         batch = self.batch
@@ -88,6 +110,7 @@ class Racing(Environment):
             "target": torch.zeros(batch, dtype=torch.int64, device=self.device),
             "previous": torch.zeros(batch, 4, device=self.device),
             "drawn": torch.zeros(batch, DRAWN, device=self.device),
+            "misjudged": torch.zeros(batch, dtype=torch.int64, device=self.device),
             "counts": torch.zeros(len(_COUNTS), dtype=torch.float64, device=self.device),
         }
 
@@ -127,9 +150,17 @@ class Racing(Environment):
         """Return what is seen, see `pipeline.policies.racing.observation`."""
         now = self.state
         rows = now["rows"][:, machines]
+        believed = state_of(self.fleet.believed(rows))
+        if self.misjudging is not None:
+            believed = self.misjudging(believed, now["misjudged"][machines])
         acceleration = self.fleet.angular_acceleration(rows)
         return racing_observation(
-            self.track, state_of(rows), acceleration, now["target"][machines], now["previous"][machines]
+            self.track,
+            believed,
+            state_of(rows),
+            acceleration,
+            now["target"][machines],
+            now["previous"][machines],
         )
 
     def measures(self) -> dict[str, float]:

@@ -41,6 +41,19 @@ def test_a_race_has_its_laps_line_and_flight_on_the_page(tmp_path):
     assert "data:image/gif;base64," in page
 
 
+def test_what_was_flown_on_the_machine_stands_beside(tmp_path):
+    for stage, laps in (("evaluate", 1.0), ("deploy", 0.0), ("redeploy", 0.75)):
+        (tmp_path / stage).mkdir()
+        (tmp_path / stage / "metrics.json").write_text(
+            json.dumps({"laps_completed": laps, "completed": laps})
+        )
+    section = flown_section(ReportInputs.of_branch(tmp_path), Drawing())
+    assert section is not None
+    table = section.content["table"]
+    assert [cell[:-2] for cell in table.rows[0][1:]] == ["100", "0", "75"]  # percent
+    assert "\u2013" in table.rows[2]  # nobody flew a fastest lap
+
+
 def test_where_nobody_raced_there_is_no_section(tmp_path):
     folder = tmp_path / "evaluate"
     folder.mkdir()

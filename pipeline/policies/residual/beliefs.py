@@ -1,0 +1,101 @@
+"""What an on-board estimate gets wrong, as a function of where and how the machine flies."""
+
+import numpy as np
+import pandas as pd
+import torch
+from torch import Tensor
+
+from pipeline.errors import InputError
+from pipeline.physics import rotations
+
+FEATURES = 15
+"""Position (3), velocity (3), first two columns of the rotation matrix (6), body rate (3)."""
+
+RESIDUALS = (
+    "position_x",
+    "position_y",
+    "position_z",
+    "velocity_x",
+    "velocity_y",
+    "velocity_z",
+    "tilt_x",
+    "tilt_y",
+    "tilt_z",
+)
+"""Estimate less truth: m, m/s (world frame), and the rotation from true to estimated attitude about body axes, rad."""
+
+_STATE = {"position": "xyz", "attitude": "wxyz", "velocity": "xyz", "body_rate": "xyz"}
+
+
+def state_features(state: dict[str, Tensor]) -> Tensor:
+    """Return what the residuals depend on, (batch, 15).
+
+    The attitude stands as two columns of its matrix, since quaternions jump (Zhou et al. 2019, arXiv 1812.07035).
+
+    Args:
+        state: `position`, `attitude`, `velocity` (world) and `body_rate`, each (batch, ...).
+    """
+    turn = rotations.to_matrix(state["attitude"])
+    columns = turn[..., :2].transpose(-1, -2).flatten(-2)
+    return torch.cat([state["position"], state["velocity"], columns, state["body_rate"]], dim=-1)
+
+
+def misjudged(truth: dict[str, Tensor], belief: dict[str, Tensor]) -> Tensor:
+    """Return the residuals of beliefs about states, (batch, 9), in the order of `RESIDUALS`."""
+    turn = rotations.multiply(rotations.conjugate(truth["attitude"]), belief["attitude"])
+    return torch.cat(
+        [
+            belief["position"] - truth["position"],
+            belief["velocity"] - truth["velocity"],
+            rotations.to_rotation_vector(turn),
+        ],
+        dim=-1,
+    )
+
+
+def with_residual(state: dict[str, Tensor], residual: Tensor) -> dict[str, Tensor]:
+    """Return what is believed of states, given residuals (batch, 9); body rates are believed as they are."""
+    position, velocity, tilt = residual.split(3, dim=-1)
+    attitude = rotations.multiply(state["attitude"], rotations.from_rotation_vector(tilt))
+    return {
+        **state,
+        "position": state["position"] + position,
+        "velocity": state["velocity"] + velocity,
+        "attitude": rotations.normalize(attitude),
+    }
+
+
+def recorded_beliefs(frame: pd.DataFrame, samples: int) -> tuple[Tensor, Tensor]:
+    """Return features (samples, 15) and residuals (samples, 9), float64, evenly over a recording.
+
+    Args:
+        frame: of a recording with `estimate_*` columns.
+        samples: at most.
+
+    Raises:
+        InputError: when the recording has no estimates, or hardly any.
+    """
+    own, believed = (_columns(stem) for stem in ("", "estimate_"))
+    missing = [column for column in believed if column not in frame]
+    if missing:
+        raise InputError(
+            f"has no column {missing[0]}",
+            "recording",
+            "record what the machine believed, or residual.observation.enabled=false",
+        )
+    complete = frame[[*own, *believed]].dropna()
+    if len(complete) < FEATURES:
+        raise InputError(f"has {len(complete)} samples with an estimate", "recording", "record more")
+    chosen = np.unique(np.linspace(0, len(complete) - 1, min(samples, len(complete))).round().astype(int))
+    truth, belief = (_state(complete.iloc[chosen][columns]) for columns in (own, believed))
+    return state_features(truth), misjudged(truth, belief)
+
+
+def _columns(stem: str) -> list[str]:
+    return [f"{stem}{name}_{axis}" for name, axes in _STATE.items() for axis in axes]
+
+
+def _state(frame: pd.DataFrame) -> dict[str, Tensor]:
+    values = torch.tensor(frame.to_numpy(dtype=np.float64))
+    parts = values.split([len(axes) for axes in _STATE.values()], dim=-1)
+    return dict(zip(_STATE, parts, strict=True))

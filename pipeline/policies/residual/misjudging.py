@@ -1,0 +1,22 @@
+"""Machines that misjudge their states as the drawn residuals say; see `pipeline.policies.racing.racing.Misjudging`."""
+
+import torch
+from torch import Tensor
+
+from pipeline.policies.residual.beliefs import state_features, with_residual
+from pipeline.policies.residual.realisations import Realisations
+
+
+class DrawnMisjudging:
+    """Each machine misjudges its state by one of the drawn functions of it."""
+
+    def __init__(self, drawn: Realisations, device: torch.device | str = "cpu") -> None:
+        self._drawn = drawn.to(device)
+
+    def __len__(self) -> int:
+        """Return how many functions were drawn."""
+        return len(self._drawn)
+
+    def __call__(self, state: dict[str, Tensor], which: Tensor) -> dict[str, Tensor]:
+        """Return what is believed of states, each part (batch, ...), by the functions (batch,) of the machines."""
+        return with_residual(state, self._drawn(state_features(state), which))

@@ -1,0 +1,112 @@
+"""Training of a policy, from nothing or from where another one ended."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeline.policies.racing.settings import TASK, TrackSettings
+from pipeline.policies.settings import PolicyTraining
+from pipeline.stage import StageConfig, StageRun
+
+if TYPE_CHECKING:
+    from pipeline.policies.racing.racing import Misjudging
+    from pipeline.policies.training import Training
+
+
+def trained(
+    chosen: PolicyTraining,
+    track: TrackSettings,
+    platform: Mapping[str, Any],
+    config: StageConfig,
+    run: StageRun,
+) -> None:
+    """Train a policy and write it with its learning curve; what is interrupted goes on where it was.
+
+    Args:
+        chosen: what is trained, in what and from where.
+        track: to race on.
+        platform: whose own dynamics an ideal simulator is.
+        config: of the stage.
+        run: of the stage.
+
+    Raises:
+        InputError: when there is no such simulator, policy or residual.
+    """
+    from pipeline.artifacts import checkpoint_folder, remove_checkpoint
+    from pipeline.policies.racing.entry import race_in
+    from pipeline.policies.training import Training, final
+    from stages._simulators import chosen_simulator
+
+    simulator, simulator_hash = chosen_simulator(chosen.simulator, platform, config, run)
+    misjudging = _misjudging(chosen, run)
+    machines = chosen.learning.machines
+    race = race_in(simulator, track, chosen.racing, machines, chosen.device, misjudging)
+    training = Training(race, chosen.learning, config.seed)
+    if chosen.start:
+        _go_on(training, run.input(Path(chosen.start)))
+    identity = [asdict(chosen), asdict(track), dict(platform), config.seed, simulator_hash, run.inputs]
+    checkpoint = checkpoint_folder(config.artifacts, identity)
+    curve = training.run(checkpoint, run.log_metrics)
+    measures = final(curve)
+    (run.output / "curve.json").write_text(json.dumps(curve) + "\n")
+    _write(training, chosen, track, platform, config.seed, simulator_hash, measures, run.output / "policy")
+    run.log_metrics(measures)
+    remove_checkpoint(checkpoint)
+
+
+def _misjudging(chosen: PolicyTraining, run: StageRun) -> "Misjudging | None":
+    from pipeline.policies.residual.misjudging import DrawnMisjudging
+    from pipeline.policies.residual.storage import load_observation
+
+    if chosen.observation is None:
+        return None
+    return DrawnMisjudging(load_observation(run.input(Path(chosen.observation))), chosen.device)
+
+
+def _go_on(training: "Training", folder: Path) -> None:
+    """Give a training the policy and the critic that another one ended with."""
+    from pipeline.policies.storage import load_critic, load_policy
+
+    learner = training.learner
+    learner.gaussian.load_state_dict(load_policy(folder)[0].state_dict())
+    load_critic(learner.critic, folder)
+
+
+def _write(
+    training: "Training",
+    chosen: PolicyTraining,
+    track: TrackSettings,
+    platform: Mapping[str, Any],
+    seed: int,
+    simulator: str,
+    measures: dict[str, float],
+    folder: Path,
+) -> None:
+    """Write the policy for this project, and for machines that know nothing of it."""
+    from pipeline.policies.export import export_policy
+    from pipeline.policies.racing.entry import described_race
+    from pipeline.policies.racing.racing import Racing
+    from pipeline.policies.storage import Description, save_policy
+
+    configuration = {
+        **described_race(track, chosen.racing),
+        "platform": platform,
+        "learning": asdict(chosen.learning),
+        "seed": seed,
+    }
+    description = Description(
+        TASK,
+        Racing.observation_size,
+        Racing.action_size,
+        chosen.racing.flying.period,
+        chosen.learning.hidden,
+        chosen.learning.slope,
+        configuration,
+        simulator,
+        f"the last of {chosen.learning.interactions} interactions",
+        measures,
+    )
+    save_policy(training.learner.gaussian, description, folder, training.learner.critic)
+    export_policy(training.learner.gaussian, folder)

@@ -1,0 +1,67 @@
+"""The stage that trains a policy further in what reality left over."""
+
+import logging
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeline.policies.settings import PolicyFinetuning, PolicyTraining
+from pipeline.stage import StageConfig, StageRun, stage
+from stages._trainings import trained
+
+if TYPE_CHECKING:
+    from pipeline.policies.storage import Description
+
+
+@dataclass
+class FinetuneStage(StageConfig):
+    """What training a policy further reads of the configuration."""
+
+    train_policy: PolicyTraining = field(default_factory=PolicyTraining)
+    finetune: PolicyFinetuning = field(default_factory=PolicyFinetuning)
+
+
+@stage(FinetuneStage)
+def finetune(config: FinetuneStage, run: StageRun) -> None:
+    """Train a policy further in the simulator with the residuals that its flights in reality showed."""
+    from pipeline.policies.racing.entry import race_from
+    from pipeline.policies.storage import load_policy
+
+    chosen = config.finetune
+    if not chosen.enabled:
+        logging.getLogger("simgap").info(
+            "finetune: no policy is trained further, since finetune.enabled is false"
+        )
+        (run.output / "metrics.json").write_text("{}\n")
+        return
+    policy = Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy")
+    residual = Path(chosen.residual) if chosen.residual else config.artifact("identify_residual", "")
+    _, description = load_policy(run.input(policy))
+    track, racing = race_from(description.configuration, None)
+    training = replace(
+        config.train_policy,
+        simulator=str(residual / "simulator"),
+        observation=_if_there(residual / "observation"),
+        start=str(policy),
+        learning=replace(config.train_policy.learning, **_learning(description, chosen)),
+        racing=racing,
+    )
+    trained(training, track, description.configuration["platform"], config, run)
+
+
+def _if_there(folder: Path) -> str | None:
+    return str(folder) if folder.is_dir() else None
+
+
+def _learning(description: "Description", chosen: PolicyFinetuning) -> dict[str, Any]:
+    """Return the learning of the policy, except for what is chosen anew."""
+    return {
+        **description.configuration["learning"],
+        "interactions": chosen.interactions,
+        "learning_rate": chosen.learning_rate,
+        "final_learning_rate": chosen.final_learning_rate,
+    }
+
+
+if __name__ == "__main__":
+    finetune.main()

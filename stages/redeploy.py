@@ -1,0 +1,22 @@
+"""The stage that takes the policy that was trained further back to the concealed plant."""
+
+import logging
+from dataclasses import replace
+
+from pipeline.stage import StageRun, stage
+from stages.deploy import DeployStage, race
+
+
+@stage(DeployStage)
+def redeploy(config: DeployStage, run: StageRun) -> None:
+    """Race the policy that was trained further, as deploy did with the one that it comes from."""
+    policy = config.artifact("finetune", "policy")
+    if policy.exists():
+        race(replace(config, evaluate=replace(config.evaluate, policy=str(policy))), run)
+        return
+    logging.getLogger("simgap").info("redeploy: nothing is deployed, since no policy was trained further")
+    (run.output / "metrics.json").write_text("{}\n")
+
+
+if __name__ == "__main__":
+    redeploy.main()

@@ -1,0 +1,89 @@
+"""Flying a policy in reality, finding what that shows and training further, as a person does it."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import yaml
+
+from pipeline.errors import InputError
+from pipeline.policies.settings import PolicyFinetuning
+from pipeline.policies.storage import load_policy
+from pipeline.recordings.recording import read_recording
+from pipeline.simulation import read_simulator
+from pipeline.stage import StageRun
+from stages.deploy import deploy
+from stages.finetune import FinetuneStage, finetune
+from stages.identify_residual import identify_residual
+from stages.redeploy import redeploy
+from stages.train_policy import train_policy
+from tests.stages.test_train_policy import FEW, ran
+
+FLOWN = (
+    "evaluate.starts=4",
+    "evaluate.seconds=2.0",
+    "record.estimates=1.0",
+    "record.effects={rotor_drag: 0.5}",
+)
+
+
+@pytest.fixture(scope="module")
+def artifacts(tmp_path_factory) -> Path:
+    """Return what the whole loop wrote, all of it far too short."""
+    artifacts = tmp_path_factory.mktemp("artifacts")
+    common = (*FEW, *FLOWN, f"artifacts={artifacts}")
+    ran(train_policy, *common)
+    ran(deploy, *common)
+    ran(identify_residual, *common, "residual.observation.samples=100", "residual.observation.iterations=5")
+    ran(finetune, *common, "finetune.enabled=true", "finetune.interactions=2_000")
+    ran(redeploy, *common)
+    return artifacts
+
+
+def test_races_are_recorded_with_what_the_machine_believed(artifacts):
+    recording = read_recording(artifacts / "deploy" / "recording.parquet")
+    assert recording.kind == "quadrotor"
+    assert len(recording.runs) >= 3
+    frame = recording.frame
+    assert {"estimate_position_x", "thrust_command", "body_rate_command_z", "motor_command_1"} <= set(frame)
+    wrong = frame["estimate_velocity_x"] - frame["velocity_x"]
+    assert 0.0 < wrong.abs().mean() < 1.0
+
+
+def test_residuals_become_a_simulator_and_draws_with_a_picture(artifacts):
+    folder = artifacts / "identify_residual"
+    simulator = read_simulator(folder / "simulator")
+    assert [fitted.effect.name for fitted in simulator.effects] == ["recorded_residual"]
+    described = yaml.safe_load((folder / "observation" / "observation.yaml").read_text())
+    assert described["draws"] == 100
+    assert (folder / "realisations.png").read_bytes().startswith(b"\x89PNG")
+    metrics = json.loads((folder / "metrics.json").read_text())
+    assert {"residual_force_x", "misjudged_position_x", "misjudged_tilt_z"} <= metrics.keys()
+
+
+def test_training_goes_on_from_the_policy_in_the_simulator_with_residuals(artifacts):
+    before, _ = load_policy(artifacts / "train_policy" / "policy")
+    after, description = load_policy(artifacts / "finetune" / "policy")
+    assert description.simulator != ""
+    assert description.configuration["learning"]["interactions"] == 2_000
+    moved = [
+        float((one - other).norm() / other.norm())
+        for one, other in zip(after.parameters(), before.parameters(), strict=True)
+        if float(other.norm()) > 0
+    ]
+    assert 0.0 < max(moved) < 0.5  # a new policy would have nothing in common with it
+    assert pd.read_parquet(artifacts / "redeploy" / "laps.parquet")["machine"].nunique() == 4
+
+
+def test_where_nothing_was_trained_nothing_is_flown_or_trained_further(tmp_path):
+    for stage in (deploy, identify_residual, finetune, redeploy):
+        ran(stage, f"artifacts={tmp_path}", "platform=racer", "tracking.enabled=false")
+        assert [path.name for path in (tmp_path / stage.name).iterdir()] == ["metrics.json"]
+        assert json.loads((tmp_path / stage.name / "metrics.json").read_text()) == {}
+
+
+def test_a_policy_that_is_not_there_is_said_in_one_line(tmp_path):
+    chosen = PolicyFinetuning(enabled=True, policy=str(tmp_path / "none"))
+    with pytest.raises(InputError, match="does not exist"):
+        finetune(FinetuneStage(finetune=chosen), StageRun(tmp_path))
