@@ -38,9 +38,10 @@ class DeployStage(StageConfig):
 @stage(DeployStage)
 def deploy(config: DeployStage, run: StageRun) -> None:
     """Take it to the concealed plant: a quadrotor races its policy, a swerve drive is driven by what was planned."""
+    from pipeline.platforms import Quadrotor, platform_from_config
     from stages._pilots import is_entered
 
-    races = config.platform.get("kind") == "quadrotor"
+    races = isinstance(platform_from_config(config.platform), Quadrotor)
     if races and is_entered(config.evaluate, config):
         race(config, run)
     elif not races and (config.deploy.plan or _plan(config).exists()):

@@ -28,11 +28,11 @@ class IdentifyResidualStage(StageConfig):
 @stage(IdentifyResidualStage)
 def identify_residual(config: IdentifyResidualStage, run: StageRun) -> None:
     """Find what the on-board estimate and the simulator get wrong along recorded flights."""
+    from pipeline.platforms import Quadrotor, platform_from_config
     from stages._simulators import chosen_simulator
 
-    chosen = config.residual
-    path = _recorded(config)
-    if config.platform.get("kind") != "quadrotor" or not path.exists():
+    chosen, path = config.residual, _recorded(config)
+    if not path.exists() or not isinstance(platform_from_config(config.platform), Quadrotor):
         logging.getLogger("simgap").info(
             "identify_residual: there are no flights whose residual could be found"
         )

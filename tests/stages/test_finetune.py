@@ -35,7 +35,13 @@ def artifacts(tmp_path_factory) -> Path:
     common = (*FEW, *FLOWN, f"artifacts={artifacts}")
     ran(train_policy, *common)
     ran(deploy, *common)
-    ran(identify_residual, *common, "residual.observation.samples=100", "residual.observation.iterations=5")
+    ran(
+        identify_residual,
+        *common,
+        "residual.simulator=ideal",
+        "residual.observation.samples=100",
+        "residual.observation.iterations=5",
+    )
     ran(finetune, *common, "finetune.enabled=true", "finetune.interactions=2_000")
     ran(redeploy, *common)
     return artifacts

@@ -24,7 +24,8 @@ RESIDUALS = (
 )
 """Estimate less truth: m, m/s (world frame), and the rotation from true to estimated attitude about body axes, rad."""
 
-_STATE = {"position": "xyz", "attitude": "wxyz", "velocity": "xyz", "body_rate": "xyz"}
+_ESTIMATED = {"position": "xyz", "attitude": "wxyz", "velocity": "xyz"}
+_STATE = {**_ESTIMATED, "body_rate": "xyz"}
 
 
 def state_features(state: dict[str, Tensor]) -> Tensor:
@@ -75,7 +76,7 @@ def recorded_beliefs(frame: pd.DataFrame, samples: int) -> tuple[Tensor, Tensor]
     Raises:
         InputError: when the recording has no estimates, or hardly any.
     """
-    own, believed = (_columns(stem) for stem in ("", "estimate_"))
+    own, believed = _columns("", _STATE), _columns("estimate_", _ESTIMATED)
     missing = [column for column in believed if column not in frame]
     if missing:
         raise InputError(
@@ -87,15 +88,17 @@ def recorded_beliefs(frame: pd.DataFrame, samples: int) -> tuple[Tensor, Tensor]
     if len(complete) < FEATURES:
         raise InputError(f"has {len(complete)} samples with an estimate", "recording", "record more")
     chosen = np.unique(np.linspace(0, len(complete) - 1, min(samples, len(complete))).round().astype(int))
-    truth, belief = (_state(complete.iloc[chosen][columns]) for columns in (own, believed))
+    truth, belief = (
+        _state(complete.iloc[chosen][own], _STATE),
+        _state(complete.iloc[chosen][believed], _ESTIMATED),
+    )
     return state_features(truth), misjudged(truth, belief)
 
 
-def _columns(stem: str) -> list[str]:
-    return [f"{stem}{name}_{axis}" for name, axes in _STATE.items() for axis in axes]
+def _columns(stem: str, parts: dict[str, str]) -> list[str]:
+    return [f"{stem}{name}_{axis}" for name, axes in parts.items() for axis in axes]
 
 
-def _state(frame: pd.DataFrame) -> dict[str, Tensor]:
+def _state(frame: pd.DataFrame, parts: dict[str, str]) -> dict[str, Tensor]:
     values = torch.tensor(frame.to_numpy(dtype=np.float64))
-    parts = values.split([len(axes) for axes in _STATE.values()], dim=-1)
-    return dict(zip(_STATE, parts, strict=True))
+    return dict(zip(parts, values.split([len(axes) for axes in parts.values()], dim=-1), strict=True))

@@ -31,7 +31,7 @@ class ResidualSettings:
     """The configuration group `residual`."""
 
     recording: str | None = None  # of flights; null: what deploy wrote
-    simulator: str = "ideal"  # what the dynamics are a residual of; as in train_policy
+    simulator: str = "diagnose"  # what the dynamics are a residual of; as in train_policy
     seconds: float | None = None  # of the recording that are used, from its start; null: all
     observation: ObservationSettings = field(default_factory=ObservationSettings)
     dynamics: DynamicsSettings = field(default_factory=DynamicsSettings)
