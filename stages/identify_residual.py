@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pipeline.gap.settings import Gap
 from pipeline.policies.residual.settings import DynamicsSettings, ObservationSettings, ResidualSettings
 from pipeline.recordings.cleaning.settings import Cleaning
 from pipeline.recordings.dataset import Dataset
@@ -22,13 +23,16 @@ class IdentifyResidualStage(StageConfig):
     platform: dict[str, Any] = field(default_factory=dict)
     dataset: Dataset = field(default_factory=Dataset)
     clean: Cleaning = field(default_factory=Cleaning)
+    gap: Gap = field(default_factory=Gap)
     residual: ResidualSettings = field(default_factory=ResidualSettings)
 
 
 @stage(IdentifyResidualStage)
 def identify_residual(config: IdentifyResidualStage, run: StageRun) -> None:
     """Find what the on-board estimate and the simulator get wrong along recorded flights."""
+    from pipeline.gap.diagnosis import diagnose
     from pipeline.platforms import Quadrotor, platform_from_config
+    from pipeline.simulation import write_simulator
     from stages._simulators import chosen_simulator
 
     chosen, path = config.residual, _recorded(config)
@@ -40,7 +44,11 @@ def identify_residual(config: IdentifyResidualStage, run: StageRun) -> None:
         return
     recording = _flights(config, run.input(path))
     simulator, _ = chosen_simulator(chosen.simulator, config.platform, config, run)
-    metrics = _dynamics(simulator, recording, chosen.dynamics, run)
+    if chosen.name_first:
+        simulator = diagnose(recording, simulator, config.gap).simulator
+    augmented, metrics = _dynamics(simulator, recording, chosen.dynamics)
+    write_simulator(augmented, run.output / "simulator")
+    metrics |= _predicted(augmented, config, run)
     if chosen.observation.enabled and "estimate_position_x" in recording.frame:
         metrics |= _observation(recording, chosen.observation, config.seed, run)
     run.log_metrics(metrics)
@@ -55,35 +63,63 @@ def _recorded(config: IdentifyResidualStage) -> Path:
 
 
 def _flights(config: IdentifyResidualStage, path: Path) -> "Recording":
-    """Return a recording, cleaned if it is not yet, no longer than asked for."""
-    from pipeline.policies.residual.excerpt import first_seconds
+    """Return the flights to learn from: none that is held out to be predicted, and no longer than asked for."""
+    from pipeline.policies.residual.excerpt import first_seconds, of_runs
+    from pipeline.recordings.split import runs_of
+
+    recording, chosen = _cleaned(config, path), config.residual
+    if chosen.scored_on:
+        held_out = runs_of(recording.split, "holdout")
+        recording = of_runs(recording, [run for run in recording.runs if run not in held_out])
+    return first_seconds(recording, chosen.seconds)
+
+
+def _cleaned(config: IdentifyResidualStage, path: Path) -> "Recording":
+    """Return a recording, cleaned if it is not yet."""
     from pipeline.recordings.cleaning import clean_recording
     from pipeline.recordings.recording import read_recording, require_kind
 
     recording = read_recording(path, "quadrotor")
     require_kind(recording, "quadrotor", str(path))
-    if not recording.cleaned:
-        recording, _ = clean_recording(recording, config.clean, config.dataset.split, config.seed)
-    return first_seconds(recording, config.residual.seconds)
+    if recording.cleaned:
+        return recording
+    return clean_recording(recording, config.clean, config.dataset.split, config.seed)[0]
 
 
 def _dynamics(
-    simulator: "Simulator", recording: "Recording", chosen: DynamicsSettings, run: StageRun
-) -> dict[str, float]:
-    """Write the simulator with what it leaves over; return how much that is, m/s²."""
+    simulator: "Simulator", recording: "Recording", chosen: DynamicsSettings
+) -> "tuple[Simulator, dict[str, float]]":
+    """Return the simulator with what it leaves over, and how much that is, m/s²."""
     from pipeline.policies.residual.accelerations import left_over, nearest_of
-    from pipeline.simulation import FittedEffect, write_simulator
+    from pipeline.simulation import FittedEffect
 
     if not chosen.enabled:
-        write_simulator(simulator, run.output / "simulator")
-        return {}
+        return simulator, {}
     platform: Any = simulator.platform
     features, residual = left_over(simulator, recording, chosen.width)
     nearest = nearest_of(features, residual, chosen.samples, chosen.neighbours, platform)
-    augmented = simulator.with_effects((*simulator.effects, FittedEffect(nearest, {}, known=True)))
-    write_simulator(augmented, run.output / "simulator")
     size = residual.square().mean(0).sqrt().tolist()
-    return {f"residual_force_{axis}": value for axis, value in zip("xyz", size, strict=True)}
+    metrics = {f"residual_force_{axis}": value for axis, value in zip("xyz", size, strict=True)}
+    return simulator.with_effects((*simulator.effects, FittedEffect(nearest, {}, known=True))), metrics
+
+
+def _predicted(simulator: "Simulator", config: IdentifyResidualStage, run: StageRun) -> dict[str, float]:
+    """Return how far predictions of runs that were held out are off, in SI units."""
+    from pipeline.policies.residual.excerpt import of_runs
+    from pipeline.recordings.split import require_holdout, runs_of
+    from pipeline.simulation import replay_error
+    from pipeline.simulation.blocks import cut_blocks
+
+    metrics: dict[str, float] = {}
+    horizon = config.residual.score_horizon
+    for name, path in config.residual.scored_on.items():
+        recording = _cleaned(config, run.input(Path(path)))
+        require_holdout(recording.split, path)
+        held_out = of_runs(recording, runs_of(recording.split, "holdout"))
+        blocks = cut_blocks(held_out, simulator.platform, 2.0 * horizon, horizon)
+        errors = replay_error(simulator, blocks, horizon)
+        metrics |= {f"{name}/{key.removeprefix('replay_error_')}": value for key, value in errors.items()}
+    return metrics
 
 
 def _observation(

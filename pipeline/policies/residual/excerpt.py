@@ -1,9 +1,16 @@
-"""The beginning of a recording."""
+"""Parts of a recording."""
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from pipeline.errors import InputError
 from pipeline.recordings.recording import Recording
+
+
+def of_runs(recording: Recording, names: Collection[str]) -> Recording:
+    """Return some runs of a recording."""
+    frame = recording.frame[recording.frame["run"].isin(names)]
+    return replace(recording, frame=frame.reset_index(drop=True))
 
 
 def first_seconds(recording: Recording, seconds: float | None) -> Recording:

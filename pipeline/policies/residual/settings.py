@@ -33,5 +33,10 @@ class ResidualSettings:
     recording: str | None = None  # of flights; null: what deploy wrote
     simulator: str = "diagnose"  # what the dynamics are a residual of; as in train_policy
     seconds: float | None = None  # of the recording that are used, from its start; null: all
+    name_first: bool = (
+        False  # whether what these seconds show is diagnosed first, and the residual what remains
+    )
+    scored_on: dict[str, str] = field(default_factory=dict)  # cleaned recordings to predict, by name
+    score_horizon: float = 0.5  # s, of those predictions
     observation: ObservationSettings = field(default_factory=ObservationSettings)
     dynamics: DynamicsSettings = field(default_factory=DynamicsSettings)

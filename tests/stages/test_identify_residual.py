@@ -1,0 +1,73 @@
+"""What a simulator still misses, named and learned from a recording of one's own."""
+
+import json
+
+import pytest
+
+from pipeline.reality.case import PlantCase
+from pipeline.reality.fly import fly
+from pipeline.recordings.recording import write_recording
+from pipeline.simulation import read_simulator
+from stages.identify_residual import identify_residual
+from tests.pipeline.policies.racing.machines import racer
+from tests.stages.test_train_policy import ran
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    case = PlantCase(effects={"rotor_drag": 0.5}, runs=6, duration=6.0, hidden=["motor_speed"], estimates=1.0)
+    path = tmp_path_factory.mktemp("flights") / "recording.parquet"
+    write_recording(fly(case, racer(), seed=0)[0], path)
+    return path
+
+
+def identified(recording, folder, *overrides):
+    own = (f"residual.recording={recording}", "residual.simulator=ideal", f"output={folder}")
+    ran(identify_residual, "platform=racer", "tracking.enabled=false", *own, *overrides)
+    return json.loads((folder / "metrics.json").read_text())
+
+
+def test_flights_held_out_are_predicted_better_by_what_is_learned_and_best_by_what_is_named(
+    recording, tmp_path
+):
+    scored = (f"residual.scored_on={{same: {recording}}}", "residual.observation.enabled=false")
+    variants = {"nothing": (False, False), "learned": (False, True), "named": (True, False)}
+    errors = {
+        name: identified(
+            recording,
+            tmp_path / name,
+            *scored,
+            f"residual.name_first={named}",
+            f"residual.dynamics.enabled={learned}",
+        )["same/velocity"]
+        for name, (named, learned) in variants.items()
+    }
+    assert errors["learned"] < 0.8 * errors["nothing"]
+    assert errors["named"] < 0.6 * errors["learned"]
+    (found,) = read_simulator(tmp_path / "named" / "simulator").effects
+    assert found.effect.name == "rotor_drag"
+    assert found.values["coefficient"] == pytest.approx(0.5, rel=0.05)
+
+
+def test_so_many_seconds_are_used_as_asked_for(recording, tmp_path):
+    few = ("residual.observation.samples=50", "residual.observation.iterations=2")
+    ten = identified(recording, tmp_path / "ten", "residual.seconds=10", *few)
+    all_ = identified(recording, tmp_path / "all", *few)
+    assert ten["misjudged_position_x"] != all_["misjudged_position_x"]
+    assert (tmp_path / "ten" / "observation" / "observation.yaml").exists()
+
+
+def test_a_simulator_that_is_not_there_is_refused_in_one_line(recording, tmp_path, capsys):
+    with pytest.raises(SystemExit) as ended:
+        identify_residual.main(
+            [
+                "platform=racer",
+                f"residual.recording={recording}",
+                "residual.simulator=diagnose",
+                f"artifacts={tmp_path}",
+                "tracking.enabled=false",
+            ]
+        )
+    assert ended.value.code == 2
+    assert "does not exist" in capsys.readouterr().err
+    assert not (tmp_path / "identify_residual").exists()
