@@ -2,11 +2,13 @@ import multiprocessing
 import os
 import signal
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import torch
 
+from pipeline.policies.collector import Collector
 from pipeline.policies.networks import Policy
 from pipeline.policies.settings import Learning
 from pipeline.policies.training import CHECKPOINT_FILE, Training, final
@@ -29,6 +31,19 @@ def test_a_point_mass_learns_to_rest_at_its_target():
         observation = environment.step(policy(observation.policy)).observation
     assert float(observation.policy.abs().quantile(0.95)) < 0.1
     assert final(curve)["return"] > 2.0 * final(curve[:5], 1.0)["return"]  # both are negative
+
+
+def test_the_weight_of_the_entropy_changes_from_start_to_end():
+    deviations = {}
+    for name, entropy in {"none": 0.0, "fading": 5.0}.items():
+        for share in (0.0, 1.0):
+            learning = replace(FEW, entropy=entropy, final_entropy=0.0)
+            training = Training(PointMass(64), learning, seed=3)
+            collector, learner = Collector(PointMass(64), 3), training.learner
+            segment = collector.collect(learner.gaussian, learner.critic, 16, learner.generator)
+            deviations[name, share] = learner.learn(segment.steps, share)["deviation"]
+    assert deviations["fading", 0.0] > deviations["none", 0.0]
+    assert deviations["fading", 1.0] == deviations["none", 1.0]
 
 
 def test_twin_runs_with_one_seed_are_identical():
