@@ -14,15 +14,29 @@ _EQUAL = 1e-4  # of a time step: recorded times this close to the grid are taken
 _ROUNDING = 1.0 + 1e-6
 _NEAR = 0.5 * _ROUNDING  # time steps: a value this close to a measured one is as good as measured
 _SAME_STEP = 1e-3  # relative
+_LONG_LOSS = 20.0  # samples: beyond it nobody knows how many were lost
 _DIGITS = 10  # of the time step, so that 0.0099999999 is 0.01
 
 
 def typical_step(time: np.ndarray) -> float:
-    """Return the time step of a run: the mean of the steps near the median, s."""
+    """Return the time step of a run, s: the slope of its times over their numbers, lost samples counted.
+
+    A mean of the steps would keep the jitter at both ends of every loss, and add it up over the run.
+    """
     steps = np.diff(time)
     median = float(np.quantile(steps, 0.5, method="lower"))  # one of the steps, however they scatter
-    step = float(steps[np.abs(steps - median) < 0.5 * median].mean())
+    numbers = np.maximum(np.round(steps / median), 1.0)
+    piece = np.concatenate([[0], np.cumsum(numbers > _LONG_LOSS)])
+    place = np.concatenate([[0.0], np.cumsum(numbers)])
+    step = _common_slope(place, time, piece)
     return float(f"{step:.{_DIGITS}g}") if abs(step / median - 1.0) < 1e-2 else median
+
+
+def _common_slope(place: np.ndarray, time: np.ndarray, piece: np.ndarray) -> float:
+    """Return the least-squares slope of times over places, the same in all pieces, each with a start of its own."""
+    count = np.bincount(piece)
+    place, time = (values - (np.bincount(piece, values) / count)[piece] for values in (place, time))
+    return float(place @ time / (place @ place))
 
 
 def split_at_gaps(run: RunUnderCleaning, max_gap: float) -> None:

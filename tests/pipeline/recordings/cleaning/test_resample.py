@@ -113,6 +113,16 @@ def test_an_angle_that_wraps_takes_the_short_way(as_run, frames):
     assert abs(abs(result.channel("steer_angle_1")[wrap, 0]) - np.pi) < 0.02
 
 
+@given(st.integers(0, 1000))
+def test_the_typical_step_is_right_over_the_whole_run_for_all_jitter_and_losses(seed):
+    random = np.random.default_rng(seed)
+    time = 0.005 * np.arange(1700) + 2e-4 * np.clip(random.standard_normal(1700), -2.5, 2.5)
+    time = np.delete(time, random.choice(np.arange(1, 1699), 10, replace=False))
+    time[time > 4.0] += 0.7  # a loss of which nobody knows how long it was
+    drift = abs(typical_step(time) - 0.005) * 1700
+    assert drift < 2e-4  # no more than the jitter of one sample
+
+
 def test_the_typical_step_ignores_gaps_and_rounding():
     time = 1.7e9 + np.concatenate([np.arange(500), 900 + np.arange(500)]) * 0.005
     assert typical_step(time) == pytest.approx(0.005, rel=1e-4)
