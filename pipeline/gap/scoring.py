@@ -9,7 +9,7 @@ from torch import Tensor
 from pipeline.gap.fit import Fit, channel_scale, inverse_of
 from pipeline.simulation.blocks import Blocks
 
-_FEWEST_CLUSTERS = 10  # with fewer, hardly anything is beyond chance
+_FEWEST_CLUSTERS = 8  # with fewer, hardly anything is beyond chance
 
 
 def folds_of(blocks: Blocks, count: int) -> Tensor:
@@ -25,7 +25,7 @@ def folds_of(blocks: Blocks, count: int) -> Tensor:
 def clusters_of(blocks: Blocks, duration: float) -> Tensor:
     """Number stretches of about `duration` s inside each run, within which residuals may be correlated; (blocks,).
 
-    A recording shorter than ten of them is divided by ten instead.
+    A recording shorter than eight of them is divided by eight instead.
     """
     recorded = len(blocks) * blocks.samples * blocks.time_step
     duration = min(duration, recorded / _FEWEST_CLUSTERS)
