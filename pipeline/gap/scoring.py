@@ -9,8 +9,6 @@ from torch import Tensor
 from pipeline.gap.fit import Fit, channel_scale, inverse_of
 from pipeline.simulation.blocks import Blocks
 
-_FEWEST_CLUSTERS = 8  # with fewer, hardly anything is beyond chance
-
 
 def folds_of(blocks: Blocks, count: int) -> Tensor:
     """Return the fold of each block: whole runs where there are enough, else stretches of time; (blocks,)."""
@@ -23,12 +21,7 @@ def folds_of(blocks: Blocks, count: int) -> Tensor:
 
 
 def clusters_of(blocks: Blocks, duration: float) -> Tensor:
-    """Number stretches of about `duration` s inside each run, within which residuals may be correlated; (blocks,).
-
-    A recording shorter than eight of them is divided by eight instead.
-    """
-    recorded = len(blocks) * blocks.samples * blocks.time_step
-    duration = min(duration, recorded / _FEWEST_CLUSTERS)
+    """Number stretches of about `duration` s inside each run, within which residuals may be correlated; (blocks,)."""
     stretch = torch.floor((blocks.start - blocks.start.min()) / duration).long()
     return torch.unique(torch.stack([blocks.run, stretch]), dim=1, return_inverse=True)[1]
 

@@ -44,12 +44,6 @@ def test_a_cluster_never_crosses_runs_nor_outlasts_its_duration(run, duration):
         assert float(blocks.start[mine].max() - blocks.start[mine].min()) < duration
 
 
-def test_a_short_recording_is_cut_into_eight_clusters_and_a_long_one_as_asked_for():
-    short, long = (_blocks([0] * count, [float(index) for index in range(count)]) for count in (10, 90))
-    assert len(clusters_of(short, 3.0).unique()) == 8
-    assert len(clusters_of(long, 3.0).unique()) == 30
-
-
 def _linear(seed: int) -> tuple[Fit, torch.Tensor]:
     """Return a least-squares fit of a linear model on 6 runs of 5 blocks, and its targets."""
     jacobian, noise = random_like((30, 4, 2, 3), seed), random_like((30, 4, 2), seed + 1)
