@@ -1,14 +1,13 @@
 """The stage that takes what was planned or trained to the concealed plant."""
 
-import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.policies.profile.settings import Deployment, Profile
+from pipeline.policies.profile.settings import Profile
 from pipeline.policies.racing.settings import TrackSettings
-from pipeline.policies.settings import PolicyEvaluation, PolicyTraining
+from pipeline.policies.settings import Deployment, PolicyEvaluation, PolicyTraining
 from pipeline.stage import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
@@ -47,8 +46,7 @@ def deploy(config: DeployStage, run: StageRun) -> None:
     elif not races and (config.deploy.plan or _plan(config).exists()):
         _drive(config, run)
     else:
-        logging.getLogger("simgap").info("deploy: nothing is deployed, since nothing was planned or trained")
-        (run.output / "metrics.json").write_text("{}\n")
+        run.leave_out("deploy: nothing is deployed, since nothing was planned or trained")
 
 
 def race(config: DeployStage, run: StageRun) -> None:

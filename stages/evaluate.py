@@ -1,6 +1,5 @@
 """The stage that flies a race in a simulator."""
 
-import logging
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,8 +24,7 @@ def evaluate(config: EvaluateStage, run: StageRun) -> None:
     from stages._pilots import is_entered
 
     if not is_entered(config.evaluate, config):
-        logging.getLogger("simgap").info("evaluate: nothing is flown, since no policy was trained")
-        (run.output / "metrics.json").write_text("{}\n")
+        run.leave_out("evaluate: nothing is flown, since no policy was trained")
         return
     _race(config, run)
 

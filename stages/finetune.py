@@ -1,6 +1,5 @@
 """The stage that trains a policy further in what reality left over."""
 
-import logging
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,10 +28,7 @@ def finetune(config: FinetuneStage, run: StageRun) -> None:
 
     chosen = config.finetune
     if not chosen.enabled:
-        logging.getLogger("simgap").info(
-            "finetune: no policy is trained further, since finetune.enabled is false"
-        )
-        (run.output / "metrics.json").write_text("{}\n")
+        run.leave_out("finetune: no policy is trained further, since finetune.enabled is false")
         return
     policy = Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy")
     residual = Path(chosen.residual) if chosen.residual else config.artifact("identify_residual", "")

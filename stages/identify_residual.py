@@ -1,6 +1,5 @@
 """The stage that finds what a simulator still misses in flights of a policy."""
 
-import logging
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,28 +29,39 @@ class IdentifyResidualStage(StageConfig):
 @stage(IdentifyResidualStage)
 def identify_residual(config: IdentifyResidualStage, run: StageRun) -> None:
     """Find what the on-board estimate and the simulator get wrong along recorded flights."""
-    from pipeline.gap.diagnosis import diagnose
     from pipeline.platforms import Quadrotor, platform_from_config
     from pipeline.simulation import write_simulator
     from stages._simulators import chosen_simulator
 
     chosen, path = config.residual, _recorded(config)
-    if not path.exists() or not isinstance(platform_from_config(config.platform), Quadrotor):
-        logging.getLogger("simgap").info(
-            "identify_residual: there are no flights whose residual could be found"
-        )
-        (run.output / "metrics.json").write_text("{}\n")
+    unflown = not chosen.recording and not path.exists()
+    if unflown or not isinstance(platform_from_config(config.platform), Quadrotor):
+        run.leave_out("identify_residual: there are no flights whose residual could be found")
         return
     recording = _flights(config, run.input(path))
-    simulator, _ = chosen_simulator(chosen.simulator, config.platform, config, run)
+    simulator = _physics(chosen_simulator(chosen.simulator, config.platform, config, run)[0])
     if chosen.name_first:
-        simulator = diagnose(recording, simulator, config.gap).simulator
+        simulator = _named(recording, simulator, config.gap)
     augmented, metrics = _dynamics(simulator, recording, chosen.dynamics)
     write_simulator(augmented, run.output / "simulator")
     metrics |= _predicted(augmented, config, run)
     if chosen.observation.enabled and "estimate_position_x" in recording.frame:
         metrics |= _observation(recording, chosen.observation, config.seed, run)
     run.log_metrics(metrics)
+
+
+def _physics(simulator: "Simulator") -> "Simulator":
+    """Return a simulator without a residual that was found before: this stage finds all that the physics leaves."""
+    from pipeline.simulation.knn_residual import RecordedResidual
+
+    kept = [fitted for fitted in simulator.effects if not isinstance(fitted.effect, RecordedResidual)]
+    return simulator.with_effects(tuple(kept))
+
+
+def _named(recording: "Recording", simulator: "Simulator", settings: Gap) -> "Simulator":
+    from pipeline.gap.diagnosis import diagnose
+
+    return diagnose(recording, simulator, settings).simulator
 
 
 def _recorded(config: IdentifyResidualStage) -> Path:
@@ -64,7 +74,7 @@ def _recorded(config: IdentifyResidualStage) -> Path:
 
 def _flights(config: IdentifyResidualStage, path: Path) -> "Recording":
     """Return the flights to learn from: none that is held out to be predicted, and no longer than asked for."""
-    from pipeline.policies.residual.excerpt import first_seconds, of_runs
+    from pipeline.recordings.excerpt import first_seconds, of_runs
     from pipeline.recordings.split import runs_of
 
     recording, chosen = _cleaned(config, path), config.residual
@@ -105,7 +115,7 @@ def _dynamics(
 
 def _predicted(simulator: "Simulator", config: IdentifyResidualStage, run: StageRun) -> dict[str, float]:
     """Return how far predictions of runs that were held out are off, in SI units."""
-    from pipeline.policies.residual.excerpt import of_runs
+    from pipeline.recordings.excerpt import of_runs
     from pipeline.recordings.split import require_holdout, runs_of
     from pipeline.simulation import replay_error
     from pipeline.simulation.blocks import cut_blocks

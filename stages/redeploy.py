@@ -1,6 +1,5 @@
 """The stage that takes the policy that was trained further back to the concealed plant."""
 
-import logging
 from dataclasses import replace
 
 from pipeline.stage import StageRun, stage
@@ -14,8 +13,7 @@ def redeploy(config: DeployStage, run: StageRun) -> None:
     if policy.exists():
         race(replace(config, evaluate=replace(config.evaluate, policy=str(policy))), run)
         return
-    logging.getLogger("simgap").info("redeploy: nothing is deployed, since no policy was trained further")
-    (run.output / "metrics.json").write_text("{}\n")
+    run.leave_out("redeploy: nothing is deployed, since no policy was trained further")
 
 
 if __name__ == "__main__":

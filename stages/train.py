@@ -1,7 +1,6 @@
 """The stage that trains a learned dynamics model."""
 
 import json
-import logging
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -48,8 +47,7 @@ def train(config: TrainStage, run: StageRun) -> None:
     if config.train.enabled:
         _train(config, run)
         return
-    logging.getLogger("simgap").info("train: nothing is trained, since train.enabled is false")
-    _write_metrics({}, run)
+    run.leave_out("train: nothing is trained, since train.enabled is false")
 
 
 def _train(config: TrainStage, run: StageRun) -> None:

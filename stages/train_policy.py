@@ -1,6 +1,5 @@
 """The stage that trains a policy in a simulator."""
 
-import logging
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,10 +24,7 @@ def train_policy(config: TrainPolicyStage, run: StageRun) -> None:
     """Train a policy in a simulator by PPO, to race through the gates of a track."""
     task = config.train_policy.task
     if task is None:
-        logging.getLogger("simgap").info(
-            "train_policy: no policy is trained, since train_policy.task is null"
-        )
-        (run.output / "metrics.json").write_text("{}\n")
+        run.leave_out("train_policy: no policy is trained, since train_policy.task is null")
         return
     if task != TASK:
         raise InputError(f"there is no task {task!r}", "train_policy.task", f"use {TASK}")

@@ -11,6 +11,7 @@ from pipeline.gap.fit import Problem
 from pipeline.gap.regimes import Regime
 from pipeline.physics.weak_form import WindowFunctions, mean_of
 from pipeline.platforms.mechanism import Channel
+from pipeline.recordings.excerpt import evenly
 from pipeline.simulation.knn_residual import NearestNeighbours
 
 _COUNTS = (5, 15, 45, 135)  # neighbours that are tried
@@ -59,7 +60,7 @@ def learn(
     """
     known = [regime for regime in regimes if regime.name != "elapsed"]
     features = _features(known, problem.functions)
-    kept = _evenly(len(residual), residual.shape[1])
+    kept = torch.from_numpy(evenly(len(residual), max(_MOST_SAMPLES // residual.shape[1], 1)))
     moving = _moving(features[kept].flatten(0, 1))
     names = tuple(regime.name for regime, moves in zip(known, moving.tolist(), strict=True) if moves)
     features = features[..., moving]
@@ -101,12 +102,6 @@ def _features(regimes: Sequence[Regime], functions: WindowFunctions) -> Tensor:
 def _moving(features: Tensor) -> Tensor:
     """Return which features (windows, features) change by more than their rounding, (features,)."""
     return features.std(0) > _ROUNDING * features.abs().amax(0)
-
-
-def _evenly(blocks: int, rows: int) -> Tensor:
-    """Return blocks, evenly over all of them, whose windows are at most as many as may be looked up."""
-    count = max(min(blocks, _MOST_SAMPLES // rows), 1)
-    return torch.linspace(0, blocks - 1, count, dtype=torch.float64).round().long().unique()
 
 
 def _is_left(left: Tensor, noise: float, quadrature: float) -> bool:

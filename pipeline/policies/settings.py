@@ -68,3 +68,20 @@ class PolicyEvaluation:
     starts: int = 100  # perturbed
     laps: int = 2
     seconds: float = 60.0  # after which a flight ends
+
+
+@dataclass
+class Deployment:
+    """The configuration group `deploy`: trials of a motion and races on the concealed machine."""
+
+    plan: str | None = None  # folder of the motions; null: what simgap profile wrote
+    motion: str = "policy"  # which of them is driven
+    window: int = 25  # periods over which its voltages are averaged; 1: they are driven as they are
+    trials: int = 5
+    scatter: float = (
+        0.05  # by which the strength of what is concealed differs between trials, as a share of it
+    )
+    within: float = 0.03  # m, that a trial may end off the target
+    flights: int = 3  # races that are recorded at least
+    recorded_seconds: float = 50.0  # of races that are recorded together, where enough are flown
+    most_flights: int = 12  # races that are recorded at most

@@ -3,17 +3,19 @@
 Beside it stands the critic that it was trained with, where it is to be trained further.
 """
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-import yaml
-from safetensors import SafetensorError
-from safetensors.torch import load as tensors_from_bytes
-from safetensors.torch import save as tensors_to_bytes
 from torch import nn
 
-from pipeline.artifacts import hash_path
+from pipeline.artifacts.descriptions import (
+    read_description,
+    read_tensors,
+    write_description,
+    write_tensors,
+)
 from pipeline.errors import InputError
 from pipeline.policies.networks import Critic, Gaussian
 
@@ -21,6 +23,7 @@ SCHEMA = "simgap.policy/1"
 DESCRIPTION_FILE = "policy.yaml"
 TENSOR_FILE = "policy.safetensors"
 CRITIC_FILE = "critic.safetensors"
+_SOURCE = "give the folder of a policy, as simgap train_policy writes it"
 _REMEDY = "train the policy again"
 
 
@@ -59,18 +62,10 @@ def save_policy(
     """Write a policy into a folder, and its critic if there is one; the same policy gives the same bytes."""
     folder.mkdir(parents=True, exist_ok=True)
     document: dict[str, Any] = {"schema": SCHEMA, **asdict(description)}
-    document["tensors"] = _write_tensors(gaussian, folder / TENSOR_FILE)
+    document["tensors"] = write_tensors(gaussian.state_dict(), folder / TENSOR_FILE)
     if critic is not None:
-        document["critic"] = _write_tensors(critic, folder / CRITIC_FILE)
-    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True)
-    (folder / DESCRIPTION_FILE).write_text(text, encoding="utf-8")
-
-
-def _write_tensors(network: nn.Module, file: Path) -> dict[str, str]:
-    """Write the numbers of a network, and return what the description says of the file."""
-    tensors = {name: tensor.detach().cpu().contiguous() for name, tensor in network.state_dict().items()}
-    file.write_bytes(tensors_to_bytes(dict(sorted(tensors.items()))))
-    return {"file": file.name, "sha256": hash_path(file)}
+        document["critic"] = write_tensors(critic.state_dict(), folder / CRITIC_FILE)
+    write_description(document, folder / DESCRIPTION_FILE)
 
 
 def load_policy(folder: Path) -> tuple[Gaussian, Description]:
@@ -79,17 +74,18 @@ def load_policy(folder: Path) -> tuple[Gaussian, Description]:
     Raises:
         InputError: when a file is missing, is not what it should be, or does not fit the other.
     """
-    document = _read(folder / DESCRIPTION_FILE)
-    document.pop("critic", None)
+    document = _read(folder)
+    stored = document.pop("tensors", {})
+    for key in ("schema", "critic"):
+        document.pop(key, None)
     try:
-        expected = document.pop("tensors")["sha256"]
         description = Description(**document)
         sizes = (description.observation_size, description.action_size, description.hidden)
         gaussian = Gaussian(*sizes, description.slope, deviation=1.0)
-    except (KeyError, TypeError, ValueError) as error:
+    except (TypeError, ValueError) as error:
         where = str(folder / DESCRIPTION_FILE)
         raise InputError(f"is not a policy's description ({error})", where, _REMEDY) from error
-    _load_tensors(gaussian, folder / TENSOR_FILE, expected)
+    _restore(gaussian, folder / TENSOR_FILE, stored)
     return gaussian, description
 
 
@@ -99,29 +95,18 @@ def load_critic(critic: Critic, folder: Path) -> None:
     Raises:
         InputError: when the policy has no critic, or one of another size.
     """
-    document = _read(folder / DESCRIPTION_FILE)
+    document = _read(folder)
     if "critic" not in document:
         raise InputError("has no critic to go on with", str(folder / DESCRIPTION_FILE), _REMEDY)
-    _load_tensors(critic, folder / CRITIC_FILE, document["critic"]["sha256"])
+    _restore(critic, folder / CRITIC_FILE, document["critic"])
 
 
-def _load_tensors(network: nn.Module, file: Path, expected: str) -> None:
-    if not file.exists() or hash_path(file) != expected:
-        raise InputError("is not the file that the description belongs to", str(file), _REMEDY)
+def _restore(network: nn.Module, file: Path, stored: Mapping[str, str]) -> None:
     try:
-        network.load_state_dict(tensors_from_bytes(file.read_bytes()))
-    except (RuntimeError, SafetensorError) as error:
+        network.load_state_dict(read_tensors(file, stored, _REMEDY))
+    except RuntimeError as error:
         raise InputError("does not hold the policy's numbers", str(file), _REMEDY) from error
 
 
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        remedy = "give the folder of a policy, as simgap train_policy writes it"
-        raise InputError(f"cannot be read ({error.strerror})", str(path), remedy) from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError("is not plain YAML", str(path), _REMEDY) from error
-    if not isinstance(document, dict) or document.pop("schema", None) != SCHEMA:
-        raise InputError(f"is not of schema {SCHEMA}", str(path), _REMEDY)
-    return document
+def _read(folder: Path) -> dict[str, Any]:
+    return read_description(folder / DESCRIPTION_FILE, SCHEMA, _SOURCE, _REMEDY)

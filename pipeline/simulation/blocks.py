@@ -9,6 +9,7 @@ from torch import Tensor
 
 from pipeline.errors import InputError
 from pipeline.platforms import Platform
+from pipeline.recordings.excerpt import evenly
 from pipeline.recordings.recording import Recording
 from pipeline.simulation.signals import COMMANDS, recorded_signals
 
@@ -101,9 +102,7 @@ class Blocks:
 
     def thinned(self, most: int) -> "Blocks":
         """Return at most so many blocks, drawn evenly over the recording."""
-        if len(self) <= most:
-            return self
-        return self.take(torch.linspace(0, len(self) - 1, most, dtype=torch.float64).round().long())
+        return self if len(self) <= most else self.take(torch.from_numpy(evenly(len(self), most)))
 
 
 def cut_blocks(

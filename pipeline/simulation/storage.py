@@ -8,11 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from safetensors import SafetensorError
-from safetensors.torch import load as tensors_from_bytes
-from safetensors.torch import save as tensors_to_bytes
 
-from pipeline.artifacts import hash_path
+from pipeline.artifacts.descriptions import read_tensors, write_description, write_tensors
 from pipeline.effects import effect_by_key
 from pipeline.errors import InputError
 from pipeline.platforms import Platform, Quadrotor, platform_from_config, platform_to_config
@@ -34,9 +31,7 @@ def write_simulator(simulator: Simulator, folder: Path) -> None:
         "settings": dict(simulator.settings),
         "effects": [_describe(fitted, simulator.position_unit, folder) for fitted in simulator.effects],
     }
-    (folder / _FILE).write_text(
-        yaml.safe_dump(content, sort_keys=False, allow_unicode=True), encoding="utf-8"
-    )
+    write_description(content, folder / _FILE)
 
 
 def _describe(fitted: FittedEffect, position_unit: str, folder: Path) -> dict[str, Any]:
@@ -53,15 +48,13 @@ def _describe(fitted: FittedEffect, position_unit: str, folder: Path) -> dict[st
 
 
 def _describe_recorded(residual: RecordedResidual, folder: Path) -> dict[str, Any]:
-    known, file = residual.neighbours, folder / _TENSORS
-    tensors = {"inputs": known.inputs.float().contiguous(), "outputs": known.outputs.float().contiguous()}
-    file.write_bytes(tensors_to_bytes(tensors))
-    stored = {"file": _TENSORS, "sha256": hash_path(file)}
+    known = residual.neighbours
+    tensors = {"inputs": known.inputs.float(), "outputs": known.outputs.float()}
     return {
         "effect": residual.key,
         "formula": residual.formula,
         "neighbours": known.count,
-        "tensors": stored,
+        "tensors": write_tensors(tensors, folder / _TENSORS),
         "known": True,
     }
 
@@ -106,15 +99,9 @@ def _fitted(platform: Platform, entry: dict[str, Any], folder: Path) -> FittedEf
 
 
 def _recorded(platform: Quadrotor, entry: dict[str, Any], file: Path) -> RecordedResidual:
-    try:
-        if hash_path(file) != entry["tensors"]["sha256"]:
-            raise ValueError(f"{file.name} is not the file that belongs to it")
-        tensors = tensors_from_bytes(file.read_bytes())
-    except (OSError, SafetensorError) as error:
-        raise ValueError(f"{file.name} cannot be read: {error}") from error
-    return RecordedResidual(
-        NearestNeighbours(tensors["inputs"], tensors["outputs"], int(entry["neighbours"])), platform
-    )
+    tensors = read_tensors(file, entry["tensors"], "identify the residual again")
+    neighbours = NearestNeighbours(tensors["inputs"], tensors["outputs"], int(entry["neighbours"]))
+    return RecordedResidual(neighbours, platform)
 
 
 def _number(value: Any) -> float:

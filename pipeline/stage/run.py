@@ -1,6 +1,7 @@
 """What a stage is given beside its configuration: a place to write, and ways to say what it does."""
 
 import json
+import logging
 import math
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -73,6 +74,11 @@ class StageRun:
     def progress(self, iterable: Iterable[Item], label: str, total: int | None = None) -> Iterator[Item]:
         """Yield the items and show how far the work is; see `pipeline.artifacts.progress`."""
         return progress(iterable, label, total)
+
+    def leave_out(self, reason: str) -> None:
+        """Say why the stage has nothing to do, and write that nothing was measured: the stages after it read that."""
+        logging.getLogger("simgap").info(reason)
+        (self.output / METRICS_FILE).write_text("{}\n")
 
     def write_metrics(self) -> None:
         """Write the metrics beside the other output, unless the stage wrote such a file itself."""

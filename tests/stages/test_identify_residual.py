@@ -57,6 +57,32 @@ def test_so_many_seconds_are_used_as_asked_for(recording, tmp_path):
     assert (tmp_path / "ten" / "observation" / "observation.yaml").exists()
 
 
+def test_a_residual_takes_the_place_of_one_that_was_found_before(recording, tmp_path):
+    learned = ("residual.observation.enabled=false",)
+    identified(recording, tmp_path / "first", *learned)
+    again = identified(
+        recording, tmp_path / "again", *learned, f"residual.simulator={tmp_path}/first/simulator"
+    )
+    first = json.loads((tmp_path / "first" / "metrics.json").read_text())
+    assert again == first
+    (found,) = read_simulator(tmp_path / "again" / "simulator").effects
+    assert found.effect.name == "recorded_residual"
+
+
+def test_flights_that_are_named_and_not_there_are_an_error(tmp_path, capsys):
+    with pytest.raises(SystemExit) as ended:
+        identify_residual.main(
+            [
+                "platform=racer",
+                f"residual.recording={tmp_path}/flights.parquet",
+                f"artifacts={tmp_path}",
+                "tracking.enabled=false",
+            ]
+        )
+    assert ended.value.code == 2
+    assert "flights.parquet: does not exist" in capsys.readouterr().err
+
+
 def test_a_simulator_that_is_not_there_is_refused_in_one_line(recording, tmp_path, capsys):
     with pytest.raises(SystemExit) as ended:
         identify_residual.main(

@@ -5,9 +5,9 @@ import yaml
 
 from pipeline.errors import InputError
 from pipeline.policies.profile import contenders
-from pipeline.policies.profile.settings import Deployment, Profile
+from pipeline.policies.profile.settings import Profile
 from pipeline.policies.profile.storage import FILE, read_motions
-from pipeline.policies.settings import Learning
+from pipeline.policies.settings import Deployment, Learning
 from pipeline.policies.storage import load_policy
 from pipeline.stage import StageRun
 from pipeline.stage.compose import compose

@@ -52,12 +52,12 @@ def flight_in(simulator: Simulator, settings: Flying, residual: Residual | None 
 
 def _recorded(simulator: Simulator) -> Residual | None:
     """Return the force and the torque of a simulator's recorded residual, (batch, 6)."""
-    known = [f.effect for f in simulator.effects if isinstance(f.effect, RecordedResidual)]
-    if not known:
+    found = simulator.of_type(RecordedResidual)
+    if not found:
         return None
-    return lambda features: torch.nn.functional.pad(
-        torch.stack([effect(features) for effect in known]).sum(0), (0, 3)
-    )
+    (residual,) = (fitted.effect for fitted in found)
+    assert isinstance(residual, RecordedResidual)
+    return lambda features: torch.nn.functional.pad(residual(features), (0, 3))
 
 
 def _known(key: str, values: dict[str, float]) -> FittedEffect:

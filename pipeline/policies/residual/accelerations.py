@@ -1,6 +1,5 @@
 """The acceleration that a simulator leaves over along recorded flights."""
 
-import numpy as np
 import pandas as pd
 import torch
 from torch import Tensor
@@ -8,6 +7,7 @@ from torch import Tensor
 from pipeline.errors import InputError
 from pipeline.physics.weak_form import moving_mean_of, moving_mean_rate_of, moving_window
 from pipeline.platforms import Quadrotor
+from pipeline.recordings.excerpt import evenly
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 from pipeline.simulation.knn_residual import (
@@ -79,10 +79,6 @@ def nearest_of(
         count: of neighbours.
         platform: which the residual belongs to.
     """
-    places = torch.from_numpy(
-        np.linspace(0, len(features) - 1, min(samples, len(features))).round().astype(int)
-    )
-    chosen = places.unique()
-    return RecordedResidual(
-        NearestNeighbours(features[chosen].float(), residual[chosen].float(), count), platform
-    )
+    chosen = evenly(len(features), samples)
+    neighbours = NearestNeighbours(features[chosen].float(), residual[chosen].float(), count)
+    return RecordedResidual(neighbours, platform)

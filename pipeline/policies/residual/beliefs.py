@@ -7,21 +7,12 @@ from torch import Tensor
 
 from pipeline.errors import InputError
 from pipeline.physics import rotations
+from pipeline.recordings.excerpt import evenly
 
 FEATURES = 15
 """Position (3), velocity (3), first two columns of the rotation matrix (6), body rate (3)."""
 
-RESIDUALS = (
-    "position_x",
-    "position_y",
-    "position_z",
-    "velocity_x",
-    "velocity_y",
-    "velocity_z",
-    "tilt_x",
-    "tilt_y",
-    "tilt_z",
-)
+RESIDUALS = tuple(f"{name}_{axis}" for name in ("position", "velocity", "tilt") for axis in "xyz")
 """Estimate less truth: m, m/s (world frame), and the rotation from true to estimated attitude about body axes, rad."""
 
 _ESTIMATED = {"position": "xyz", "attitude": "wxyz", "velocity": "xyz"}
@@ -87,11 +78,8 @@ def recorded_beliefs(frame: pd.DataFrame, samples: int) -> tuple[Tensor, Tensor]
     complete = frame[[*own, *believed]].dropna()
     if len(complete) < FEATURES:
         raise InputError(f"has {len(complete)} samples with an estimate", "recording", "record more")
-    chosen = np.unique(np.linspace(0, len(complete) - 1, min(samples, len(complete))).round().astype(int))
-    truth, belief = (
-        _state(complete.iloc[chosen][own], _STATE),
-        _state(complete.iloc[chosen][believed], _ESTIMATED),
-    )
+    chosen = complete.iloc[evenly(len(complete), samples)]
+    truth, belief = _state(chosen[own], _STATE), _state(chosen[believed], _ESTIMATED)
     return state_features(truth), misjudged(truth, belief)
 
 

@@ -11,6 +11,8 @@ import gpytorch
 import torch
 from torch import Tensor
 
+from pipeline.recordings.excerpt import evenly
+
 # Of scaled features and outputs: beyond these a process only looks more certain than a thousand samples can be.
 _LENGTHS, _VARIANCES, _NOISES = (0.1, 30.0), (0.01, 4.0), (1e-3, 1.5)
 _STARTS = {"lengths": 3.0, "variance": 1.0, "noise": 0.1}
@@ -86,7 +88,7 @@ def fit(features: Tensor, residuals: Tensor, judged_by: int, iterations: int) ->
     """
     inputs, input_scale = _standardised(features)
     outputs, output_scale = _standardised(residuals)
-    judged = torch.linspace(0, len(inputs) - 1, min(judged_by, len(inputs))).round().long()
+    judged = evenly(len(inputs), judged_by)
     kernel, noise = _most_likely(inputs[judged], outputs[judged], iterations)
     return GaussianProcesses(
         inputs,

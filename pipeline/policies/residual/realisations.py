@@ -12,6 +12,7 @@ import torch
 from torch import Tensor
 
 from pipeline.policies.residual.gaussian_processes import GaussianProcesses
+from pipeline.recordings.excerpt import evenly
 
 
 @dataclass(frozen=True)
@@ -90,24 +91,19 @@ def draw(processes: GaussianProcesses, count: int, waves: int, anchors: int, see
         * processes.noise.sqrt()[:, None, None]
     )
     added = processes.solve(processes.outputs[..., None] - prior - noise)  # (processes, samples, draws)
-    places = torch.linspace(0, len(processes.inputs) - 1, min(anchors, len(processes.inputs))).round().long()
-    chosen = processes.inputs[places.unique()]
+    chosen = processes.inputs[evenly(len(processes.inputs), anchors)]
     corrections = _carried(processes, chosen, added)
-    return Realisations(
-        **{
-            name: tensor.float().contiguous()
-            for name, tensor in {
-                "frequencies": frequencies,
-                "phases": phases,
-                "weights": weights,
-                "anchors": chosen,
-                "lengths": processes.lengths,
-                "corrections": corrections.permute(2, 0, 1),
-                "input_scale": processes.input_scale,
-                "output_scale": processes.output_scale,
-            }.items()
-        }
+    numbers = (
+        frequencies,
+        phases,
+        weights,
+        chosen,
+        processes.lengths,
+        corrections.permute(2, 0, 1),
+        processes.input_scale,
+        processes.output_scale,
     )
+    return Realisations(*(tensor.float().contiguous() for tensor in numbers))
 
 
 def _frequencies(lengths: Tensor, count: int, random: torch.Generator) -> Tensor:

@@ -2,13 +2,12 @@
 
 from pathlib import Path
 
-import torch
-import yaml
-from safetensors import SafetensorError
-from safetensors.torch import load as tensors_from_bytes
-from safetensors.torch import save as tensors_to_bytes
-
-from pipeline.artifacts import hash_path
+from pipeline.artifacts.descriptions import (
+    read_description,
+    read_tensors,
+    write_description,
+    write_tensors,
+)
 from pipeline.errors import InputError
 from pipeline.policies.residual.beliefs import RESIDUALS
 from pipeline.policies.residual.gaussian_processes import GaussianProcesses
@@ -29,7 +28,6 @@ def save_observation(processes: GaussianProcesses, drawn: Realisations, source: 
         folder: is made if needed.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / TENSOR_FILE).write_bytes(tensors_to_bytes(drawn.tensors()))
     size = processes.output_scale[1]
     described = {
         name: {
@@ -45,10 +43,9 @@ def save_observation(processes: GaussianProcesses, drawn: Realisations, source: 
         "samples": len(processes.inputs),
         "draws": len(drawn),
         "residuals": described,
-        "tensors": {"file": TENSOR_FILE, "sha256": hash_path(folder / TENSOR_FILE)},
+        "tensors": write_tensors(drawn.tensors(), folder / TENSOR_FILE),
     }
-    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True)
-    (folder / DESCRIPTION_FILE).write_text(text, encoding="utf-8")
+    write_description(document, folder / DESCRIPTION_FILE)
 
 
 def load_observation(folder: Path) -> Realisations:
@@ -57,13 +54,9 @@ def load_observation(folder: Path) -> Realisations:
     Raises:
         InputError: when a file is missing, or is not what it should be.
     """
-    described, tensors = folder / DESCRIPTION_FILE, folder / TENSOR_FILE
+    document = read_description(folder / DESCRIPTION_FILE, SCHEMA, _REMEDY, _REMEDY)
+    tensors = read_tensors(folder / TENSOR_FILE, document.get("tensors", {}), _REMEDY)
     try:
-        document = yaml.safe_load(described.read_text(encoding="utf-8"))
-        expected = document["tensors"]["sha256"] if document["schema"] == SCHEMA else ""
-        if hash_path(tensors) != expected:
-            raise ValueError(f"{tensors.name} is not the file that it belongs to")
-        read: dict[str, torch.Tensor] = tensors_from_bytes(tensors.read_bytes())
-        return Realisations(**read)
-    except (OSError, KeyError, TypeError, ValueError, yaml.YAMLError, SafetensorError) as error:
-        raise InputError(f"cannot be read ({error})", str(described), _REMEDY) from error
+        return Realisations(**tensors)
+    except TypeError as error:
+        raise InputError(f"holds other numbers ({error})", str(folder / TENSOR_FILE), _REMEDY) from error

@@ -13,6 +13,7 @@ from pipeline.platforms import Joint, Quadrotor, platform_from_config
 from pipeline.platforms.joint import JointMotor
 from pipeline.reality.case import PlantCase
 from pipeline.reality.fly import fly
+from pipeline.recordings.excerpt import of_runs
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import FittedEffect, Simulator
 
@@ -169,7 +170,7 @@ def flight(*effects: tuple[str, float]) -> Recording:
 def uneventful_flights() -> list[Recording]:
     """Return four recordings of a plant without any concealed effect, eight flights each."""
     every = flown((), seed=1, runs=32)
-    return [_with_holdout(_of_runs(every, every.runs[part::4])) for part in range(4)]
+    return [_with_holdout(of_runs(every, every.runs[part::4])) for part in range(4)]
 
 
 def late(recording: Recording, samples: int) -> Recording:
@@ -178,11 +179,6 @@ def late(recording: Recording, samples: int) -> Recording:
     motors = [column for column in frame if str(column).startswith("motor_")]
     frame[motors] = frame.groupby("run", sort=False)[motors].shift(-samples)
     return replace(recording, frame=frame.dropna(subset=motors).reset_index(drop=True))
-
-
-def _of_runs(recording: Recording, runs: list[str]) -> Recording:
-    frame = recording.frame[recording.frame["run"].isin(runs)].reset_index(drop=True)
-    return replace(recording, frame=frame)
 
 
 def _with_holdout(recording: Recording) -> Recording:

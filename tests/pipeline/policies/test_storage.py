@@ -3,8 +3,15 @@ import torch
 import yaml
 
 from pipeline.errors import InputError
-from pipeline.policies.networks import Gaussian
-from pipeline.policies.storage import DESCRIPTION_FILE, TENSOR_FILE, Description, load_policy, save_policy
+from pipeline.policies.networks import Critic, Gaussian
+from pipeline.policies.storage import (
+    DESCRIPTION_FILE,
+    TENSOR_FILE,
+    Description,
+    load_critic,
+    load_policy,
+    save_policy,
+)
 
 DESCRIPTION = Description(
     "racing", 5, 2, 0.01, [16, 16], 0.2, {"seed": 1}, "abc", "the last", {"return": 1.0}
@@ -33,6 +40,19 @@ def test_the_same_policy_gives_the_same_bytes(saved, tmp_path):
     save_policy(gaussian, DESCRIPTION, tmp_path / "again")
     for file in (DESCRIPTION_FILE, TENSOR_FILE):
         assert (tmp_path / "again" / file).read_bytes() == (folder / file).read_bytes()
+
+
+def test_a_policy_goes_on_only_with_its_own_critic(saved, tmp_path):
+    gaussian, folder = saved
+    with pytest.raises(InputError, match="no critic to go on with"):
+        load_critic(Critic(5, 3, [16, 16], 0.2), folder)
+    critic, other = Critic(5, 3, [16, 16], 0.2), Critic(5, 3, [16, 16], 0.2)
+    save_policy(gaussian, DESCRIPTION, tmp_path / "both", critic)
+    load_critic(other, tmp_path / "both")
+    assert all(torch.equal(*pair) for pair in zip(other.parameters(), critic.parameters(), strict=True))
+    with pytest.raises(InputError, match="does not hold the policy's numbers"):
+        load_critic(Critic(5, 4, [16, 16], 0.2), tmp_path / "both")
+    load_policy(tmp_path / "both")
 
 
 def test_what_is_no_policy_is_refused_in_one_line(saved):

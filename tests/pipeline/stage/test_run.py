@@ -42,6 +42,15 @@ def test_a_doubt_is_one_line_on_standard_error(tmp_path: Path, capsys: pytest.Ca
     assert run.warnings == ["run 'a': degrees?"]
 
 
+def test_a_stage_with_nothing_to_do_says_so_and_leaves_empty_metrics(tmp_path: Path, caplog) -> None:
+    run = StageRun(tmp_path)
+    with caplog.at_level("INFO", "simgap"):
+        run.leave_out("sum: there is nothing to add")
+    run.write_metrics()
+    assert caplog.messages == ["sum: there is nothing to add"]
+    assert (tmp_path / "metrics.json").read_text() == "{}\n"
+
+
 def test_metrics_do_not_overwrite_what_the_stage_wrote(tmp_path: Path) -> None:
     run = StageRun(tmp_path)
     run.log_metrics({"loss": 1.0}, step=3)

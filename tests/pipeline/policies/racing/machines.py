@@ -8,7 +8,7 @@ from omegaconf import OmegaConf
 
 from pipeline.platforms import Quadrotor, platform_from_config
 from pipeline.policies.racing.flying import flight_in
-from pipeline.policies.racing.racing import Racing
+from pipeline.policies.racing.racing import Misjudging, Racing
 from pipeline.policies.racing.settings import Flying, RacingSettings, TrackSettings
 from pipeline.policies.racing.track import Track, track_from
 from pipeline.simulation import Simulator
@@ -38,6 +38,12 @@ def track_named(name: str) -> Track:
     return track_from(track_settings(name))
 
 
-def racing(batch: int, track: str = "tiny", settings: RacingSettings | None = None) -> Racing:
+def racing(
+    batch: int,
+    track: str = "tiny",
+    settings: RacingSettings | None = None,
+    misjudging: Misjudging | None = None,
+) -> Racing:
     settings = settings or RacingSettings(flying=COARSE)
-    return Racing(flight_in(Simulator(racer()), settings.flying), track_named(track), settings, batch)
+    flight = flight_in(Simulator(racer()), settings.flying)
+    return Racing(flight, track_named(track), settings, batch, misjudging=misjudging)

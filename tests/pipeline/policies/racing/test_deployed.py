@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from pipeline.policies.racing.deployed import Deployed, RateLoop
-from pipeline.policies.racing.flying import Fleet, flight_in, state_of
+from pipeline.policies.racing.flying import PARTS, Fleet, flight_in, state_of
 from pipeline.policies.racing.settings import Flying
 from pipeline.reality.case import PlantCase, Sensors
 from pipeline.reality.race import RacedMachines
@@ -60,6 +60,17 @@ def test_flights_are_those_of_their_seed():
     once, again, other = (flown(deployed(seed), 10)["body_rate"] for seed in (1, 1, 2))
     assert torch.equal(once, again)
     assert not torch.equal(once, other)
+
+
+def test_machines_without_an_estimator_know_where_they_are_and_others_believe_something_else():
+    for estimates, most in ((0.0, 0.0), (1.0, 0.5)):
+        machines = deployed(estimates=estimates)
+        rows = machines.rows(level())
+        for _ in range(40):
+            rows = machines.step(rows, torch.tensor([[12.0, 1.0, 0.0, 0.0]]).expand(MACHINES, 4))
+        wrong = (machines.believed(rows)[PARTS["position"]] - rows[PARTS["position"]]).norm(dim=0)
+        assert float(wrong.max()) <= most
+        assert bool((wrong > 0.0).all()) == (estimates > 0.0)
 
 
 @pytest.mark.parametrize("rate", [0.0, 3.0])

@@ -4,6 +4,7 @@ import torch
 from pipeline.errors import InputError
 from pipeline.platforms import Joint
 from pipeline.policies.racing.flying import PARTS, Fleet, flight_in, state_of
+from pipeline.policies.racing.observation import seen_state
 from pipeline.policies.racing.racing import commanded
 from pipeline.policies.racing.settings import Flying
 from pipeline.simulation import Simulator
@@ -28,6 +29,34 @@ def put(environment, position, velocity, target: int) -> None:
 
 def test_racing_keeps_to_the_contract(environment):
     check_contract(environment, steps=60)
+
+
+class Shifted:
+    """The first function moves what is believed along x, the second along y."""
+
+    def __len__(self) -> int:
+        return 2
+
+    def __call__(self, state: dict[str, torch.Tensor], which: torch.Tensor) -> dict[str, torch.Tensor]:
+        return {**state, "position": state["position"] + torch.eye(3)[which]}
+
+
+def test_machines_that_misjudge_their_states_keep_to_the_contract():
+    check_contract(racing(16, misjudging=Shifted()), steps=30)
+
+
+def test_a_policy_sees_what_is_believed_and_its_critic_the_truth_besides(environment):
+    misjudging = racing(64, misjudging=Shifted())
+    for one in (environment, misjudging):
+        one.start(0)
+        put(one, [4.0, -3.0, 2.5], [0.0, 8.0, 0.0], target=0)
+    truth, belief = environment.observe(), misjudging.observe()
+    which = misjudging.state["misjudged"]
+    assert set(which.tolist()) == {0, 1}
+    torch.testing.assert_close(seen_state(belief)[0] - seen_state(truth)[0], torch.eye(3)[which])
+    assert torch.equal(belief.privileged, truth.privileged)
+    misjudging.step(torch.zeros(64, 4))
+    assert torch.equal(misjudging.state["misjudged"], which)  # through the whole flight
 
 
 def test_an_action_of_zero_hovers(environment):

@@ -9,7 +9,6 @@ from pipeline.errors import InputError
 from pipeline.platforms import Joint
 from pipeline.policies.racing.flying import PARTS, Fleet, flight_in
 from pipeline.policies.residual.accelerations import left_over, nearest_of
-from pipeline.policies.residual.excerpt import first_seconds
 from pipeline.reality.case import PlantCase, Sensors
 from pipeline.reality.fly import fly
 from pipeline.recordings.cleaning import clean_recording
@@ -96,15 +95,6 @@ def test_a_policy_feels_it(recording):
     moved = ends[1] - ends[0]
     expected = -DRAG * 10 * COARSE.period * state[:, PARTS["velocity"]]
     torch.testing.assert_close(moved[:, :2], expected[:, :2], rtol=0.4, atol=0.05)
-
-
-def test_the_beginning_of_a_recording(recording):
-    frame = first_seconds(recording, 7.0).frame
-    assert len(frame) == round(7.0 / recording.time_step)
-    assert frame["run"].nunique() == 2
-    assert first_seconds(recording, None) is recording
-    with pytest.raises(InputError, match="hold no sample"):
-        first_seconds(recording, 0.0)
 
 
 def test_only_quadrotors_have_it(recording):

@@ -40,7 +40,7 @@ def test_what_is_damaged_is_refused_in_one_line(saved):
         with pytest.raises(InputError, match="belongs to"):
             load_observation(folder)
     (folder / DESCRIPTION_FILE).write_text("schema: other\ntensors: {sha256: x}\n")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="is not of schema"):
         load_observation(folder)
     with pytest.raises(InputError, match="cannot be read"):
         load_observation(folder / "nowhere")

@@ -1,10 +1,18 @@
-"""Parts of a recording."""
+"""Parts of a recording, and samples evenly over it."""
 
 from collections.abc import Collection
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pipeline.errors import InputError
 from pipeline.recordings.recording import Recording
+
+
+def evenly(total: int, most: int) -> NDArray[np.int64]:
+    """Return places out of so many, evenly over all of them, at most as many as wanted; the ends are among them."""
+    return np.unique(np.linspace(0, total - 1, min(most, total)).round().astype(np.int64))
 
 
 def of_runs(recording: Recording, names: Collection[str]) -> Recording:
