@@ -58,7 +58,7 @@ class Laps:
 
 @torch.no_grad()
 def fly_laps(environment: Racing, pilot: Pilot, seed: int, laps: int = 2, seconds: float = 60.0) -> Laps:
-    """Let every machine fly laps from a perturbed start behind the last gate.
+    """Let every machine fly laps from a perturbed start beyond the last gate.
 
     A lap is timed from the first gate to the first gate. A machine's flight ends with its laps, its crash or the time.
 
@@ -84,11 +84,11 @@ def fly_laps(environment: Racing, pilot: Pilot, seed: int, laps: int = 2, second
 
 def _line_up(environment: Racing, seed: int) -> Observation:
     environment.start(seed)
-    settings = environment.settings.starts
-    state = first_starts(environment.track, settings)[-1, :1].expand(environment.batch, STATE)
+    settings, track = environment.settings.starts, environment.track
+    state = first_starts(track, settings)[-1, :1].expand(environment.batch, STATE)
     machines = torch.arange(environment.batch, device=environment.device)
-    first = torch.zeros_like(machines)
-    environment.place(machines, perturbed(state, settings, environment.generator), first)
+    first, last = torch.zeros_like(machines), torch.full_like(machines, len(track) - 1)
+    environment.place(machines, perturbed(state, last, track, settings, environment.generator), first)
     return environment.observe()
 
 

@@ -85,7 +85,7 @@ class Racing(Environment):
         if "rows" not in self.state:
             self._begin()
         settings = self.settings.starts
-        gates, states = drawn_start(self.state["starts"], len(machines), settings, self.generator)
+        gates, states = drawn_start(self.state["starts"], len(machines), self.track, settings, self.generator)
         self.place(machines, states, (gates + 1) % len(self.track))
 
     def place(self, machines: Tensor, states: Tensor, target: Tensor) -> None:

@@ -1,4 +1,8 @@
-"""Where episodes start: states in which machines have passed the gates, perturbed within bounds."""
+"""Where episodes start: states in which machines have passed the gates, perturbed within bounds.
+
+However it is perturbed, a machine starts on the far side of its gate: on the near side, and off the middle of the
+opening, it would hit the frame that it has passed.
+"""
 
 import torch
 from torch import Tensor
@@ -13,21 +17,19 @@ from pipeline.policies.racing.track import Track
 def first_starts(track: Track, settings: Starts) -> Tensor:
     """Return states to start from before any machine has passed a gate, (gates, kept, 13).
 
-    The machine is in the middle of the gate, level, and flies towards the next one.
+    The machine is in the middle of the gate, level, and flies out of it.
 
     Raises:
         InputError: when no place is left for states that are seen later.
     """
     if not 0 <= round(settings.slow * settings.kept) < settings.kept:
         raise InputError("leaves no place for states that are seen later", "starts.slow", "choose 0 to 0.9")
-    towards = track.centres.roll(-1, 0) - track.centres
-    towards = towards / torch.linalg.vector_norm(towards, dim=-1, keepdim=True)
     state = track.centres.new_zeros(len(track), STATE)
     yaw = torch.atan2(track.axes[:, 0, 1], track.axes[:, 0, 0])
     vertical = torch.nn.functional.pad(yaw[:, None], (2, 0))
     state[:, PARTS["position"]] = track.centres
     state[:, PARTS["attitude"]] = rotations.from_rotation_vector(vertical)
-    state[:, PARTS["velocity"]] = settings.speed * towards
+    state[:, PARTS["velocity"]] = settings.speed * track.axes[:, 0]
     return state[:, None].repeat(1, settings.kept, 1)
 
 
@@ -53,16 +55,26 @@ def keep(starts: Tensor, gates: Tensor, states: Tensor, settings: Starts, genera
 
 
 def drawn_start(
-    starts: Tensor, count: int, settings: Starts, generator: torch.Generator
+    starts: Tensor, count: int, track: Track, settings: Starts, generator: torch.Generator
 ) -> tuple[Tensor, Tensor]:
     """Return gates that were passed (count,), drawn evenly, and states (count, 13) perturbed within bounds."""
     gates = torch.randint(starts.shape[0], (count,), generator=generator, device=starts.device)
     places = torch.randint(starts.shape[1], (count,), generator=generator, device=starts.device)
-    return gates, perturbed(starts[gates, places], settings, generator)
+    return gates, perturbed(starts[gates, places], gates, track, settings, generator)
 
 
-def perturbed(state: Tensor, settings: Starts, generator: torch.Generator) -> Tensor:
-    """Return states (batch, 13) with each part moved within its bounds."""
+def perturbed(
+    state: Tensor, gates: Tensor, track: Track, settings: Starts, generator: torch.Generator
+) -> Tensor:
+    """Return states with each part moved within its bounds.
+
+    Args:
+        state: (batch, 13).
+        gates: that have been passed, (batch,).
+        track: to which they belong.
+        settings: the bounds.
+        generator: of the draws.
+    """
     draw = torch.rand(len(state), 12, generator=generator, device=state.device) * 2.0 - 1.0
     position, attitude, velocity, rate = draw.split(3, dim=-1)
     turned = rotations.multiply(
@@ -70,10 +82,17 @@ def perturbed(state: Tensor, settings: Starts, generator: torch.Generator) -> Te
     )
     return torch.cat(
         [
-            state[:, PARTS["position"]] + settings.position * position,
+            _beyond(track, gates, state[:, PARTS["position"]] + settings.position * position),
             rotations.normalize(turned),
             state[:, PARTS["velocity"]] + settings.velocity * velocity,
             state[:, PARTS["body_rate"]] + settings.body_rate * rate,
         ],
         dim=-1,
     )
+
+
+def _beyond(track: Track, gates: Tensor, position: Tensor) -> Tensor:
+    """Return positions (batch, 3), those on the near side of their gates mirrored to the far side."""
+    axis = track.axes[gates, 0]
+    depth = ((position - track.centres[gates]) * axis).sum(-1, keepdim=True)
+    return position - 2.0 * depth.clamp_max(0.0) * axis

@@ -1,29 +1,31 @@
+import pytest
 import torch
 
 from pipeline.physics import rotations
 from pipeline.policies.racing.flying import PARTS
+from pipeline.policies.racing.passage import passage
 from pipeline.policies.racing.settings import Starts
 from pipeline.policies.racing.starts import drawn_start, first_starts, keep, perturbed
 from tests.pipeline.policies.racing.machines import track_named
 
 SETTINGS = Starts(kept=8)
+GATES = torch.arange(4).repeat(500)  # of the tiny track
 
 
-def test_before_any_pass_a_machine_starts_in_a_gate_and_flies_to_the_next():
+def test_before_any_pass_a_machine_starts_in_a_gate_and_flies_out_of_it():
     track = track_named("split_s")
     starts = first_starts(track, SETTINGS)
     assert starts.shape == (7, 8, 13)
     torch.testing.assert_close(starts[:, 3, PARTS["position"]], track.centres)
     ahead = rotations.rotate(starts[:, 0, PARTS["attitude"]], torch.tensor([1.0, 0.0, 0.0]).expand(7, 3))
     torch.testing.assert_close(ahead, track.axes[:, 0], rtol=0.0, atol=1e-5)
-    nearer = track.centres + 0.1 * starts[:, 0, PARTS["velocity"]]
-    following = track.centres.roll(-1, 0)
-    assert bool(((following - nearer).norm(dim=-1) < (following - track.centres).norm(dim=-1)).all())
+    torch.testing.assert_close(starts[:, 0, PARTS["velocity"]], SETTINGS.speed * track.axes[:, 0])
 
 
 def test_a_perturbation_stays_within_its_bounds_and_a_quaternion_a_unit():
-    state = first_starts(track_named("tiny"), SETTINGS)[:, 0].repeat(500, 1)
-    moved = perturbed(state, SETTINGS, torch.Generator().manual_seed(0))
+    track = track_named("tiny")
+    state = first_starts(track, SETTINGS)[:, 0].repeat(500, 1)
+    moved = perturbed(state, GATES, track, SETTINGS, torch.Generator().manual_seed(0))
     difference = moved - state
     for name in ("position", "velocity", "body_rate"):
         bound = getattr(SETTINGS, name)
@@ -32,6 +34,19 @@ def test_a_perturbation_stays_within_its_bounds_and_a_quaternion_a_unit():
     angle = rotations.rotation_angle(state[:, PARTS["attitude"]], moved[:, PARTS["attitude"]])
     assert 0.0 < float(angle.max()) <= SETTINGS.attitude * 3**0.5 + 1e-4
     torch.testing.assert_close(moved[:, PARTS["attitude"]].norm(dim=-1), torch.ones(2000))
+
+
+@pytest.mark.parametrize("name", ["tiny", "figure_eight", "split_s"])
+def test_no_machine_starts_before_the_gate_that_it_has_passed(name):
+    track = track_named(name)
+    gates = torch.arange(len(track)).repeat(500)
+    state = first_starts(track, SETTINGS)[gates, 0]
+    moved = perturbed(state, gates, track, SETTINGS, torch.Generator().manual_seed(0))[:, PARTS["position"]]
+    ahead = ((moved - track.centres[gates]) * track.axes[gates, 0]).sum(-1)
+    assert float(ahead.min()) > -1e-5
+    # Straight on nobody hits the frame that is behind.
+    further = moved + 0.3 * state[:, PARTS["velocity"]]
+    assert not bool(passage(track, moved, further, (gates + 1) % len(track)).hit.any())
 
 
 def test_seen_states_take_the_place_of_earlier_ones_of_their_gate():
@@ -45,9 +60,10 @@ def test_seen_states_take_the_place_of_earlier_ones_of_their_gate():
 
 
 def test_gates_are_drawn_evenly_and_by_the_seed():
-    starts = first_starts(track_named("tiny"), SETTINGS)
-    gates, states = drawn_start(starts, 4000, SETTINGS, torch.Generator().manual_seed(0))
-    again = drawn_start(starts, 4000, SETTINGS, torch.Generator().manual_seed(0))
+    track = track_named("tiny")
+    starts = first_starts(track, SETTINGS)
+    gates, states = drawn_start(starts, 4000, track, SETTINGS, torch.Generator().manual_seed(0))
+    again = drawn_start(starts, 4000, track, SETTINGS, torch.Generator().manual_seed(0))
     assert torch.equal(gates, again[0])
     assert torch.equal(states, again[1])
     assert bool((torch.bincount(gates) > 850).all())
