@@ -15,15 +15,17 @@ class Passage:
     Attributes:
         passed: the gate that was to be passed was passed in its direction, (batch,) bool.
         hit: the frame of some gate was touched, (batch,) bool.
+        missed: the gate that was to be passed was flown past beside its frame, within reach, (batch,) bool.
         margin: where the gate was passed, distance to the nearest edge of the opening, (batch,) m.
     """
 
     passed: Tensor
     hit: Tensor
+    missed: Tensor
     margin: Tensor
 
 
-def passage(track: Track, before: Tensor, after: Tensor, target: Tensor) -> Passage:
+def passage(track: Track, before: Tensor, after: Tensor, target: Tensor, reach: float = 0.0) -> Passage:
     """Return what happened at the gates on straight lines.
 
     Args:
@@ -31,6 +33,7 @@ def passage(track: Track, before: Tensor, after: Tensor, target: Tensor) -> Pass
         before: positions, (batch, 3) m.
         after: positions, (batch, 3) m.
         target: index of the gate that each machine is to pass, (batch,).
+        reach: beside the frame within which a gate can be missed, m; further away its plane means nothing.
     """
     start, end = (_in_gates(track, position) for position in (before, after))  # (batch, gates, 3)
     depth, further = start[..., 0], end[..., 0]
@@ -39,10 +42,11 @@ def passage(track: Track, before: Tensor, after: Tensor, target: Tensor) -> Pass
     point = start[..., 1:] + share[..., None] * (end[..., 1:] - start[..., 1:])
     margin = 0.5 * track.opening - point.abs().amax(-1)  # (batch, gates), negative beside the opening
     open_ = margin >= track.clearance
-    hit = crossed & ~open_ & (margin > -(track.frame + track.clearance))
-    chosen = target[:, None]
-    forward = (crossed & open_ & (depth < 0)).gather(1, chosen)[:, 0]
-    return Passage(forward, hit.any(1), margin.gather(1, chosen)[:, 0])
+    beside = -(track.frame + track.clearance)
+    hit = crossed & ~open_ & (margin > beside)
+    forward, past = crossed & (depth < 0), (margin <= beside) & (margin > beside - reach)
+    of_target = [part.gather(1, target[:, None])[:, 0] for part in (forward & open_, forward & past, margin)]
+    return Passage(of_target[0], hit.any(1), of_target[1], of_target[2])
 
 
 def _in_gates(track: Track, position: Tensor) -> Tensor:

@@ -31,7 +31,7 @@ class Misjudging(Protocol):
 
 
 class Racing(Environment):
-    """Quadrotors that race through gates; an episode ends with a crash.
+    """Quadrotors that race through gates; an episode ends with a crash, or with a gate that is missed.
 
     Its state: `rows` of the fleet; `target`, the next gate's index; `previous`, the action before, within ±1;
     `starts` and `drawn`, see the modules `starts` and `randomisation`; `misjudged`, the function by which each machine
@@ -122,8 +122,8 @@ class Racing(Environment):
         before, target = now["rows"][:3].T, now["target"]
         now["rows"] = self.fleet.step(now["rows"], command, self._drawn_wrench(command))
         after = state_of(now["rows"])
-        self.passage = passage(self.track, before, after["position"], target)
-        self.crashed = self.passage.hit | self.track.outside(after["position"])
+        self.passage = passage(self.track, before, after["position"], target, self.settings.missed)
+        self.crashed = self.passage.hit | self.passage.missed | self.track.outside(after["position"])
         gate = self.track.centres[target]
         reward = racing_reward(self.settings.reward, before, after, gate, command, previous, self.crashed)
         self._account(self.passage.passed & ~self.crashed)

@@ -39,6 +39,17 @@ def test_beside_the_frame_nothing_happens():
     assert crossed([-0.3, 0.0, 2.0], [-0.1, 0.0, 2.0])[:2] == (False, False)
 
 
+def test_a_gate_is_missed_in_its_direction_beside_its_frame_and_within_reach():
+    def missed(y: float, target: int = 0, forward: bool = True) -> bool:
+        ends = torch.tensor([[-0.1, y, 2.0]]), torch.tensor([[0.1, y, 2.0]])
+        start, end = ends if forward else ends[::-1]
+        return bool(passage(TRACK, start, end, torch.tensor([target]), reach=2.0).missed)
+
+    assert [missed(y) for y in (0.0, 1.1, 1.3, 3.1, 3.3)] == [False, False, True, True, False]
+    assert not missed(1.3, forward=False)
+    assert not missed(1.3, target=1)
+
+
 @given(
     st.floats(-0.99, 0.99),
     st.floats(-0.99, 0.99),
