@@ -94,7 +94,7 @@ class RacingSettings:
     """What a race is flown with, and how it is rewarded."""
 
     episode_steps: int = 1500
-    missed: float = 0.0  # m beside the next gate's frame, within which flying past it counts as a crash
+    missed: float = 2.0  # m beside the next gate's frame, within which flying past it counts as a crash
     flying: Flying = field(default_factory=Flying)
     reward: Reward = field(default_factory=Reward)
     starts: Starts = field(default_factory=Starts)
