@@ -9,8 +9,16 @@ if TYPE_CHECKING:
     from pipeline.policies.racing.track import Track
 
 
-def write_laps(laps: "Laps", track: "Track", period: float, run: StageRun) -> None:
-    """Write every lap, the flight of the fastest machine, and its picture."""
+def write_laps(laps: "Laps", track: "Track", name: str, period: float, run: StageRun) -> None:
+    """Write every lap, the flight of the fastest machine, and its picture; say how the race went.
+
+    Args:
+        laps: that were flown.
+        track: its gates.
+        name: of the track.
+        period: between two states of a flight, s.
+        run: of the stage.
+    """
     from pipeline.policies.racing.tables import flight_table, laps_table
     from pipeline.report.race import animate_race, race_figure
 
@@ -22,3 +30,10 @@ def write_laps(laps: "Laps", track: "Track", period: float, run: StageRun) -> No
     figure.savefig(run.output / "line.png", dpi=150)
     animate_race(flight, gates, run.output / "flight.gif")
     run.log_figure(figure, "line")
+    run.say(_said(laps, name))
+
+
+def _said(laps: "Laps", track: str) -> str:
+    measures = laps.metrics()
+    share = f"{measures['laps_completed']:.0%} of laps on {track or 'the track'}"
+    return f"{share}, {measures['mean_lap']:.2f} s on average" if "mean_lap" in measures else share

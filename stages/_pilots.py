@@ -51,18 +51,22 @@ def entered(
     config: StageConfig,
     run: StageRun,
 ) -> Entry:
-    """Return who flies, and what; a policy brings the race that it was trained for.
+    """Return who flies, and what; a policy brings the machine and the race that it was trained for.
 
     Raises:
-        InputError: when there is no such pilot or no such policy, or when no plan is found.
+        InputError: when there is no such pilot or no such policy, when it was trained for another machine than the
+            one that is given, when no plan is found, or when nobody would fly.
     """
+    chosen.check()
     if chosen.pilot == TIME_OPTIMAL:
         return _planned(platform, track, training.racing, chosen)
     if chosen.pilot != POLICY:
         raise InputError(
             f"there is no pilot {chosen.pilot!r}", "evaluate.pilot", f"use {POLICY} or {TIME_OPTIMAL}"
         )
-    return _trained(policy_folder(chosen, config), chosen, run)
+    entry = _trained(policy_folder(chosen, config), chosen, run)
+    _require_own(platform, entry, str(policy_folder(chosen, config)))
+    return entry
 
 
 def _planned(
@@ -86,3 +90,11 @@ def _trained(folder: Path, chosen: PolicyEvaluation, run: StageRun) -> Entry:
     track, settings = race_from(description.configuration, chosen.powertrain)
     policy = Policy(gaussian)
     return Entry(lambda seen: policy(seen.policy), description.configuration["platform"], track, settings)
+
+
+def _require_own(platform: Mapping[str, Any], entry: Entry, where: str) -> None:
+    from pipeline.platforms import platform_from_config
+
+    if platform and platform_from_config(platform) != platform_from_config(entry.platform):
+        remedy = "leave platform out, or train a policy for it"
+        raise InputError("was trained for another machine than platform says", where, remedy)

@@ -32,13 +32,14 @@ def trained(
         run: of the stage.
 
     Raises:
-        InputError: when there is no such simulator, policy or residual.
+        InputError: when there is no such simulator, policy or residual, or a number is none to learn with.
     """
     from pipeline.artifacts import checkpoint_folder, remove_checkpoint
     from pipeline.policies.racing.entry import race_in
     from pipeline.policies.training import Training, final
     from stages._simulators import chosen_simulator
 
+    chosen.learning.check("train_policy.learning")
     simulator, simulator_hash = chosen_simulator(chosen.simulator, platform, config, run)
     misjudging = _misjudging(chosen, run)
     machines = chosen.learning.machines
@@ -53,6 +54,11 @@ def trained(
     (run.output / "curve.json").write_text(json.dumps(curve) + "\n")
     _write(training, chosen, track, platform, config.seed, simulator_hash, measures, run.output / "policy")
     run.log_metrics(measures)
+    run.say(
+        "{gates_per_second:.2f} gates and {crashes_per_second:.3f} crashes a second in the end".format(
+            **measures
+        )
+    )
     remove_checkpoint(checkpoint)
 
 

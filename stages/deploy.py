@@ -40,6 +40,7 @@ def deploy(config: DeployStage, run: StageRun) -> None:
     from pipeline.platforms import Quadrotor, platform_from_config
     from stages._pilots import is_entered
 
+    config.deploy.check()
     races = isinstance(platform_from_config(config.platform), Quadrotor)
     if races and is_entered(config.evaluate, config):
         race(config, run)
@@ -73,7 +74,7 @@ def race(config: DeployStage, run: StageRun) -> None:
     race = race_deployed(deployed, platform, entry.track, entry.settings, chosen.starts)
     laps = fly_laps(race, entry.pilot, config.seed, chosen.laps, chosen.seconds)
     run.log_metrics(laps.metrics())
-    write_laps(laps, race.track, race.period, run)
+    write_laps(laps, race.track, entry.track.name, race.period, run)
     lengths = laps.states[:, :logged, 0].isfinite().sum(0).numpy() * race.period
     recording = machines.recording(_recorded(lengths, config.deploy))
     write_recording(recording, run.output / "recording.parquet")

@@ -42,7 +42,7 @@ def _race(config: EvaluateStage, run: StageRun) -> None:
     race = race_in(simulator, entry.track, entry.settings, chosen.starts)
     laps = fly_laps(race, entry.pilot, config.seed, chosen.laps, chosen.seconds)
     run.log_metrics(laps.metrics())
-    write_laps(laps, race.track, race.period, run)
+    write_laps(laps, race.track, entry.track.name, race.period, run)
 
 
 if __name__ == "__main__":

@@ -30,6 +30,7 @@ def finetune(config: FinetuneStage, run: StageRun) -> None:
     if not chosen.enabled:
         run.leave_out("finetune: no policy is trained further, since finetune.enabled is false")
         return
+    chosen.check()
     policy = Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy")
     residual = Path(chosen.residual) if chosen.residual else config.artifact("identify_residual", "")
     _, description = load_policy(run.input(policy))

@@ -68,6 +68,7 @@ def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
     from pipeline.policies.training import Training, final
 
     task = config.profile
+    task.learning.check("profile.learning")
     training = Training(MotionProfile(task, drive, task.learning.machines), task.learning, config.seed)
     inputs = sorted(run.inputs.values())
     checkpoint = checkpoint_folder(config.artifacts, [asdict(task), config.seed, inputs])

@@ -24,7 +24,9 @@ def train_policy(config: TrainPolicyStage, run: StageRun) -> None:
     """Train a policy in a simulator by PPO, to race through the gates of a track."""
     task = config.train_policy.task
     if task is None:
-        run.leave_out("train_policy: no policy is trained, since train_policy.task is null")
+        run.leave_out(
+            "train_policy: no policy is trained, since no task is named, as train_policy=racing_quick does"
+        )
         return
     if task != TASK:
         raise InputError(f"there is no task {task!r}", "train_policy.task", f"use {TASK}")

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from pipeline.checks import check_not_negative, check_positive
 from pipeline.policies.racing.settings import RacingSettings
 
 
@@ -28,6 +29,18 @@ class Learning:
     slope: float = 0.2  # of LeakyReLU below zero
     deviation: float = 0.5  # standard deviation of the actions at the start; the range of an action is ±1
     checkpoint_every: int = 20  # updates after which a training that is killed goes on
+
+    def check(self, where: str) -> None:
+        """Refuse what nothing could be learnt with.
+
+        Raises:
+            InputError: on a number that has to be positive and is not.
+        """
+        counts = ("interactions", "machines", "horizon", "epochs", "minibatch", "checkpoint_every")
+        check_positive(self, (*counts, "learning_rate", "clip", "gradient_norm", "deviation"), where)
+        check_not_negative(
+            self, ("final_learning_rate", "discount", "trace", "entropy", "final_entropy", "critic"), where
+        )
 
 
 @dataclass
@@ -56,6 +69,15 @@ class PolicyFinetuning:
     learning_rate: float = 3e-4
     final_learning_rate: float = 1e-4
 
+    def check(self) -> None:
+        """Refuse what nothing could be learnt with.
+
+        Raises:
+            InputError: on a number that has to be positive and is not.
+        """
+        check_positive(self, ("interactions", "learning_rate"), "finetune")
+        check_not_negative(self, ("final_learning_rate",), "finetune")
+
 
 @dataclass
 class PolicyEvaluation:
@@ -68,6 +90,14 @@ class PolicyEvaluation:
     starts: int = 100  # perturbed
     laps: int = 2
     seconds: float = 60.0  # after which a flight ends
+
+    def check(self) -> None:
+        """Refuse a race in which nobody flies.
+
+        Raises:
+            InputError: on a number that has to be positive and is not.
+        """
+        check_positive(self, ("starts", "laps", "seconds"), "evaluate")
 
 
 @dataclass
@@ -85,3 +115,12 @@ class Deployment:
     flights: int = 3  # races that are recorded at least
     recorded_seconds: float = 50.0  # of races that are recorded together, where enough are flown
     most_flights: int = 12  # races that are recorded at most
+
+    def check(self) -> None:
+        """Refuse a deployment of which nothing is left.
+
+        Raises:
+            InputError: on a number that has to be positive and is not.
+        """
+        check_positive(self, ("window", "trials", "flights", "recorded_seconds", "most_flights"), "deploy")
+        check_not_negative(self, ("scatter", "within"), "deploy")

@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from pipeline.checks import check_not_negative, check_positive
 from pipeline.errors import InputError
 from pipeline.reality.concealable import CONCEALABLE, OUTSIDE, is_present, named_parameters
 from pipeline.reality.concealment import Table
-from pipeline.reality.conditions import check_logger, check_noise, check_not_negative, check_positive
+from pipeline.reality.conditions import check_logger, check_noise
 
 FLIGHTS = ("auto", "varied", "low", "hover", "line", "level")
 AUTOPILOTS = ("auto", "plain", "trimmed")

@@ -1,9 +1,9 @@
 """Checks that the cases of several machines share."""
 
-from collections.abc import Iterable
 from dataclasses import fields
 from typing import Any
 
+from pipeline.checks import check_not_negative
 from pipeline.errors import InputError
 
 
@@ -14,20 +14,6 @@ def check_listed(names: list[str], known: tuple[str, ...], where: str, least: in
             raise InputError(f"unknown entry {name!r}", where, f"known: {', '.join(known)}")
     if len(names) < least:
         raise InputError("is empty", where, f"choose from {', '.join(known)}")
-
-
-def check_positive(part: Any, keys: Iterable[str], where: str) -> None:
-    """Refuse a part of a case in which one of these numbers is zero or less."""
-    for key in keys:
-        if getattr(part, key) <= 0:
-            raise InputError(f"must be positive, is {getattr(part, key)}", f"{where}.{key}", "correct it")
-
-
-def check_not_negative(part: Any, keys: Iterable[str], where: str) -> None:
-    """Refuse a part of a case in which one of these numbers is negative."""
-    for key in keys:
-        if getattr(part, key) < 0:
-            raise InputError("must not be negative", f"{where}.{key}", "give 0 or more")
 
 
 def check_gentlest(gentlest: float, where: str) -> None:

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from pipeline.artifacts import hash_path, progress
 from pipeline.errors import InputError
+from pipeline.stage.project import STAGES
 from pipeline.tracking import Tracker
 
 Item = TypeVar("Item")
@@ -43,9 +44,7 @@ class StageRun:
         """
         path = Path(path)
         if not path.exists():
-            earlier = "simgap record branch=NAME, simgap clean branch=NAME and so on"
-            remedy = f"check the path, or run the stages before this one: {earlier}"
-            raise InputError("does not exist", str(path), remedy)
+            raise InputError("does not exist", str(path), _how_to_get(path))
         self.inputs[str(path)] = hash_path(path)
         self.tracker.log_input(str(path), self.inputs[str(path)])
         return path
@@ -65,6 +64,10 @@ class StageRun:
         """Log a plotly (or matplotlib) figure under a name without suffix."""
         self.tracker.log_figure(figure, name)
 
+    def say(self, text: str) -> None:
+        """Say in one line what came out."""
+        logging.getLogger("simgap").info("%s", " ".join(text.split()))
+
     def warn(self, text: str) -> None:
         """Say a doubt in one line on standard error."""
         line = " ".join(text.split())
@@ -77,7 +80,7 @@ class StageRun:
 
     def leave_out(self, reason: str) -> None:
         """Say why the stage has nothing to do, and write that nothing was measured: the stages after it read that."""
-        logging.getLogger("simgap").info(reason)
+        self.say(reason)
         (self.output / METRICS_FILE).write_text("{}\n")
 
     def write_metrics(self) -> None:
@@ -86,6 +89,12 @@ class StageRun:
         if self.metrics and not path.exists():
             plain = {key: value if math.isfinite(value) else None for key, value in self.metrics.items()}
             path.write_text(json.dumps(plain, indent=2, sort_keys=True) + "\n")
+
+
+def _how_to_get(path: Path) -> str:
+    """Return what to do about an input that is not there: another path, or the stage in whose folder it would be."""
+    writers = [part for part in path.parts if not part.startswith("_") and (STAGES / f"{part}.py").exists()]
+    return f"check the path, or run simgap {writers[0]} first" if writers else "check the path"
 
 
 def read_metrics(output: Path) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from pipeline.stage.project import CONFIGURATION, commands
 # Keys that say where a stage works, what it is called and how its sweeps are compared, not what it does.
 PLACES = {"name", "artifacts", "output", "tracking", "results"}
 # Parts of the project that cannot change what a stage writes.
-SILENT = {"pipeline.tracking", "pipeline.errors", "pipeline.comparison"}
+SILENT = {"pipeline.tracking", "pipeline.errors", "pipeline.checks", "pipeline.comparison"}
 
 PIPELINE = yaml.safe_load((PROJECT_ROOT / "dvc.yaml").read_text())
 STAGES: dict[str, Any] = {name: entry["do"] for name, entry in PIPELINE["stages"].items()}

@@ -20,6 +20,7 @@ from pipeline.policies.settings import PolicyEvaluation, PolicyTraining
 from pipeline.policies.storage import load_policy
 from pipeline.simulation import FittedEffect, Simulator, write_simulator
 from pipeline.stage import StageRun
+from stages.deploy import deploy
 from stages.evaluate import EvaluateStage, evaluate
 from stages.train_policy import TrainPolicyStage, train_policy
 from tests.pipeline.policies.racing.machines import racer
@@ -157,3 +158,39 @@ def test_every_track_is_a_valid_configuration(name):
     assert len(track_from(config.track)) == len(
         yaml.safe_load((ROOT / "conf/track" / f"{name}.yaml").read_text())["gates"]
     )
+
+
+@pytest.mark.parametrize(
+    ("stage", "override"),
+    [
+        (train_policy, "train_policy.learning.interactions=0"),
+        (train_policy, "train_policy.learning.machines=0"),
+        (train_policy, "train_policy.learning.learning_rate=-1"),
+        (train_policy, "train_policy.learning.discount=-0.5"),
+        (evaluate, "evaluate.starts=0"),
+        (evaluate, "evaluate.laps=-1"),
+        (evaluate, "evaluate.seconds=0"),
+        (deploy, "deploy.most_flights=0"),
+    ],
+)
+def test_a_number_that_leaves_nothing_to_do_is_refused_and_nothing_is_lost(trained, stage, override, capsys):
+    policy = (trained / "train_policy" / "policy" / "policy.safetensors").read_bytes()
+    with pytest.raises(SystemExit) as ended:
+        stage.main([*FEW, f"artifacts={trained}", override])
+    assert ended.value.code == 2
+    key = override.partition("=")[0]
+    assert f"{key}: must" in capsys.readouterr().err
+    assert (trained / "train_policy" / "policy" / "policy.safetensors").read_bytes() == policy
+
+
+@pytest.mark.parametrize("stage", [evaluate, deploy])
+def test_a_policy_flies_only_the_machine_that_it_was_trained_for(trained, stage, capsys):
+    with pytest.raises(SystemExit) as ended:
+        stage.main(["platform=crazyflie_brushless", f"artifacts={trained}", "tracking.enabled=false"])
+    assert ended.value.code == 2
+    assert "trained for another machine" in capsys.readouterr().err
+
+
+def test_an_evaluation_says_how_the_race_went(trained, capsys):
+    ran(evaluate, *FEW, f"artifacts={trained}", "evaluate.starts=2", "evaluate.seconds=0.5")
+    assert "0% of laps on tiny" in capsys.readouterr().out

@@ -2,16 +2,11 @@
 
 from dataclasses import dataclass, field
 
+from pipeline.checks import check_positive
 from pipeline.errors import InputError
 from pipeline.platforms import Joint
 from pipeline.reality.concealment import Concealed, check_chosen
-from pipeline.reality.conditions import (
-    check_gentlest,
-    check_listed,
-    check_logger,
-    check_noise,
-    check_positive,
-)
+from pipeline.reality.conditions import check_gentlest, check_listed, check_logger, check_noise
 from pipeline.reality.joint.effects import CONCEALABLE, NEEDS_MOTOR, OUTSIDE
 
 REFERENCES = ("multisine", "chirp", "steps", "triangle", "creep", "sine", "one_way")

@@ -3,10 +3,10 @@
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
+from pipeline.checks import check_not_negative, check_positive
 from pipeline.errors import InputError
 from pipeline.reality.case import PlantCase, Sensors
 from pipeline.reality.concealment import entry
-from pipeline.reality.conditions import check_not_negative, check_positive
 
 ACTS_AT_REST = (
     "motor_lag",

@@ -3,15 +3,10 @@
 import math
 from dataclasses import dataclass, field
 
+from pipeline.checks import check_positive
 from pipeline.platforms import Swerve
 from pipeline.reality.concealment import Concealed, check_chosen
-from pipeline.reality.conditions import (
-    check_gentlest,
-    check_listed,
-    check_logger,
-    check_noise,
-    check_positive,
-)
+from pipeline.reality.conditions import check_gentlest, check_listed, check_logger, check_noise
 from pipeline.reality.swerve.effects import CONCEALABLE, OUTSIDE
 
 MANOEUVRES = ("weave", "spin", "shuttle", "curve", "straight", "cruise", "arena")

@@ -29,10 +29,10 @@ def test_inputs_are_there_and_hashed(tmp_path: Path) -> None:
     (tmp_path / "flight.csv").write_text("t\n")
     assert run.input(tmp_path / "flight.csv") == tmp_path / "flight.csv"
     assert run.inputs == {str(tmp_path / "flight.csv"): hashlib.sha256(b"t\n").hexdigest()}
-    with pytest.raises(
-        InputError, match=r"absent.csv: does not exist; check the path.*simgap clean branch=NAME"
-    ):
+    with pytest.raises(InputError, match=r"absent.csv: does not exist; check the path$"):
         run.input(tmp_path / "absent.csv")
+    with pytest.raises(InputError, match=r"does not exist; check the path, or run simgap clean first"):
+        run.input(tmp_path / "clean" / "recording.parquet")
 
 
 def test_a_doubt_is_one_line_on_standard_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
