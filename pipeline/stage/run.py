@@ -92,9 +92,12 @@ class StageRun:
 
 
 def _how_to_get(path: Path) -> str:
-    """Return what to do about an input that is not there: another path, or the stage in whose folder it would be."""
+    """Return what to do about an input that is not there: another path, or the stage in whose folder it would be.
+
+    The innermost such folder counts: those around it are a person's own.
+    """
     writers = [part for part in path.parts if not part.startswith("_") and (STAGES / f"{part}.py").exists()]
-    return f"check the path, or run simgap {writers[0]} first" if writers else "check the path"
+    return f"check the path, or run simgap {writers[-1]} first" if writers else "check the path"
 
 
 def read_metrics(output: Path) -> dict[str, Any]:

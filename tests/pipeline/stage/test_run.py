@@ -32,7 +32,7 @@ def test_inputs_are_there_and_hashed(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"absent.csv: does not exist; check the path$"):
         run.input(tmp_path / "absent.csv")
     with pytest.raises(InputError, match=r"does not exist; check the path, or run simgap clean first"):
-        run.input(tmp_path / "clean" / "recording.parquet")
+        run.input(tmp_path / "train" / "clean" / "recording.parquet")
 
 
 def test_a_doubt_is_one_line_on_standard_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
