@@ -6,6 +6,17 @@ from torch import Tensor
 Value = Tensor | float
 
 
+_FASTEST = 0.99  # quantile of recorded speeds: the very greatest may be a spike
+_FADED = 0.5  # of the level at rest, beyond which nothing shows that friction fades at all
+
+
+def fades(velocity: Tensor, fading_velocity: Value) -> bool:
+    """Whether friction of a level · exp(−(v / fading_velocity)²) fades within recorded velocities (...,)."""
+    place = int(_FASTEST * (velocity.numel() - 1)) + 1
+    fastest = velocity.abs().flatten().kthvalue(place).values
+    return bool(torch.exp(-((fastest / fading_velocity) ** 2)) < _FADED)
+
+
 def dry_friction(
     level: Value,
     velocity: Tensor,

@@ -97,6 +97,10 @@ class Effect(ABC):
         """Return values from which a fit may start; more than one where the cost has several valleys."""
         return [self.neutral()]
 
+    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
+        """Return the name of the effect that this one comes down to at its values in what was recorded, or ""."""
+        return ""
+
     def units(self, position_unit: str = "rad") -> dict[str, str]:
         """Return the unit of each parameter; on a sliding axis N·m becomes N and rad becomes m."""
         units = {parameter.name: parameter.unit for parameter in self.parameters}

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 from torch import Tensor
 
-from pipeline.effects import Effect, ParameterError
+from pipeline.effects import Effect, MeasurementEffect, ParameterError
+from pipeline.effects.delay import CommandDelay
 from pipeline.gap.fit import Fit, Problem, columns_of
 from pipeline.gap.scoring import cross_validated, folds_of, predictive_score, significance_of
 from pipeline.gap.settings import Gap
@@ -14,6 +15,7 @@ _Z95 = 1.96
 _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
+_LEAST_SHIFT = 0.125  # of a sample: clocks are no better, nor are simulations of a few steps per sample
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 _MOST = 0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
 
@@ -145,23 +147,50 @@ class Judge:
 
     def refusal(self, candidate: Candidate, energies: Tensor) -> str:
         """Return why a candidate may not be named; empty where it may."""
-        values = candidate.fit.values[columns_of(candidate.fit, candidate.effect)].tolist()
-        resting = self.rest(candidate.effect)
-        for value, parameter in zip(values, candidate.effect.parameters, strict=True):
-            if value <= parameter.low and parameter.low != resting[parameter.name]:
-                return f"{parameter.name} rests on its lower bound"
-            if value >= parameter.high:
-                return f"{parameter.name} rests on its upper bound"
-        if isinstance(candidate.effect, ParameterError):
-            imitated = bool((energies < self.problem.quadrature.square()).all())
-            if imitated or abs(values[0] - resting["ratio"]) < _LEAST_ERROR:
-                return "smaller than the quadrature of the equations can tell"
+        effect, fit = candidate.effect, candidate.fit
+        names = (parameter.name for parameter in effect.parameters)
+        values = dict(zip(names, fit.values[columns_of(fit, effect)].tolist(), strict=True))
+        refusal = self.bound(effect, values) or self.unresolved(effect, values, energies)
+        if refusal:
+            return refusal
+        if limit := effect.limit(values, self.problem.blocks.signals, fit.simulator.constants()):
+            return f"comes down to {limit} here"
         if candidate.p_value > self.settings.significance / max(self.contestants, 1):
             return "not significant"
         if candidate.gain <= 0:
             return "does not predict runs it was not fitted on"
         seen = bool((energies > _LEAST_ENERGY * self.problem.noise.square()).any())
         return "" if seen and self.matters(candidate) else "explains too little to matter"
+
+    def bound(self, effect: Effect, values: dict[str, float]) -> str:
+        """Return which bound a parameter rests on, if it does and that is not where it changes nothing."""
+        resting = self.rest(effect)
+        for parameter in effect.parameters:
+            value = values[parameter.name]
+            if value <= parameter.low and parameter.low != resting[parameter.name]:
+                return f"{parameter.name} rests on its lower bound"
+            if value >= parameter.high:
+                return f"{parameter.name} rests on its upper bound"
+        return ""
+
+    def unresolved(self, effect: Effect, values: dict[str, float], energies: Tensor) -> str:
+        """Return what resolves no value as small as an effect's, if that is so.
+
+        Args:
+            effect: of the candidate.
+            values: its parameters.
+            energies: that it explains in each channel, (channels,).
+        """
+        resting = self.rest(effect)
+        if isinstance(effect, MeasurementEffect | CommandDelay):
+            least = _LEAST_SHIFT * self.problem.blocks.time_step
+            times = [values[p.name] - resting[p.name] for p in effect.parameters if p.unit == "s"]
+            return "smaller than samples can tell" if times and max(map(abs, times)) < least else ""
+        if isinstance(effect, ParameterError):
+            imitated = bool((energies < self.problem.quadrature.square()).all())
+            if imitated or abs(values["ratio"] - resting["ratio"]) < _LEAST_ERROR:
+                return "smaller than the quadrature of the equations can tell"
+        return ""
 
     def matters(self, candidate: Candidate) -> bool:
         """Whether a candidate explains enough of the whole gap, or else most of what is left, and more than noise."""

@@ -121,14 +121,17 @@ def _start(
 
 
 def _promise(simulator: Simulator, effect: Effect, current: Fit, few: Problem, part: Tensor) -> float:
-    """Return the weighted cost that one Newton step from a starting point would leave on some of the blocks."""
+    """Return the weighted cost that one Newton step from a starting point leaves on some of the blocks.
+
+    The step is taken: where it passes a kink, what its slopes promise is not kept.
+    """
     residual = few.residual(simulator)
     added = effect_jacobian(simulator, effect, few, residual)
     jacobian = torch.cat([current.jacobian[part], added], dim=-1)
     low, high = bounds_of(simulator)
-    step = bounded_newton_step(jacobian, residual, current.scale, values_of(simulator), low, high)
-    change = step[0].minimum(high - values_of(simulator)).maximum(low - values_of(simulator))
-    return float(((residual - jacobian @ change) / current.scale).square().sum())
+    change, _ = bounded_newton_step(jacobian, residual, current.scale, values_of(simulator), low, high)
+    stepped = few.residual(with_values(simulator, (values_of(simulator) + change).clamp(low, high)))
+    return float((stepped / current.scale).square().sum())
 
 
 def _stepped(

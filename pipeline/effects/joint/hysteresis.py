@@ -42,6 +42,13 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         """Start from a scan: how far it bends has no slope where it has no level."""
         return scan(level=(0.01, 0.1, 1.0, 10.0), displacement=(0.003, 0.02, 0.1, 0.5))
 
+    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
+        """Bent over less than the way between two samples it is friction; over more than the travel, a spring."""
+        position, displacement = signals["position"], values["displacement"]
+        if displacement < position.diff(dim=1).abs().median():
+            return "coulomb_friction"
+        return "linear_stiffness" if displacement > position.max() - position.min() else ""
+
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:

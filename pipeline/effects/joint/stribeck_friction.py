@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction
+from pipeline.effects.dry_friction import dry_friction, fades
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.joint.common import applied, on_axis
 from pipeline.effects.scan import scan
@@ -35,6 +35,10 @@ class StribeckFriction(WrenchEffect):
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan: the speed at which it fades has no slope where nothing fades."""
         return scan(extra_level=(0.01, 0.1, 1.0, 10.0), velocity=(0.03, 0.3, 3.0))
+
+    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
+        """Friction that does not fade within the recorded speeds is Coulomb's."""
+        return "" if fades(signals["velocity"], values["velocity"]) else "coulomb_friction"
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on the axis, N·m or N."""

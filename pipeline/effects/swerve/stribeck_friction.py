@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction
+from pipeline.effects.dry_friction import dry_friction, fades
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.scan import scan
 from pipeline.effects.swerve.common import on_modules, on_wheels, steering_torque, wheel_speed
@@ -42,6 +42,10 @@ class DriveStribeckFriction(_SwerveStribeckFriction):
         "very slow voltage ramps through standstill, and constant crawling speeds forward and backward"
     )
 
+    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
+        """Friction that does not fade within the recorded speeds is Coulomb's."""
+        return "" if fades(wheel_speed(signals, constants), values["velocity"]) else "coulomb_friction"
+
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction summed on the chassis."""
         speed = wheel_speed(signals, constants)
@@ -65,6 +69,10 @@ class SteerStribeckFriction(_SwerveStribeckFriction):
         "rad/s; add Stribeck friction to the steering."
     )
     excitation = "turn the modules very slowly to and fro, and crawl at constant rates"
+
+    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
+        """Friction that does not fade within the recorded speeds is Coulomb's."""
+        return "" if fades(signals["steer_velocity"], values["velocity"]) else "coulomb_friction"
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on each module, N·m."""

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from pipeline.effects import effect_by_key
+from pipeline.gap.fit import fit
 from pipeline.gap.probability import presence_of
+from pipeline.gap.refit import extend
 from pipeline.platforms import Joint
 from pipeline.simulation import FittedEffect, Simulator
-from tests.pipeline.gap.problems import diagnosed, named, quick, value_of
+from tests.pipeline.gap.problems import at_start, diagnosed, named, of_joint, problem_of, quick, value_of
 from tests.pipeline.gap.recordings import (
     JOINT,
     Plant,
@@ -105,6 +107,32 @@ def test_what_the_catalogue_lacks_gets_a_formula_and_no_wrong_name(other, wave):
     assert "position" in unnamed.depends_on
     assert wave in unnamed.formula
     assert unnamed.share > 0.5
+
+
+@pytest.mark.parametrize("late", [-0.1, 0.1])
+def test_clocks_that_are_a_tenth_of_a_sample_apart_are_no_cause(late):
+    recording = joint_recording(Plant())
+    frame = recording.frame.copy()
+    for column in ("position", "velocity"):
+        series = frame[column].to_numpy().reshape(len(recording.runs), -1)
+        frame[column] = (series - late * np.gradient(series, axis=1)).ravel()
+    found = quick(replace(recording, frame=frame), joint_simulator())
+    assert (found.verdict, named(found)) == ("none", [])
+
+
+@pytest.mark.parametrize("difference", [-0.2, 0.2])
+def test_friction_that_is_greater_one_way_is_found_on_either_side(difference):
+    """Its law has a kink at no difference, over which no fit may be led astray."""
+
+    def friction(_: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        return np.where(np.sign(velocity) == np.sign(difference), -difference, 0.0)
+
+    problem = problem_of(joint_recording(Plant(friction=0.2, other=friction)), joint_simulator())
+    coulomb, asymmetric = of_joint("coulomb_friction", "asymmetric_friction")
+    known = fit(joint_simulator().with_effects((at_start(coulomb),)), problem)
+    found = extend(known, asymmetric, problem).simulator.effects[-1]
+    assert found.values["difference"] == pytest.approx(difference, rel=0.1)
+    assert abs(found.std["difference"]) < 0.02
 
 
 def test_a_known_effect_with_the_right_value_is_not_named_and_with_a_wrong_one_is():
