@@ -29,6 +29,10 @@ class CommandDelay(CommandEffect):
         """Start from none, and from a scan: a periodic command has a valley at each period."""
         return [{"delay": delay} for delay in (0.0, 0.01, 0.02, 0.04, 0.08, 0.16)]
 
+    def lateness(self, values: Values, constants: Values) -> float:
+        """Return the delay."""
+        return float(values["delay"])
+
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:

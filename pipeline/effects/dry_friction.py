@@ -3,6 +3,8 @@
 import torch
 from torch import Tensor
 
+from pipeline.effects.effect import Signals, Values
+
 Value = Tensor | float
 
 
@@ -17,6 +19,18 @@ def fades(velocity: Tensor, fading_velocity: Value) -> bool:
     return bool(torch.exp(-((fastest / fading_velocity) ** 2)) < _FADED)
 
 
+def sliding_velocity_of(signals: Signals, constants: Values, group: str = "") -> Value:
+    """Return below which velocity a direction is open: as each sample shows it where that is known, else at large.
+
+    Args:
+        signals: may have `sliding_velocity`, of the shape of the velocity.
+        constants: have the one that holds at large.
+        group: what both names begin with: a swerve's `drive_` or `steer_`.
+    """
+    name = f"{group}sliding_velocity"
+    return signals[name] if name in signals else constants[name]
+
+
 def dry_friction(
     level: Value,
     velocity: Tensor,
@@ -24,21 +38,26 @@ def dry_friction(
     sliding_velocity: Value,
     backward_level: Value | None = None,
 ) -> Tensor:
-    """Friction that opposes motion at its level, and at standstill whatever is applied, up to its level (...,).
+    """Mean over a sample of friction that opposes motion, or at standstill what is applied, up to its level (...,).
 
-    Below the velocity that the recording can tell from zero the one passes smoothly into the other.
+    An axis that passes through zero within a sample slides one way and then the other: of its level there remains the
+    share of time that the one exceeds the other by. The slower it is, and the less what is applied passes the level,
+    the longer it is held.
     Source: Karnopp 1985, Computer simulation of stick-slip friction (ASME J. Dyn. Syst. 107).
 
     Args:
         level: N·m or N.
         velocity: (...,) rad/s or m/s.
         applied: what else acts, (...,) in the unit of the level.
-        sliding_velocity: in the unit of the velocity; far above it the axis slides.
+        sliding_velocity: in the unit of the velocity, from which on the axis slides one way only: half of what the
+            velocity changes by within a sample, or what it is known to.
         backward_level: against negative motion, where it is not the same as against positive.
     """
-    slip = torch.tanh(velocity / sliding_velocity)
-    forward = torch.as_tensor(level, dtype=slip.dtype)
-    backward = forward if backward_level is None else torch.as_tensor(backward_level, dtype=slip.dtype)
+    direction = (velocity / sliding_velocity).clamp(-1.0, 1.0)
+    forward = torch.as_tensor(level, dtype=direction.dtype)
+    backward = forward if backward_level is None else torch.as_tensor(backward_level, dtype=direction.dtype)
+    sliding = 0.5 * ((forward + backward) * direction + (forward - backward))
     held = torch.maximum(torch.minimum(applied, forward), -backward)
-    sliding = torch.where(slip > 0, forward, backward) * slip * slip.abs()
-    return -sliding - (1.0 - slip.square()) * held
+    share = torch.where(applied == held, 1.0, held / torch.where(applied == held, 1.0, applied))
+    resting = (1.0 - direction.square()) * share
+    return -(1.0 - resting) * sliding - resting * held

@@ -68,6 +68,8 @@ class Effect(ABC):
     driver_at_rest: ClassVar[str] = ""
     yields_to: ClassVar[tuple[str, ...]] = ()
     """Names that are the likelier cause wherever a recording cannot tell this effect from them."""
+    twins: ClassVar[tuple[str, ...]] = ()
+    """Names that say the same in other words beside what else is named, however well either predicts."""
     formula: ClassVar[str]
     source: ClassVar[str]
     sentence: ClassVar[str]
@@ -100,6 +102,10 @@ class Effect(ABC):
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
         """Return the name of the effect that this one comes down to at its values in what was recorded, or ""."""
         return ""
+
+    def lateness(self, values: Values, constants: Values) -> float:
+        """Return by how much the effect makes something late, s; 0 where it is not about time."""
+        return 0.0
 
     def units(self, position_unit: str = "rad") -> dict[str, str]:
         """Return the unit of each parameter; on a sliding axis N·m becomes N and rad becomes m."""

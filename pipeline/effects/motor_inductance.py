@@ -31,6 +31,10 @@ class MotorInductance(ActuatorEffect):
         """Start from a scan over the usual windings."""
         return [{"inductance": 1e-5 * 10.0**step} for step in range(5)]
 
+    def lateness(self, values: Values, constants: Values) -> float:
+        """Return the winding's time constant."""
+        return float(self._time_constant(values, constants))
+
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:

@@ -31,6 +31,10 @@ class TimeOffset(MeasurementEffect):
         """Start from a scan: a periodic motion has a valley at each period."""
         return [{"offset": offset} for offset in (-0.06, -0.03, 0.0, 0.03, 0.06)]
 
+    def lateness(self, values: Values, constants: Values) -> float:
+        """Return the offset."""
+        return float(values["offset"])
+
     def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Tensor]:
         """Delay the motors' signals by the offset so that both clocks agree.
 

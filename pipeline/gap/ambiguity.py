@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 _CHANCE = 0.05
 _STRICT_CHANCE = 0.01  # where the catalogue calls the other the likelier cause
 _HALF = 0.5
+_NEARLY = 0.9
 _SAME = 1.0  # of a log likelihood: "not worth more than a bare mention" (Kass & Raftery 1995, Bayes factors)
 
 
@@ -39,11 +40,21 @@ def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> li
     """Return the others that predict about as well in the named effect's place.
 
     An other is a rival when it explains at least half as much and the difference to the winner, taken over clusters of
-    correlated residuals, is within chance (one-sided t test). One with more parameters has to predict better, too.
+    correlated residuals, is within chance (one-sided t test); one that says the same in other words is, when it
+    explains nearly as much. One with more parameters has to predict better, too.
     """
-    close = [o for o in others if o.share > _HALF * winner.share and not predicts_better(winner, o, cluster)]
+    close = [
+        o
+        for o in others
+        if _is_twin(winner, o) or (o.share > _HALF * winner.share and not predicts_better(winner, o, cluster))
+    ]
     simple = len(winner.effect.parameters)
     return [o for o in close if len(o.effect.parameters) <= simple or total_score(o) > total_score(winner)]
+
+
+def _is_twin(winner: Candidate, other: Candidate) -> bool:
+    """Whether one says what the other says, in other words."""
+    return other.effect.name in winner.effect.twins and other.share > _NEARLY * winner.share
 
 
 def rivalry_of(winner: Candidate, rivals: list[Candidate], cluster: Tensor) -> Rivalry | None:
@@ -66,6 +77,8 @@ def rivalry_of(winner: Candidate, rivals: list[Candidate], cluster: Tensor) -> R
 
 def _evidence_for(first: Candidate, second: Candidate, cluster: Tensor) -> float:
     difference = _difference(first, second, cluster)
+    if _is_twin(second, first):
+        return 0.0
     if abs(float(difference.sum())) < _SAME or len(difference) < 2:
         return 0.0
     statistic = float(stats.ttest_1samp(difference.numpy(), 0.0).statistic)

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from torch import Tensor
 
-from pipeline.effects import Effect, MeasurementEffect, ParameterError
-from pipeline.effects.delay import CommandDelay
+from pipeline.effects import Effect, ParameterError
 from pipeline.gap.fit import Fit, Problem, columns_of
 from pipeline.gap.scoring import cross_validated, folds_of, predictive_score, significance_of
 from pipeline.gap.settings import Gap
@@ -15,7 +15,10 @@ _Z95 = 1.96
 _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
-_LEAST_SHIFT = 0.125  # of a sample: clocks are no better, nor are simulations of a few steps per sample
+_SHORT_SCAN = 2  # starting points
+_SHORT = (
+    0.3  # of a sample: a controller twice as fast as the log acts a quarter away from where a command is read
+)
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 _MOST = 0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
 
@@ -63,10 +66,11 @@ class Starts:
     def of(self, effect: Effect) -> list[dict[str, float]]:
         """Return where a fit starts: the whole scan until something is named, then what the effect looked like last.
 
-        The scan is repeated once for each effect after every change of the simulator that a round decides on.
+        The scan is repeated once for each effect after every change of the simulator that a round decides on; a short
+        one every time, for what the effect looked like may lie on the other side of a kink.
         """
         scan = effect.starts()
-        if len(scan) > 1 and effect.key in self.scanned:
+        if len(scan) > _SHORT_SCAN and effect.key in self.scanned:
             return [self.shapes[effect.key], effect.neutral()]
         self.scanned.add(effect.key)
         return scan
@@ -150,10 +154,11 @@ class Judge:
         effect, fit = candidate.effect, candidate.fit
         names = (parameter.name for parameter in effect.parameters)
         values = dict(zip(names, fit.values[columns_of(fit, effect)].tolist(), strict=True))
-        refusal = self.bound(effect, values) or self.unresolved(effect, values, energies)
+        constants = fit.simulator.constants()
+        refusal = self.bound(effect, values) or self.unresolved(effect, values, constants, energies)
         if refusal:
             return refusal
-        if limit := effect.limit(values, self.problem.blocks.signals, fit.simulator.constants()):
+        if limit := effect.limit(values, self.problem.blocks.signals, constants):
             return f"comes down to {limit} here"
         if candidate.p_value > self.settings.significance / max(self.contestants, 1):
             return "not significant"
@@ -173,24 +178,30 @@ class Judge:
                 return f"{parameter.name} rests on its upper bound"
         return ""
 
-    def unresolved(self, effect: Effect, values: dict[str, float], energies: Tensor) -> str:
+    def unresolved(
+        self, effect: Effect, values: dict[str, float], constants: dict[str, Any], energies: Tensor
+    ) -> str:
         """Return what resolves no value as small as an effect's, if that is so.
 
         Args:
             effect: of the candidate.
             values: its parameters.
+            constants: of the fitted simulator.
             energies: that it explains in each channel, (channels,).
         """
         resting = self.rest(effect)
-        if isinstance(effect, MeasurementEffect | CommandDelay):
-            least = _LEAST_SHIFT * self.problem.blocks.time_step
-            times = [values[p.name] - resting[p.name] for p in effect.parameters if p.unit == "s"]
-            return "smaller than samples can tell" if times and max(map(abs, times)) < least else ""
+        if effect.key in self.resting and self.is_short(effect, values, constants):
+            return "changes by less than samples can tell"
         if isinstance(effect, ParameterError):
             imitated = bool((energies < self.problem.quadrature.square()).all())
             if imitated or abs(values["ratio"] - resting["ratio"]) < _LEAST_ERROR:
                 return "smaller than the quadrature of the equations can tell"
         return ""
+
+    def is_short(self, effect: Effect, values: Mapping[str, float], constants: dict[str, Any]) -> bool:
+        """Whether an effect makes something late by less than samples can tell, beside what was known before."""
+        late, known = (effect.lateness(each, constants) for each in (values, self.rest(effect)))
+        return 0.0 < abs(late - known) < _SHORT * self.problem.blocks.time_step
 
     def matters(self, candidate: Candidate) -> bool:
         """Whether a candidate explains enough of the whole gap, or else most of what is left, and more than noise."""

@@ -16,7 +16,7 @@ from pipeline.gap.refit import extend, shrink
 from pipeline.gap.scoring import cross_validated, predictive_score
 from pipeline.gap.settings import Gap
 from pipeline.gap.signs import signs_of
-from pipeline.simulation import Simulator
+from pipeline.simulation import FittedEffect, Simulator
 
 BEYOND_NOISE = (
     4.0  # times the noise's energy: coloured noise may pass for more than the white noise it is measured by
@@ -75,6 +75,12 @@ class Competition:
     def leaves_more_than_noise(self) -> bool:
         """Whether some channel still holds more than the sensors' noise can account for."""
         return float(excess_of(self.current, self.problem.noise).max()) > BEYOND_NOISE
+
+    def short_times(self) -> tuple[FittedEffect, ...]:
+        """Return the named effects that make something late by less than samples can tell."""
+        simulator = self.current.simulator
+        constants = simulator.constants()
+        return tuple(f for f in simulator.free if self.judge.is_short(f.effect, f.values, constants))
 
     def has_room(self) -> bool:
         """Whether more effects might have been named."""

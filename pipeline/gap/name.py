@@ -8,7 +8,7 @@ from pipeline.gap.candidate import Candidate
 from pipeline.gap.competition import Competition, Round
 from pipeline.gap.fit import Fit, Problem
 from pipeline.gap.settings import Gap
-from pipeline.simulation import Simulator
+from pipeline.simulation import FittedEffect, Simulator
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,7 @@ class Naming:
         named: the effects in the final simulator, each as if it had been the last to enter.
         rounds: the competition.
         rivalries: effects that this recording cannot tell apart.
+        short: the named effects that make something late by less than samples can tell.
     """
 
     base: Fit
@@ -28,6 +29,7 @@ class Naming:
     named: tuple[Candidate, ...]
     rounds: tuple[Round, ...]
     rivalries: tuple[Rivalry, ...]
+    short: tuple[FittedEffect, ...] = ()
 
 
 def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
@@ -51,7 +53,14 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     competition.disown()
     named = tuple(competition.named())
     rivalries = tuple(rivalry for winner in named if (rivalry := competition.rivalry(winner)))
-    return Naming(competition.base, competition.current, named, tuple(competition.rounds), rivalries)
+    return Naming(
+        competition.base,
+        competition.current,
+        named,
+        tuple(competition.rounds),
+        rivalries,
+        competition.short_times(),
+    )
 
 
 def _settled(catalogue: list[Effect]) -> list[Effect]:

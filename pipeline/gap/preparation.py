@@ -3,11 +3,11 @@
 from dataclasses import dataclass, replace
 
 import torch
-from torch import Tensor
 
 from pipeline.errors import InputError
 from pipeline.gap.fit import Problem
 from pipeline.gap.residuals import noise_of_rows, quadrature_of_rows
+from pipeline.gap.resolution import resolution_of, resolved, with_resolution
 from pipeline.gap.scoring import clusters_of
 from pipeline.gap.sensors import settle_accelerometer, settle_velocity
 from pipeline.gap.settings import Gap
@@ -18,11 +18,6 @@ from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
 
 CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
-_LEAST_CHANGES = (
-    0.05  # of the changes of a velocity from sample to sample are no larger than one step of its sensor
-)
-_CROSSED = 0.5  # of the change over a step through which the mean velocity is taken: zero is passed within it
-_MOST_CHANGES = 10_000_000  # that a quantile is taken of
 
 
 @dataclass(frozen=True)
@@ -58,7 +53,8 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool 
     """
     blocks, remarks = _blocks(recording, nominal, settings, held)
     fitted, proving, held_out = _divide(blocks, recording.split, settings)
-    nominal = _resolved(nominal, fitted)
+    nominal, known_to = resolved(nominal, fitted), resolution_of(nominal, fitted)
+    fitted, proving = (with_resolution(blocks, nominal, known_to) for blocks in (fitted, proving))
     functions = window_functions(fitted.samples, settings.test_width, fitted.time_step)
     noise, quadrature = (of(nominal, fitted, functions) for of in (noise_of_rows, quadrature_of_rows))
     problem = Problem(fitted, functions, noise, quadrature, clusters_of(fitted, CLUSTER_DURATION))
@@ -98,33 +94,3 @@ def _divide(blocks: Blocks, split: dict[str, str], settings: Gap) -> tuple[Block
         raise InputError("no run is left to fit", "dataset.split", "hold out fewer runs")
     fitted = fitted.thinned(settings.most_blocks)
     return (fitted, proving.thinned(settings.most_blocks), True) if len(proving) else (fitted, fitted, False)
-
-
-def _resolved(nominal: Simulator, blocks: Blocks) -> Simulator:
-    """Set the speeds below which the recording cannot tell the direction of motion."""
-    found = {
-        name: _resolution(blocks.inner(velocity), blocks.on_steps)
-        for name, velocity in _sliding_velocities(nominal, blocks.signals).items()
-    }
-    return replace(nominal, settings={**found, **nominal.settings})
-
-
-def _sliding_velocities(nominal: Simulator, signals: dict[str, Tensor]) -> dict[str, Tensor]:
-    """Return what slides by the name of the setting that says when it does."""
-    if nominal.platform.kind == "joint":
-        return {"sliding_velocity": signals["velocity"]}
-    if nominal.platform.kind == "swerve":
-        return {
-            "drive_sliding_velocity": signals["drive_velocity"] / nominal.constants()["drive_gear_ratio"],
-            "steer_sliding_velocity": signals["steer_velocity"],
-        }
-    return {}
-
-
-def _resolution(velocity: Tensor, on_steps: bool) -> float:
-    """Return the speed below which a recorded velocity (blocks, samples, ...) leaves its sign open."""
-    usual, changes = float(velocity.square().mean().sqrt()), velocity.diff(dim=1).abs()
-    jitter = float(changes.square().median().sqrt()) * (_CROSSED if on_steps else 1.0)
-    moved = changes[changes > 1e-9 * max(usual, 1e-12)]
-    quantum = float(moved.quantile(_LEAST_CHANGES)) if 0 < len(moved) < _MOST_CHANGES else 0.0
-    return max(0.01 * usual, jitter, quantum, 1e-6)

@@ -6,9 +6,10 @@ from torch import Tensor
 from pipeline.effects import MeasurementEffect
 from pipeline.effects.delay import CommandDelay
 from pipeline.gap.fit import Fit, excess_of, fit
-from pipeline.gap.name import Naming, name
+from pipeline.gap.name import Naming
 from pipeline.gap.preparation import Prepared, prepare
 from pipeline.gap.settings import Gap
+from pipeline.gap.short_times import name_settled
 from pipeline.gap.timing import HELD_KINDS
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
@@ -24,14 +25,14 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
     physics.
     """
     prepared = prepare(recording, nominal, settings)
-    naming = name(prepared.nominal, prepared.problem, settings)
+    prepared, naming = name_settled(prepared, settings)
     if recording.kind not in HELD_KINDS:
         return prepared, naming
     late = _is_late_by_half_a_sample(naming, prepared)
     other = prepare(recording, nominal, settings, held=not prepared.problem.blocks.held)
     if not late and not _may_cost_less(other, prepared, naming):
         return prepared, naming
-    renamed = name(other.nominal, other.problem, settings)
+    other, renamed = name_settled(other, settings)
     later = _is_late_by_half_a_sample(renamed, other)
     if late or later:
         return (other, renamed) if late and not later else (prepared, naming)

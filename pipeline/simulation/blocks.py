@@ -31,6 +31,8 @@ class Blocks:
         held: whether commands are held from one sample to the next.
         held_commands: those commands as they were recorded, where `signals` has the mean of what acts around a sample;
             a simulation holds them. By name, (blocks, margin + samples + margin, ...).
+        resolution: what velocities are known to at each sample, in their units; of no concern to a simulation, which
+            knows its own. By name, (blocks, margin + samples + margin, ...).
     """
 
     signals: dict[str, Tensor]
@@ -42,18 +44,24 @@ class Blocks:
     samples: int
     held: bool = True
     held_commands: dict[str, Tensor] = field(default_factory=dict)
+    resolution: dict[str, Tensor] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.run)
 
     def take(self, index: Tensor) -> "Blocks":
         """Return some of the blocks."""
-        signals, held = (
+        signals, held, resolution = (
             {name: series[index] for name, series in part.items()}
-            for part in (self.signals, self.held_commands)
+            for part in (self.signals, self.held_commands, self.resolution)
         )
         return replace(
-            self, signals=signals, held_commands=held, run=self.run[index], start=self.start[index]
+            self,
+            signals=signals,
+            held_commands=held,
+            resolution=resolution,
+            run=self.run[index],
+            start=self.start[index],
         )
 
     def of_runs(self, names: list[str]) -> "Blocks":
@@ -76,11 +84,12 @@ class Blocks:
 
         Through the step that follows a sample its command is held, and all else is taken halfway to the next sample.
         """
-        return self.acting_after(0.5) if self.on_steps else self.signals
+        return self.acting_after(0.5) if self.on_steps else self.signals | self.resolution
 
     def acting_after(self, part: float) -> dict[str, Tensor]:
         """Return what acts when a part of each step is over, by name, where commands are known step by step."""
-        states = {name: series for name, series in self.signals.items() if name not in self.held_commands}
+        known = self.signals | self.resolution
+        states = {name: series for name, series in known.items() if name not in self.held_commands}
         moved = {name: (1.0 - part) * series + part * _next(series) for name, series in states.items()}
         return moved | self.held_commands
 

@@ -1,13 +1,13 @@
 """Dry friction of a joint that is greater one way than the other.
 
-Coulomb friction is the level that both directions share. On an axis that never rests, a constant load with half as much
-Coulomb friction does the same; at rest a load still pulls and friction only holds.
+Coulomb friction is the level that both directions share. A constant load of half the difference, with half of it more
+Coulomb friction, does the same, in motion and at rest, where friction holds the load too.
 """
 
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction
+from pipeline.effects.dry_friction import dry_friction, sliding_velocity_of
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.joint.common import applied, on_axis
 
@@ -22,13 +22,14 @@ class AsymmetricFriction(WrenchEffect):
     parameters = (Parameter("difference", "N·m", 0.05, -1e4, 1e4),)
     needs = ("velocity", "effort")
     yields_to = ("coulomb_friction", "constant_load")
+    twins = ("constant_load",)
     formula = "torque = −difference where sign(velocity) = sign(difference), else 0; at standstill it holds that way"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
     sentence = (
         "Dry friction is {difference} {difference_unit} greater forward than backward; add the difference of the "
         "two directions."
     )
-    excitation = "the same slow ramps in both directions, with rests under no load between them"
+    excitation = "the same slow ramps in both directions, and again with the axis mounted the other way round"
 
     def starts(self) -> list[dict[str, float]]:
         """Start on either side of none: which direction it is slowed in has no slope at zero."""
@@ -39,5 +40,5 @@ class AsymmetricFriction(WrenchEffect):
         velocity, load = signals["velocity"], applied(signals, constants)
         difference = torch.as_tensor(values["difference"], dtype=velocity.dtype)
         forward, backward = difference.clamp_min(0.0), (-difference).clamp_min(0.0)
-        friction = dry_friction(forward, velocity, load, constants["sliding_velocity"], backward)
+        friction = dry_friction(forward, velocity, load, sliding_velocity_of(signals, constants), backward)
         return on_axis(constants, friction)

@@ -16,6 +16,7 @@ class ConstantLoad(WrenchEffect):
     parameters = (Parameter("load", "N·m", 0.1, -1e4, 1e4),)
     needs = ("position",)
     yields_to = ("coulomb_friction",)
+    twins = ("asymmetric_friction",)
     formula = "torque = load"
     source = "Newton's second law"
     sentence = (

@@ -30,6 +30,10 @@ class MotorLag(ActuatorEffect):
         """Start from none, and from a scan: a periodic command has more than one valley."""
         return [{"time_constant": time_constant} for time_constant in (0.0, 0.01, 0.03, 0.08, 0.2)]
 
+    def lateness(self, values: Values, constants: Values) -> float:
+        """Return the time constant."""
+        return float(values["time_constant"])
+
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:

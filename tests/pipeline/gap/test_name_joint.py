@@ -118,6 +118,8 @@ def test_clocks_that_are_a_tenth_of_a_sample_apart_are_no_cause(late):
         frame[column] = (series - late * np.gradient(series, axis=1)).ravel()
     found = quick(replace(recording, frame=frame), joint_simulator())
     assert (found.verdict, named(found)) == ("none", [])
+    assert [fitted.known for fitted in found.simulator.effects] == [True]
+    assert any("not named" in warning for warning in found.warnings)
 
 
 @pytest.mark.parametrize("difference", [-0.2, 0.2])

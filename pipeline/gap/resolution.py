@@ -1,0 +1,80 @@
+"""How slowly a recording shows an axis move before it leaves open which way: dry friction depends on that."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import torch
+from torch import Tensor
+
+from pipeline.gap.residuals import sample_noise
+from pipeline.simulation import Simulator
+from pipeline.simulation.blocks import Blocks
+
+_LEAST_CHANGES = (
+    0.05  # of the changes of a velocity from sample to sample are no larger than one step of its sensor
+)
+_CROSSED = 0.5  # of the change over a step through which the mean velocity is taken: zero is passed within it
+_MOST_CHANGES = 10_000_000  # that a quantile is taken of
+_CERTAIN = 3.0  # standard deviations of the noise, beyond which a velocity has a direction
+_LEAST_SHARE, _LEAST_SPEED = 1e-3, 1e-6  # of the usual speed, and in its unit: no velocity is known better
+
+
+def resolved(nominal: Simulator, blocks: Blocks) -> Simulator:
+    """Set the speeds below which the recording cannot tell the direction of motion."""
+    found = {
+        name: _resolution(blocks.inner(velocity), blocks.on_steps)
+        for name, velocity in _sliding_velocities(nominal, blocks.signals).items()
+    }
+    return replace(nominal, settings={**found, **nominal.settings})
+
+
+def with_resolution(blocks: Blocks, nominal: Simulator, known_to: Mapping[str, float]) -> Blocks:
+    """Add below which velocities the direction of motion is open at each sample.
+
+    It is what the sensor tells, or half of what the velocity changes by within a sample: then it passes through zero.
+    """
+    resolution = {}
+    for name, velocity in _sliding_velocities(nominal, blocks.signals).items():
+        change = torch.gradient(velocity, dim=1)[0].abs()
+        resolution[name] = (_CROSSED * change).clamp_min(known_to[name])
+    return replace(blocks, resolution=resolution)
+
+
+def resolution_of(nominal: Simulator, blocks: Blocks) -> dict[str, float]:
+    """Return what the sensors tell a velocity to, by the name of the setting that says when it slides."""
+    known = {}
+    for name, velocity in _sliding_velocities(nominal, blocks.signals).items():
+        inner = blocks.inner(velocity)
+        per_axis = inner.flatten(2).transpose(1, 2).flatten(0, 1) if inner.ndim > 2 else inner
+        noise = _CERTAIN * float(sample_noise(per_axis)) ** 0.5
+        known[name] = max(noise, _quantum(inner), _LEAST_SHARE * _usual(inner), _LEAST_SPEED)
+    return known
+
+
+def _sliding_velocities(nominal: Simulator, signals: dict[str, Tensor]) -> dict[str, Tensor]:
+    """Return what slides by the name of the setting that says when it does."""
+    if nominal.platform.kind == "joint":
+        return {"sliding_velocity": signals["velocity"]}
+    if nominal.platform.kind == "swerve":
+        return {
+            "drive_sliding_velocity": signals["drive_velocity"] / nominal.constants()["drive_gear_ratio"],
+            "steer_sliding_velocity": signals["steer_velocity"],
+        }
+    return {}
+
+
+def _resolution(velocity: Tensor, on_steps: bool) -> float:
+    """Return the speed below which a recorded velocity (blocks, samples, ...) leaves its sign open."""
+    jitter = float(velocity.diff(dim=1).square().median().sqrt()) * (_CROSSED if on_steps else 1.0)
+    return max(0.01 * _usual(velocity), jitter, _quantum(velocity), _LEAST_SPEED)
+
+
+def _usual(velocity: Tensor) -> float:
+    return float(velocity.square().mean().sqrt())
+
+
+def _quantum(velocity: Tensor) -> float:
+    """Return the step of a velocity's sensor, or less where it has none."""
+    changes = velocity.diff(dim=1).abs()
+    moved = changes[changes > 1e-9 * max(_usual(velocity), 1e-12)]
+    return float(moved.quantile(_LEAST_CHANGES)) if 0 < len(moved) < _MOST_CHANGES else 0.0
