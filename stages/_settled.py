@@ -35,10 +35,13 @@ def _energy_of(case: Any, effect: str, config: "ProveStage", strength: float) ->
 def energy_over_noise(case: Any, effect: str, config: "ProveStage") -> float:
     """Return the energy over the noise's that an effect explains, in the channel where it explains most.
 
-    One recording, two simulators: one that knows all that is concealed, one that lacks the effect alone.
+    One recording, two simulators: one that knows all that is concealed, one that lacks the effect alone. What makes
+    something late by less than samples can tell shows nothing, since nobody may name it.
     """
+    from pipeline.effects import effect_by_key
     from pipeline.gap.preparation import prepare
     from pipeline.gap.residuals import noise_of_rows, residual_rows
+    from pipeline.gap.resolution import is_short
     from pipeline.recordings.cleaning import clean_with_coverage
     from pipeline.simulation.build import build_simulator
     from pipeline.simulation.settings import SimulatorSettings
@@ -58,6 +61,13 @@ def energy_over_noise(case: Any, effect: str, config: "ProveStage") -> float:
         )
         for effects in (known, without)
     ]
+    constants = simulators[0].constants()
+    if any(
+        is_short(effect_by_key(case.kind, name).lateness(values, constants), blocks.time_step)
+        for name, values in known.items()
+        if _is_of(name, effect)
+    ):
+        return 0.0
     noise = noise_of_rows(simulators[0], blocks, functions)
     complete, lacking = (
         (residual_rows(simulator, blocks, functions) / noise).square().mean((0, 1))

@@ -8,6 +8,7 @@ from torch import Tensor
 
 from pipeline.effects import Effect, ParameterError
 from pipeline.gap.fit import Fit, Problem, columns_of
+from pipeline.gap.resolution import is_short
 from pipeline.gap.scoring import cross_validated, folds_of, predictive_score, significance_of
 from pipeline.gap.settings import Gap
 
@@ -16,9 +17,6 @@ _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
 _SHORT_SCAN = 2  # starting points
-_SHORT = (
-    0.3  # of a sample: a controller twice as fast as the log acts a quarter away from where a command is read
-)
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 _MOST = 0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
 
@@ -201,7 +199,7 @@ class Judge:
     def is_short(self, effect: Effect, values: Mapping[str, float], constants: dict[str, Any]) -> bool:
         """Whether an effect makes something late by less than samples can tell, beside what was known before."""
         late, known = (effect.lateness(each, constants) for each in (values, self.rest(effect)))
-        return 0.0 < abs(late - known) < _SHORT * self.problem.blocks.time_step
+        return is_short(late - known, self.problem.blocks.time_step)
 
     def matters(self, candidate: Candidate) -> bool:
         """Whether a candidate explains enough of the whole gap, or else most of what is left, and more than noise."""

@@ -1,4 +1,4 @@
-"""How slowly a recording shows an axis move before it leaves open which way: dry friction depends on that."""
+"""What a recording resolves: how slow a motion before it leaves open which way, and how short a time."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -17,6 +17,14 @@ _CROSSED = 0.5  # of the change over a step through which the mean velocity is t
 _MOST_CHANGES = 10_000_000  # that a quantile is taken of
 _CERTAIN = 3.0  # standard deviations of the noise, beyond which a velocity has a direction
 _LEAST_SHARE, _LEAST_SPEED = 1e-3, 1e-6  # of the usual speed, and in its unit: no velocity is known better
+_SHORT = (
+    0.3  # of a sample: a controller twice as fast as the log acts a quarter away from where a command is read
+)
+
+
+def is_short(late: float, time_step: float) -> bool:
+    """Whether something is late by so little, s, that samples cannot tell it from how a command is held."""
+    return 0.0 < abs(late) < _SHORT * time_step
 
 
 def resolved(nominal: Simulator, blocks: Blocks) -> Simulator:
