@@ -240,11 +240,15 @@ class Competition:
         )
 
     def close_to(self, winner: Effect) -> list[Effect]:
-        """Return the effects that came close to a winner in the round it won: only they can stand in for it."""
+        """Return the effects that came close to a winner in the round it won: only they can stand in for it.
+
+        Those that had no part in that round, since only numbers and clocks were settled in it, may stand in, too.
+        """
         for turn in reversed(self.rounds):
             if turn.winner is not None and turn.winner.effect.key == winner.key:
                 least = 0.5 * turn.winner.share
-                return [c.effect for c in turn.candidates if c.share > least]
+                far = {c.effect.key for c in turn.candidates if c.share <= least}
+                return [effect for effect in self.catalogue if effect.key not in far]
         return self.catalogue
 
     def is_needless(self, rival: Candidate) -> bool:

@@ -24,6 +24,7 @@ from pipeline.gap.fit import (
 from pipeline.simulation import FittedEffect, Simulator
 
 _STEPS = 3
+_SIDES = 2  # of a kink
 _SCANNED = 60  # blocks that a scan of starting points looks at
 
 
@@ -39,9 +40,19 @@ def extend(
         current: without the effect.
         effect: to be added.
         problem: what is fitted.
-        starts: values from which to start, the most promising of which is taken; None: the effect's own.
+        starts: values from which to start, the most promising of which is taken; None: the effect's own. An effect
+            that has two of its own has a kink between them: both are followed to the end.
     """
-    simulator, residual = _start(current, effect, problem, starts or effect.starts())
+    if starts is None:
+        starts = effect.starts()
+    if len(effect.starts()) != _SIDES:
+        return _extended(current, effect, problem, starts)
+    sides = [_extended(current, effect, problem, [start]) for start in starts]
+    return min(sides, key=lambda side: float((side.residual / current.scale).square().sum()))
+
+
+def _extended(current: Fit, effect: Effect, problem: Problem, starts: Sequence[dict[str, float]]) -> Fit:
+    simulator, residual = _start(current, effect, problem, starts)
     for _ in range(1 if _is_linear(effect) else _STEPS):
         added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
@@ -121,17 +132,14 @@ def _start(
 
 
 def _promise(simulator: Simulator, effect: Effect, current: Fit, few: Problem, part: Tensor) -> float:
-    """Return the weighted cost that one Newton step from a starting point leaves on some of the blocks.
-
-    The step is taken: where it passes a kink, what its slopes promise is not kept.
-    """
+    """Return the weighted cost that one Newton step from a starting point would leave on some of the blocks."""
     residual = few.residual(simulator)
     added = effect_jacobian(simulator, effect, few, residual)
     jacobian = torch.cat([current.jacobian[part], added], dim=-1)
     low, high = bounds_of(simulator)
-    change, _ = bounded_newton_step(jacobian, residual, current.scale, values_of(simulator), low, high)
-    stepped = few.residual(with_values(simulator, (values_of(simulator) + change).clamp(low, high)))
-    return float((stepped / current.scale).square().sum())
+    step = bounded_newton_step(jacobian, residual, current.scale, values_of(simulator), low, high)
+    change = step[0].minimum(high - values_of(simulator)).maximum(low - values_of(simulator))
+    return float(((residual - jacobian @ change) / current.scale).square().sum())
 
 
 def _stepped(
