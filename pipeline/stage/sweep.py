@@ -34,12 +34,15 @@ class Task:
     Attributes:
         stage: what is run.
         sweep: identifies the sweep to which all its jobs belong.
-        swept: the keys that differ between the jobs, by which they are called.
+        swept: the keys that differ between the jobs.
+        naming: the keys by which jobs are called: those, and what a preset would sweep over where one value of it was
+            asked for, so that a sweep run part by part puts every job where the whole would.
     """
 
     stage: "Stage[Any]"
     sweep: str
     swept: frozenset[str]
+    naming: frozenset[str]
 
     def __call__(self, root: "DictConfig") -> Done | Failed:
         """Run the stage; a person's mistake is returned, since Hydra prints lines of its own on an exception."""
@@ -61,8 +64,9 @@ class Task:
         from hydra.core.hydra_config import HydraConfig
 
         hydra = HydraConfig.get()
-        own = [text for text in hydra.overrides.task if _key(text) in self.swept]
-        values = {_key(str(entry.input_line)): _value(entry) for entry in _parsed(own)}
+        own = [text for text in hydra.overrides.task if _key(text) in self.naming]
+        differing = [text for text in own if _key(text) in self.swept]
+        values = {_key(str(entry.input_line)): _value(entry) for entry in _parsed(differing)}
         preset = hydra.runtime.choices.get("experiment")
         return Place(self.sweep, job_name([preset or self.stage.name]), job_name(own), values)
 
@@ -81,7 +85,8 @@ def run_sweep(stage: "Stage[Any]", overrides: Sequence[str], config_dir: str | N
         root = hydra.compose_config(ROOT_CONFIG, prepared, RunMode.MULTIRUN, with_log_configuration=False)
         preset = [f"{key}={value}" for key, value in (root.hydra.sweeper.get("params") or {}).items()]
         prepared = _as_in_preset(prepared, preset)
-        task = Task(stage, _identity(stage, prepared), _swept([*preset, *prepared]))
+        swept = _swept([*preset, *prepared])
+        task = Task(stage, _identity(stage, prepared), swept, swept | _swept(preset))
         batches = open_hydra(config_dir).multirun(ROOT_CONFIG, task, prepared, with_log_configuration=True)
     outcomes = [done.return_value for batch in batches for done in batch]
     write_comparison(stage, outcomes, f"simgap {stage.name} -m {shlex.join(overrides)}")

@@ -118,6 +118,17 @@ def test_a_preset_names_the_folder_and_the_jobs_that_it_sweeps(tiny: ModuleType)
     assert Comparison.read(folder / "comparison").results.title == "A pair"
 
 
+def test_a_preset_run_part_by_part_puts_every_job_where_the_whole_would(tiny: ModuleType) -> None:
+    for seed in (1, 2):
+        sweep = ["-m", "+experiment=pair", "drawing.amount=3,4", f"seed={seed}", UNTRACKED]
+        assert run_command(tiny.tiny_stage, sweep) == 0
+    folder = Path("artifacts/default/sweeps/pair")
+    assert sorted(results(folder)) == [f"seed={s},drawing.amount={n}" for s in (1, 2) for n in (3, 4)]
+    assert [job.values for job in Comparison.read(folder / "comparison").jobs] == [
+        {"drawing.amount": amount} for amount in (3, 4)
+    ]
+
+
 def written(folder: Path) -> dict[str, int]:
     return {path.parent.name: path.stat().st_ino for path in folder.rglob("draws")}
 
