@@ -2,6 +2,7 @@
 
 import importlib
 import sys
+from importlib.metadata import version
 from typing import NoReturn
 
 from pipeline.stage.project import commands, described, nearest
@@ -34,7 +35,7 @@ HELP = {"-h", "--help"}
 USAGE = """\
 simgap: from recordings of a real robot to a simulator that explains them
 
-usage: simgap COMMAND [key=value ...]      simgap COMMAND --help
+usage: simgap COMMAND [key=value ...]      simgap COMMAND --help      simgap --version
 
 {commands}
 
@@ -51,6 +52,9 @@ def main(argv: list[str] | None = None) -> NoReturn:
         print(_usage(known), end="")
         sys.exit(0)
     name = arguments[0]
+    if name == "--version":
+        print(f"simgap {version('simgap')}")
+        sys.exit(0)
     if name not in known:
         print(f"simgap: unknown command {name!r}; {nearest(name, known)}", file=sys.stderr)
         sys.exit(2)

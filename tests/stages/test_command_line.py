@@ -4,11 +4,13 @@ import importlib
 import os
 import subprocess
 import sys
+import tomllib
 from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
+from pipeline.artifacts import PROJECT_ROOT
 from pipeline.stage.project import STAGES, commands, described
 from stages.__main__ import ORDER, main
 
@@ -31,6 +33,15 @@ def test_help_lists_every_stage_with_what_it_does(capsys: pytest.CaptureFixture[
         assert f"  {name} " in text
         assert summary in text
         assert summary.endswith(".")
+
+
+def test_the_version_is_that_of_the_project(capsys: pytest.CaptureFixture[str]) -> None:
+    stated = tomllib.loads((PROJECT_ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
+        "version"
+    ]
+    with pytest.raises(SystemExit) as caught:
+        main(["--version"])
+    assert (caught.value.code, capsys.readouterr().out) == (0, f"simgap {stated}\n")
 
 
 def test_help_names_the_stages_in_their_order() -> None:
