@@ -1,5 +1,7 @@
 """Dry friction that also holds still, shared by joints, wheels and steered modules."""
 
+from typing import NamedTuple
+
 import torch
 from torch import Tensor
 
@@ -19,8 +21,20 @@ def fades(velocity: Tensor, fading_velocity: Value) -> bool:
     return bool(torch.exp(-((fastest / fading_velocity) ** 2)) < _FADED)
 
 
-def sliding_velocity_of(signals: Signals, constants: Values, group: str = "") -> Value:
-    """Return below which velocity a direction is open: as each sample shows it where that is known, else at large.
+class Sliding(NamedTuple):
+    """From which velocity on an axis slides one way only.
+
+    Attributes:
+        velocity: in the unit of the velocity: half of what it changes by within a sample, or what it is known to.
+        within_samples: whether what is slower passes through zero within a sample; at an instant it rests.
+    """
+
+    velocity: Value
+    within_samples: bool
+
+
+def sliding_of(signals: Signals, constants: Values, group: str = "") -> Sliding:
+    """Return from which velocity on an axis slides: as each sample shows it where that is known, else at large.
 
     Args:
         signals: may have `sliding_velocity`, of the shape of the velocity.
@@ -28,17 +42,17 @@ def sliding_velocity_of(signals: Signals, constants: Values, group: str = "") ->
         group: what both names begin with: a swerve's `drive_` or `steer_`.
     """
     name = f"{group}sliding_velocity"
-    return signals[name] if name in signals else constants[name]
+    return Sliding(signals[name], True) if name in signals else Sliding(constants[name], False)
 
 
 def dry_friction(
     level: Value,
     velocity: Tensor,
     applied: Tensor,
-    sliding_velocity: Value,
+    slides: Sliding,
     backward_level: Value | None = None,
 ) -> Tensor:
-    """Mean over a sample of friction that opposes motion, or at standstill what is applied, up to its level (...,).
+    """Friction that opposes motion at its level, and at standstill what is applied, up to its level (...,).
 
     An axis that passes through zero within a sample slides one way and then the other: of its level there remains the
     share of time that the one exceeds the other by. The slower it is, and the less what is applied passes the level,
@@ -47,17 +61,29 @@ def dry_friction(
 
     Args:
         level: N·m or N.
-        velocity: (...,) rad/s or m/s.
+        velocity: (...,) rad/s or m/s; its mean where samples are meant.
         applied: what else acts, (...,) in the unit of the level.
-        sliding_velocity: in the unit of the velocity, from which on the axis slides one way only: half of what the
-            velocity changes by within a sample, or what it is known to.
+        slides: from which velocity on.
         backward_level: against negative motion, where it is not the same as against positive.
     """
-    direction = (velocity / sliding_velocity).clamp(-1.0, 1.0)
-    forward = torch.as_tensor(level, dtype=direction.dtype)
-    backward = forward if backward_level is None else torch.as_tensor(backward_level, dtype=direction.dtype)
+    level = torch.as_tensor(level, dtype=velocity.dtype)
+    backward = level if backward_level is None else torch.as_tensor(backward_level, dtype=velocity.dtype)
+    held = torch.maximum(torch.minimum(applied, level), -backward)
+    law = _over_samples if slides.within_samples else _at_an_instant
+    return law(level, backward, velocity / slides.velocity, held, applied)
+
+
+def _at_an_instant(forward: Tensor, backward: Tensor, speed: Tensor, held: Tensor, _: Tensor) -> Tensor:
+    """Pass smoothly from what is held to what slides, as the speed (...,) in units of the sliding velocity grows."""
+    slip = torch.tanh(speed)
+    sliding = torch.where(slip > 0, forward, backward) * slip * slip.abs()
+    return -sliding - (1.0 - slip.square()) * held
+
+
+def _over_samples(forward: Tensor, backward: Tensor, speed: Tensor, held: Tensor, applied: Tensor) -> Tensor:
+    """Return the mean of what slides one way and then the other, or rests for the share that it is held."""
+    direction = speed.clamp(-1.0, 1.0)
     sliding = 0.5 * ((forward + backward) * direction + (forward - backward))
-    held = torch.maximum(torch.minimum(applied, forward), -backward)
     share = torch.where(applied == held, 1.0, held / torch.where(applied == held, 1.0, applied))
     resting = (1.0 - direction.square()) * share
     return -(1.0 - resting) * sliding - resting * held

@@ -7,7 +7,7 @@ Coulomb friction, does the same, in motion and at rest, where friction holds the
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, sliding_velocity_of
+from pipeline.effects.dry_friction import dry_friction, sliding_of
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.joint.common import applied, on_axis
 
@@ -40,5 +40,5 @@ class AsymmetricFriction(WrenchEffect):
         velocity, load = signals["velocity"], applied(signals, constants)
         difference = torch.as_tensor(values["difference"], dtype=velocity.dtype)
         forward, backward = difference.clamp_min(0.0), (-difference).clamp_min(0.0)
-        friction = dry_friction(forward, velocity, load, sliding_velocity_of(signals, constants), backward)
+        friction = dry_friction(forward, velocity, load, sliding_of(signals, constants), backward)
         return on_axis(constants, friction)

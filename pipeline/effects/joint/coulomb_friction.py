@@ -2,7 +2,7 @@
 
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, sliding_velocity_of
+from pipeline.effects.dry_friction import dry_friction, sliding_of
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.joint.common import applied, on_axis
 
@@ -24,7 +24,5 @@ class CoulombFriction(WrenchEffect):
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on the axis, N·m or N."""
         load = applied(signals, constants)
-        friction = dry_friction(
-            values["level"], signals["velocity"], load, sliding_velocity_of(signals, constants)
-        )
+        friction = dry_friction(values["level"], signals["velocity"], load, sliding_of(signals, constants))
         return on_axis(constants, friction)

@@ -2,7 +2,7 @@
 
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, sliding_velocity_of
+from pipeline.effects.dry_friction import dry_friction, sliding_of
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.joint.common import applied, on_axis
 
@@ -31,5 +31,5 @@ class LoadDependentFriction(WrenchEffect):
         """Return the friction on the axis, N·m or N."""
         level = values["ratio"] * signals["effort"].abs()
         load = applied(signals, constants)
-        friction = dry_friction(level, signals["velocity"], load, sliding_velocity_of(signals, constants))
+        friction = dry_friction(level, signals["velocity"], load, sliding_of(signals, constants))
         return on_axis(constants, friction)

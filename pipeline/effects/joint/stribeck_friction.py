@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, fades, sliding_velocity_of
+from pipeline.effects.dry_friction import dry_friction, fades, sliding_of
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.joint.common import applied, on_axis
 from pipeline.effects.scan import scan
@@ -45,6 +45,4 @@ class StribeckFriction(WrenchEffect):
         velocity = signals["velocity"]
         level = values["extra_level"] * torch.exp(-(velocity / values["velocity"]).square())
         load = applied(signals, constants)
-        return on_axis(
-            constants, dry_friction(level, velocity, load, sliding_velocity_of(signals, constants))
-        )
+        return on_axis(constants, dry_friction(level, velocity, load, sliding_of(signals, constants)))

@@ -2,7 +2,7 @@
 
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, sliding_velocity_of
+from pipeline.effects.dry_friction import dry_friction, sliding_of
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.swerve.common import on_modules, on_wheels, steering_torque, wheel_speed
 
@@ -24,7 +24,7 @@ class DriveCoulombFriction(WrenchEffect):
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction summed on the chassis."""
-        speed, sliding = wheel_speed(signals, constants), sliding_velocity_of(signals, constants, "drive_")
+        speed, sliding = wheel_speed(signals, constants), sliding_of(signals, constants, "drive_")
         return on_wheels(
             dry_friction(values["level"], speed, signals["drive_torque"], sliding), signals, constants
         )
@@ -47,6 +47,6 @@ class SteerCoulombFriction(WrenchEffect):
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on each module, N·m."""
-        speed, sliding = signals["steer_velocity"], sliding_velocity_of(signals, constants, "steer_")
+        speed, sliding = signals["steer_velocity"], sliding_of(signals, constants, "steer_")
         applied = steering_torque(signals, constants)
         return on_modules(dry_friction(values["level"], speed, applied, sliding))

@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, sliding_velocity_of
+from pipeline.effects.dry_friction import dry_friction, sliding_of
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.scan import scan
 from pipeline.effects.swerve.common import on_modules, steering_torque, wheel_speed
@@ -37,8 +37,8 @@ class ScrubTorque(WrenchEffect):
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the torque on each module, N·m."""
-        turning, sliding = signals["steer_velocity"], sliding_velocity_of(signals, constants, "steer_")
+        turning, sliding = signals["steer_velocity"], sliding_of(signals, constants, "steer_")
         rolling = wheel_speed(signals, constants) * constants["wheel_radius"]
-        rubbing = values["patch_radius"] ** 2 * (turning.square() + sliding**2)
+        rubbing = values["patch_radius"] ** 2 * (turning.square() + sliding.velocity**2)
         level = values["level"] * torch.sqrt(rubbing / (rubbing + rolling.square()))
         return on_modules(dry_friction(level, turning, steering_torque(signals, constants), sliding))

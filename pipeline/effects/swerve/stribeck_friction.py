@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import Value, dry_friction, fades, sliding_velocity_of
+from pipeline.effects.dry_friction import Sliding, dry_friction, fades, sliding_of
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.scan import scan
 from pipeline.effects.swerve.common import on_modules, on_wheels, steering_torque, wheel_speed
@@ -50,9 +50,7 @@ class DriveStribeckFriction(_SwerveStribeckFriction):
         """Return the friction summed on the chassis."""
         speed = wheel_speed(signals, constants)
         return on_wheels(
-            _friction(
-                speed, signals["drive_torque"], values, sliding_velocity_of(signals, constants, "drive_")
-            ),
+            _friction(speed, signals["drive_torque"], values, sliding_of(signals, constants, "drive_")),
             signals,
             constants,
         )
@@ -80,12 +78,10 @@ class SteerStribeckFriction(_SwerveStribeckFriction):
         """Return the friction on each module, N·m."""
         applied = steering_torque(signals, constants)
         return on_modules(
-            _friction(
-                signals["steer_velocity"], applied, values, sliding_velocity_of(signals, constants, "steer_")
-            )
+            _friction(signals["steer_velocity"], applied, values, sliding_of(signals, constants, "steer_"))
         )
 
 
-def _friction(speed: Tensor, applied: Tensor, values: Values, sliding_velocity: Value) -> Tensor:
+def _friction(speed: Tensor, applied: Tensor, values: Values, slides: Sliding) -> Tensor:
     level = values["extra_level"] * torch.exp(-(speed / values["velocity"]).square())
-    return dry_friction(level, speed, applied, sliding_velocity)
+    return dry_friction(level, speed, applied, slides)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.effects import ActuatorEffect, CommandEffect, effect_by_key, effects_of
-from pipeline.effects.dry_friction import dry_friction
+from pipeline.effects.dry_friction import Sliding, dry_friction
 from pipeline.simulation import FittedEffect, Simulator, rollout
 from tests.pipeline.effects.responses import TIME_STEP, actuated, constants
 from tests.pipeline.platforms.machines import MACHINES, SWERVE, identity, some_signals
@@ -77,14 +77,40 @@ def test_dry_friction_opposes_motion_is_never_above_its_level_and_holds_no_more_
 ):
     """Only in the creep below the sliding velocity may holding have a power, and then next to none."""
     velocity, load = (torch.tensor(v, dtype=torch.float64) for v in (speed * sliding, applied))
-    friction = dry_friction(level, velocity, load, sliding)
+    slides = Sliding(sliding, within_samples=False)
+    friction = dry_friction(level, velocity, load, slides)
     assert abs(float(friction)) <= level * (1 + 1e-12)
     if abs(speed) >= 1.0:
         assert float(friction * velocity) <= 0.0
     assert float(friction * velocity) <= 0.3 * level * sliding
-    assert float(dry_friction(level, velocity, torch.zeros_like(load), sliding) * velocity) <= 0.0
-    at_rest = float(dry_friction(level, torch.zeros_like(load), load, sliding))
+    assert float(dry_friction(level, velocity, torch.zeros_like(load), slides) * velocity) <= 0.0
+    at_rest = float(dry_friction(level, torch.zeros_like(load), load, slides))
     assert at_rest == pytest.approx(-max(-level, min(level, applied)))
+
+
+@given(
+    velocity=st.floats(-2.0, 2.0),
+    change=st.floats(0.01, 2.0),
+    forward=st.floats(0.0, 20.0),
+    backward=st.floats(0.0, 20.0),
+)
+def test_an_axis_that_turns_round_within_a_sample_feels_the_mean_of_both_directions(
+    velocity, change, forward, backward
+):
+    """Driven so hard that nothing holds it, its velocity is a line through the sample."""
+    passed = velocity + change * (torch.arange(4000, dtype=torch.float64) / 4000 - 0.5)
+    expected = float(torch.where(passed > 0, -forward, backward).mean())
+    mean, hard = (torch.tensor(v, dtype=torch.float64) for v in (velocity, 1e9))
+    slides = Sliding(torch.tensor(0.5 * change, dtype=torch.float64), within_samples=True)
+    found = float(dry_friction(forward, mean, hard, slides, backward))
+    assert found == pytest.approx(expected, abs=1e-3 * (forward + backward) + 1e-6)
+
+
+@given(applied=st.floats(-5.0, 5.0))
+def test_an_axis_that_stands_for_a_whole_sample_is_held(applied):
+    slides = Sliding(torch.tensor(0.1, dtype=torch.float64), within_samples=True)
+    still, load = torch.zeros((), dtype=torch.float64), torch.tensor(applied, dtype=torch.float64)
+    assert float(dry_friction(6.0, still, load, slides)) == pytest.approx(-applied)
 
 
 @pytest.mark.parametrize("effect", DRY, ids=identity)
