@@ -2,7 +2,6 @@
 
 import importlib
 import sys
-from importlib.metadata import version
 from typing import NoReturn
 
 from pipeline.stage.project import commands, described, nearest
@@ -53,6 +52,8 @@ def main(argv: list[str] | None = None) -> NoReturn:
         sys.exit(0)
     name = arguments[0]
     if name == "--version":
+        from importlib.metadata import version
+
         print(f"simgap {version('simgap')}")
         sys.exit(0)
     if name not in known:

@@ -69,11 +69,13 @@ def dry_friction(
     level = torch.as_tensor(level, dtype=velocity.dtype)
     backward = level if backward_level is None else torch.as_tensor(backward_level, dtype=velocity.dtype)
     held = torch.maximum(torch.minimum(applied, level), -backward)
-    law = _over_samples if slides.within_samples else _at_an_instant
-    return law(level, backward, velocity / slides.velocity, held, applied)
+    speed = velocity / slides.velocity
+    if slides.within_samples:
+        return _over_samples(level, backward, speed, held, applied)
+    return _at_an_instant(level, backward, speed, held)
 
 
-def _at_an_instant(forward: Tensor, backward: Tensor, speed: Tensor, held: Tensor, _: Tensor) -> Tensor:
+def _at_an_instant(forward: Tensor, backward: Tensor, speed: Tensor, held: Tensor) -> Tensor:
     """Pass smoothly from what is held to what slides, as the speed (...,) in units of the sliding velocity grows."""
     slip = torch.tanh(speed)
     sliding = torch.where(slip > 0, forward, backward) * slip * slip.abs()
@@ -84,6 +86,7 @@ def _over_samples(forward: Tensor, backward: Tensor, speed: Tensor, held: Tensor
     """Return the mean of what slides one way and then the other, or rests for the share that it is held."""
     direction = speed.clamp(-1.0, 1.0)
     sliding = 0.5 * ((forward + backward) * direction + (forward - backward))
-    share = torch.where(applied == held, 1.0, held / torch.where(applied == held, 1.0, applied))
+    share = held / torch.where(applied == 0.0, 1.0, applied)
+    share = torch.where(applied == held, 1.0, share)
     resting = (1.0 - direction.square()) * share
     return -(1.0 - resting) * sliding - resting * held

@@ -16,7 +16,6 @@ _Z95 = 1.96
 _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
-_SHORT_SCAN = 2  # starting points
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 _MOST = 0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
 
@@ -64,11 +63,11 @@ class Starts:
     def of(self, effect: Effect) -> list[dict[str, float]]:
         """Return where a fit starts: the whole scan until something is named, then what the effect looked like last.
 
-        The scan is repeated once for each effect after every change of the simulator that a round decides on; a short
-        one every time, for what the effect looked like may lie on the other side of a kink.
+        The scan is repeated once for each effect after every change of the simulator that a round decides on; every
+        time where what the effect looked like may lie on the other side of a kink.
         """
         scan = effect.starts()
-        if len(scan) > _SHORT_SCAN and effect.key in self.scanned:
+        if len(scan) > 1 and not effect.kinked and effect.key in self.scanned:
             return [self.shapes[effect.key], effect.neutral()]
         self.scanned.add(effect.key)
         return scan

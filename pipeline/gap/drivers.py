@@ -10,11 +10,12 @@ from pipeline.effects import Effect, ParameterError
 from pipeline.gap.candidates import allowed, available_signals
 from pipeline.gap.competition import BEYOND_NOISE
 from pipeline.gap.fit import Problem, channel_scale, excess_of
-from pipeline.gap.name import Naming, name
+from pipeline.gap.name import Naming
 from pipeline.gap.preparation import CLUSTER_DURATION, Prepared
 from pipeline.gap.reading import cost_of
 from pipeline.gap.scoring import clusters_of
 from pipeline.gap.settings import Gap
+from pipeline.gap.short_times import name_settled
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.blocks import Blocks
 
@@ -39,7 +40,7 @@ def name_with_drivers(prepared: Prepared, naming: Naming, settings: Gap) -> tupl
         problem = replace(problem, blocks=with_signal(problem.blocks, driver, law.along(problem)))
         proving = with_signal(proving, driver, law.along(_problem_on(proving, problem)))
     driven = replace(prepared, problem=problem, proving=proving)
-    renamed = name(driven.nominal, problem, settings)
+    driven, renamed = name_settled(driven, settings)
     used = {c.effect.driver for c in renamed.named} & {effect.driver for effect in effects}
     if not used or cost_of(renamed, problem.noise) + len(used) >= cost_of(naming, problem.noise):
         return prepared, naming
@@ -48,7 +49,7 @@ def name_with_drivers(prepared: Prepared, naming: Naming, settings: Gap) -> tupl
         "only they count, not its size; record it to be sure"
         for driver in sorted(used)
     ]
-    return replace(driven, remarks=[*prepared.remarks, *remarks]), renamed
+    return replace(driven, remarks=[*driven.remarks, *remarks]), renamed
 
 
 def undriven(simulator: Simulator, blocks: Blocks, names: Sequence[str] | None) -> list[Effect]:

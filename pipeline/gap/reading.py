@@ -65,10 +65,10 @@ def _left(fitted: Fit, noise: Tensor) -> float:
 def _is_late_by_half_a_sample(naming: Naming, prepared: Prepared) -> bool:
     half = 0.5 * prepared.problem.blocks.time_step
     late = -half if prepared.problem.blocks.held else half
+    simulator = naming.fit.simulator
     shifts = [
-        fitted.values[parameter.name]
-        for fitted in naming.fit.simulator.free
-        for parameter in fitted.effect.parameters
-        if isinstance(fitted.effect, MeasurementEffect | CommandDelay) and parameter.unit == "s"
+        fitted.effect.lateness(fitted.values, simulator.constants())
+        for fitted in simulator.free
+        if isinstance(fitted.effect, MeasurementEffect | CommandDelay)
     ]
     return any(abs(shift - late) < _NEARLY * half for shift in shifts)

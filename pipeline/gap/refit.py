@@ -24,7 +24,6 @@ from pipeline.gap.fit import (
 from pipeline.simulation import FittedEffect, Simulator
 
 _STEPS = 3
-_SIDES = 2  # of a kink
 _SCANNED = 60  # blocks that a scan of starting points looks at
 
 
@@ -40,12 +39,12 @@ def extend(
         current: without the effect.
         effect: to be added.
         problem: what is fitted.
-        starts: values from which to start, the most promising of which is taken; None: the effect's own. An effect
-            that has two of its own has a kink between them: both are followed to the end.
+        starts: values from which to start, the most promising of which is taken; None: the effect's own. Where a kink
+            lies between them, each is followed to the end.
     """
     if starts is None:
         starts = effect.starts()
-    if len(effect.starts()) != _SIDES:
+    if not effect.kinked:
         return _extended(current, effect, problem, starts)
     sides = [_extended(current, effect, problem, [start]) for start in starts]
     return min(sides, key=lambda side: float((side.residual / current.scale).square().sum()))

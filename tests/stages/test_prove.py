@@ -114,6 +114,18 @@ def test_a_faint_case_is_as_strong_as_the_noise_and_nothing_else_of_it_changes(t
     assert replace(case, record={}) == replace(usual, record={})
 
 
+def test_a_delay_that_samples_cannot_tell_shows_nothing(tmp_path: Path) -> None:
+    config = configured(ProveStage, tmp_path)
+    config.prove.joint = {
+        "machines": {"servo": {}},
+        "effects": {"command_delay": {}},
+        "conditions": {"runs": 2, "duration": 4.0, "rate": 100.0},
+    }
+    case = drawn(config, "joint", "servo", clear=1.0)
+    assert energy_over_noise(case, "command_delay", config) > 10.0
+    assert energy_over_noise(case.scaled("command_delay", 0.05), "command_delay", config) == 0.0
+
+
 @pytest.mark.slow
 def test_which_rotor_is_damaged_is_known_to_what_settles_the_strength(tmp_path: Path) -> None:
     """One concealed name stands for four effects of the catalogue, one for each rotor."""

@@ -23,6 +23,7 @@ class AsymmetricFriction(WrenchEffect):
     needs = ("velocity", "effort")
     yields_to = ("coulomb_friction", "constant_load")
     twins = ("constant_load",)
+    kinked = True
     formula = "torque = −difference where sign(velocity) = sign(difference), else 0; at standstill it holds that way"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
     sentence = (

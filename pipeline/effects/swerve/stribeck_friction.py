@@ -1,5 +1,7 @@
 """Dry friction that is greater the slower they turn, in a swerve drive's wheels and in its steering."""
 
+from abc import abstractmethod
+
 import torch
 from torch import Tensor
 
@@ -25,6 +27,14 @@ class _SwerveStribeckFriction(WrenchEffect):
         """Start from a scan: the speed at which it fades has no slope where nothing fades."""
         return scan(extra_level=(0.03, 0.3, 3.0), velocity=(0.1, 1.0, 10.0))
 
+    @abstractmethod
+    def speed(self, signals: Signals, constants: Values) -> Tensor:
+        """Return the speed at which it slides, (..., 4) rad/s."""
+
+    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
+        """Friction that does not fade within the recorded speeds is Coulomb's."""
+        return "" if fades(self.speed(signals, constants), values["velocity"]) else "coulomb_friction"
+
 
 class DriveStribeckFriction(_SwerveStribeckFriction):
     """A driven wheel breaks away harder than it rolls."""
@@ -42,13 +52,13 @@ class DriveStribeckFriction(_SwerveStribeckFriction):
         "very slow voltage ramps through standstill, and constant crawling speeds forward and backward"
     )
 
-    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Friction that does not fade within the recorded speeds is Coulomb's."""
-        return "" if fades(wheel_speed(signals, constants), values["velocity"]) else "coulomb_friction"
+    def speed(self, signals: Signals, constants: Values) -> Tensor:
+        """Return the speed of each wheel about its axle, (..., 4) rad/s."""
+        return wheel_speed(signals, constants)
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction summed on the chassis."""
-        speed = wheel_speed(signals, constants)
+        speed = self.speed(signals, constants)
         return on_wheels(
             _friction(speed, signals["drive_torque"], values, sliding_of(signals, constants, "drive_")),
             signals,
@@ -70,15 +80,17 @@ class SteerStribeckFriction(_SwerveStribeckFriction):
     )
     excitation = "turn the modules very slowly to and fro, and crawl at constant rates"
 
-    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Friction that does not fade within the recorded speeds is Coulomb's."""
-        return "" if fades(signals["steer_velocity"], values["velocity"]) else "coulomb_friction"
+    def speed(self, signals: Signals, constants: Values) -> Tensor:
+        """Return the speed of each module about its axis, (..., 4) rad/s."""
+        return signals["steer_velocity"]
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on each module, N·m."""
         applied = steering_torque(signals, constants)
         return on_modules(
-            _friction(signals["steer_velocity"], applied, values, sliding_of(signals, constants, "steer_"))
+            _friction(
+                self.speed(signals, constants), applied, values, sliding_of(signals, constants, "steer_")
+            )
         )
 
 

@@ -2,14 +2,17 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from pipeline.effects import effects_of
 from pipeline.effects.joint.viscous_friction import ViscousFriction
 from pipeline.gap import candidates
+from pipeline.gap.competition import Competition, Round
 from pipeline.gap.contract import diagnosis_document
+from pipeline.gap.settings import Gap
 from pipeline.simulation import Simulator
-from tests.pipeline.gap.problems import diagnosed, named, quick, value_of
+from tests.pipeline.gap.problems import diagnosed, named, of_joint, problem_of, quick, value_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator, racer, uneventful_flights
 
 
@@ -54,3 +57,27 @@ def test_mass_and_thrust_are_one_where_no_torque_tells():
 def test_what_the_recording_tells_apart_is_not_ambiguous():
     found = diagnosed(Plant(friction=0.3))
     assert diagnosis_document(found)["ambiguous"] == []
+
+
+def test_friction_greater_one_way_and_a_load_beside_friction_are_one_in_other_words():
+    def friction(_: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        return np.where(velocity > 0, -0.2, 0.0)
+
+    found = quick(joint_recording(Plant(friction=0.2, other=friction)), joint_simulator())
+    twins = {"constant_load", "asymmetric_friction"}
+    (name,) = twins & set(named(found))
+    assert found.probabilities[name] <= 0.5
+    (listed,) = (
+        set(entry["names"]) for entry in diagnosis_document(found)["ambiguous"] if name in entry["names"]
+    )
+    assert twins <= listed
+
+
+def test_what_had_no_part_in_a_round_may_still_stand_in_for_its_winner():
+    problem = problem_of(joint_recording(Plant(delay=0.025)), joint_simulator())
+    competition = Competition(joint_simulator(), problem, Gap())
+    delay, far = (competition.candidate(effect) for effect in of_joint("command_delay", "inertia_error"))
+    far = replace(far, share=0.1 * delay.share)
+    competition.rounds.append(Round((delay, far), delay))
+    close = {effect.key for effect in competition.close_to(delay.effect)}
+    assert close == {effect.key for effect in competition.catalogue} - {"inertia_error"}

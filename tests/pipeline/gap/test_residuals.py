@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.effects import effect_by_key
+from pipeline.gap.preparation import prepare
 from pipeline.gap.residuals import (
     noise_of_rows,
     quadrature_of_rows,
@@ -16,6 +17,7 @@ from pipeline.gap.residuals import (
     row_weights,
     sample_noise,
 )
+from pipeline.gap.settings import Gap
 from pipeline.physics.weak_form import window_functions
 from pipeline.platforms import Joint, JointMotor
 from pipeline.recordings.recording import Recording
@@ -228,3 +230,15 @@ def test_the_midpoint_of_a_linear_axis_misses_nothing():
     assert float(quadrature_of_rows(joint_simulator(), problem.blocks, problem.functions)) < 1e-12
     measured = replace(problem.blocks, held=False)
     assert float(quadrature_of_rows(joint_simulator(), measured, problem.functions)) == 0.0
+
+
+def test_friction_over_the_samples_in_which_an_axis_turns_round_leaves_less_than_one_resolution_for_all():
+    recording, truth = joint_recording(Plant(friction=0.3), noise=0.05), {"level": 0.3}
+    friction = FittedEffect(effect_by_key("joint", "coulomb_friction"), truth, known=True)
+    prepared = prepare(recording, joint_simulator(friction), Gap())
+    blocks, functions = prepared.problem.blocks, prepared.problem.functions
+    over_samples, at_large = (
+        float(residual_rows(prepared.nominal, each, functions).square().mean())
+        for each in (blocks, replace(blocks, resolution={}))
+    )
+    assert over_samples < 0.5 * at_large
