@@ -95,6 +95,7 @@ class SwerveMechanism(Mechanism):
             "module_positions": torch.tensor(platform.module_positions, dtype=torch.float64),
             "module_offset": torch.zeros(4, dtype=torch.float64),
             "coupling_ratio": 0.0,
+            "creep": CREEP,
         }
         for group, axis in (("drive", platform.drive), ("steer", platform.steer)):
             constants[f"{group}_sliding_velocity"] = 0.05
@@ -139,7 +140,7 @@ class SwerveMechanism(Mechanism):
         zero = torch.zeros_like(signals["steer_angle"][..., 0])
         whole = torch.stack([wrench.get(name, zero) for name in _CHASSIS], dim=-1)
         projection = self._projection(signals, constants)["rolling_projection"]
-        return {**wrench, **_on_chassis((projection @ whole[..., None])[..., 0])}
+        return {**wrench, **on_chassis((projection @ whole[..., None])[..., 0])}
 
     def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Transport terms of the turning robot frame along the allowed motion, and what turns the motion with it."""
@@ -149,7 +150,7 @@ class SwerveMechanism(Mechanism):
         momentum = torch.stack([mass * x, mass * y, constants["inertia"] * yaw], dim=-1)
         known = self._projection(signals, constants)
         projection, rate = known["rolling_projection"], known["rolling_projection_rate"]
-        return _on_chassis((projection @ transport[..., None] + rate @ momentum[..., None])[..., 0])
+        return on_chassis((projection @ transport[..., None] + rate @ momentum[..., None])[..., 0])
 
     def _projection(self, signals: Signals, constants: Constants) -> Signals:
         return signals if "rolling_projection" in signals else self.derived(signals, constants)
@@ -214,10 +215,10 @@ def sum_on_chassis(wheel_torque: Tensor, steer_angle: Tensor, constants: Constan
     force = (wheel_torque / constants["wheel_radius"])[..., None] * wheel_direction(
         wheel_angle(steer_angle, constants)
     )
-    return _on_chassis(force.flatten(-2) @ module_matrix(constants["module_positions"].to(wheel_torque)))
+    return on_chassis(force.flatten(-2) @ module_matrix(constants["module_positions"].to(wheel_torque)))
 
 
-def _on_chassis(vector: Tensor) -> dict[str, Tensor]:
+def on_chassis(vector: Tensor) -> dict[str, Tensor]:
     """Name the three components of a (..., 3) vector as channels of the chassis."""
     return {name: vector[..., index] for index, name in enumerate(_CHASSIS)}
 

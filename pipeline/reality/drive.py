@@ -10,7 +10,7 @@ from pipeline.reality.battery import Battery
 from pipeline.reality.case import PlantCase
 from pipeline.reality.rotation import Array
 
-_LAG_SPREAD = 0.1  # standard deviation of the rotors' time constants over their mean
+_LAG_SPREAD = 0.1  # standard deviation of the rotors' time constants over the mean of the four
 _RESISTIVE_SHARE = 0.3  # of a motor's voltage over its back-EMF at hover
 _ELASTICITY = (1.0 + _RESISTIVE_SHARE) / (1.0 + 2.0 * _RESISTIVE_SHARE)
 
@@ -94,4 +94,4 @@ def _lag_decay(case: PlantCase, random: np.random.Generator, step: float) -> Arr
     """Share of the distance to the command that each rotor keeps over a step, (4,)."""
     spread = 1.0 + _LAG_SPREAD * np.clip(random.standard_normal(4), -2.0, 2.0)
     mean = case.strength("motor_lag")
-    return np.exp(-step / (mean * spread)) if mean > 0 else np.zeros(4)
+    return np.exp(-step / (mean * spread / spread.mean())) if mean > 0 else np.zeros(4)

@@ -3,9 +3,15 @@
 from torch import Tensor
 
 from pipeline.effects.effect import Signals, Values
-from pipeline.platforms.swerve_mechanism import per_module, steering_torque, sum_on_chassis, wheel_angle
+from pipeline.platforms.swerve_mechanism import (
+    on_chassis,
+    per_module,
+    steering_torque,
+    sum_on_chassis,
+    wheel_angle,
+)
 
-__all__ = ["on_modules", "on_wheels", "steering_torque", "wheel_angle", "wheel_speed"]
+__all__ = ["on_chassis", "on_modules", "on_wheels", "steering_torque", "wheel_angle", "wheel_speed"]
 
 
 def wheel_speed(signals: Signals, constants: Values) -> Tensor:

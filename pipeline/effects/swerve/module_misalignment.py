@@ -3,21 +3,35 @@
 from typing import Any
 
 import torch
+from torch import Tensor
 
-from pipeline.effects.effect import ConstantEffect, Parameter, Values
+from pipeline.effects.effect import ConstantEffect, Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.swerve.common import on_chassis
+from pipeline.platforms.swerve_constraint import along_the_wheels
+from pipeline.platforms.swerve_kinematics import lateral_matrix, rolling_speed
 
 _OFFSETS = tuple(f"offset_{module}" for module in range(1, 5))
 
 
-class ModuleMisalignment(ConstantEffect):
-    """Each wheel points elsewhere than its encoder says: it pulls and rolls there."""
+class ModuleMisalignment(ConstantEffect, WrenchEffect):
+    """Each wheel points elsewhere than its encoder says: it pulls and rolls there, and the wheels fight each other."""
 
+    linear = False
     name = "module_misalignment"
     kind = "swerve"
     acts_on = "chassis"
-    parameters = tuple(Parameter(offset, "rad", 0.05, -0.8, 0.8) for offset in _OFFSETS)
-    formula = "wheel angle of module n = steer_angle_n + offset_n: offset_1, offset_2, offset_3, offset_4"
-    source = "geometry of the module: the encoder's zero against the wheel's direction"
+    parameters = (
+        *(Parameter(offset, "rad", 0.05, -0.8, 0.8) for offset in _OFFSETS),
+        Parameter("cornering_stiffness", "1/rad", 15.0, 0.0, 1e3),
+    )
+    formula = (
+        "wheel angle of module n = steer_angle_n + offset_n: offset_1, offset_2, offset_3, offset_4; side force of a "
+        "wheel = −cornering_stiffness · mass · gravity / 4 · slip angle"
+    )
+    source = (
+        "geometry of the module: the encoder's zero against the wheel's direction; Pacejka 2012, Tire and vehicle "
+        "dynamics, §1.2: side force in proportion to the slip angle"
+    )
     sentence = (
         "The wheels point {offset_1}, {offset_2}, {offset_3} and {offset_4} rad to the left of what modules 1 to 4 "
         "measure; set the zeros of the steering encoders anew."
@@ -30,3 +44,21 @@ class ModuleMisalignment(ConstantEffect):
         """Return the constants with the modules' offsets."""
         offsets = [torch.as_tensor(values[name], dtype=torch.float64) for name in _OFFSETS]
         return {**constants, "module_offset": torch.stack(offsets)}
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return what the wheels' side forces do to the chassis beyond what they do where every zero is right."""
+        angle = signals["steer_angle"]
+        stiffness = values["cornering_stiffness"] * 0.25 * constants["mass"] * constants["gravity"]
+        offset = constants["module_offset"].to(angle)
+        added = _resistance(signals, angle + offset, constants) - _resistance(signals, angle, constants)
+        return on_chassis(-stiffness * added)
+
+
+def _resistance(signals: Signals, angle: Tensor, constants: Values) -> Tensor:
+    """Sum the slip angles of wheels at an angle (..., 4) rad over the rows of their side motion, (..., 3)."""
+    positions = constants["module_positions"].to(angle)
+    twist = along_the_wheels(signals["chassis_velocity"], angle, constants)
+    across = lateral_matrix(angle, positions)
+    rolling = rolling_speed(twist, angle, positions)
+    slip = (across * twist[..., None, :]).sum(-1) / torch.sqrt(rolling.square() + constants["creep"] ** 2)
+    return (across * slip[..., None]).sum(-2)

@@ -166,6 +166,7 @@ def chassis_of(effects: Concealed, outside: Concealed, platform: Swerve, runs: i
             effects.get("wheel_slip@drive", "friction_coefficient"),
             effects.get("wheel_slip@drive", "stiffness") if slips else 0.0,
             effects.get("wheel_slip@drive", "height") if slips else 0.0,
+            effects.get("module_misalignment@chassis", "cornering_stiffness"),
         ),
         slope=np.array([effects.get("slope@chassis", f"rise_{axis}") for axis in "xy"]),
         nap=outside.get("carpet_nap", "force") * np.array([np.cos(direction), np.sin(direction)]),

@@ -56,6 +56,7 @@ CONCEALABLE: dict[str, dict[str, Quantity]] = {
         "offset_2": Quantity("rad", 0.0, low=-0.8, high=0.8),
         "offset_3": Quantity("rad", 0.0, low=-0.8, high=0.8),
         "offset_4": Quantity("rad", 0.0, low=-0.8, high=0.8),
+        "cornering_stiffness": Quantity("1/rad", 15.0, low=1.0, high=100.0),
     },
     "slope@chassis": {
         "rise_x": Quantity("1", 0.05, low=-0.5, high=0.5),

@@ -23,11 +23,14 @@ class Tyres:
         friction: greatest force over load; infinite where wheels never slide.
         stiffness: force over load and slip ratio (rad of slip angle); 0 for wheels that hardly slip at all.
         height: of the centre of mass, m, by which braking and curves shift load.
+        cornering: side force over load and slip angle of wheels that hardly slip otherwise, 1/rad; 0 where they point
+            so well that none shows.
     """
 
     friction: float
     stiffness: float
     height: float
+    cornering: float = 0.0
 
     def loads(self, weight: float, mass: float, acceleration: Array, modules: Array) -> Array:
         """Return the load on each wheel (runs, 4), N, never less than a tenth of its share.
@@ -51,8 +54,14 @@ class Tyres:
             loads: (runs, 4) N.
         """
         if not self.stiffness:
-            return _ALONG * loads, _ACROSS * loads
+            return _ALONG * loads, self._side_stiffness(rolling) * loads
         linear = self.stiffness / (np.abs(rolling) + _CREEP)
         sliding = np.sqrt((slip * slip).sum(axis=0))
         grip = loads * linear / np.sqrt(1.0 + (linear * sliding / self.friction) ** 2)
         return grip, grip
+
+    def _side_stiffness(self, rolling: Array) -> Array:
+        """Return side force over load per slip speed across wheels that roll at a speed (runs, 4) m/s."""
+        if not self.cornering:
+            return np.full_like(rolling, _ACROSS)
+        return np.minimum(self.cornering / (np.abs(rolling) + _CREEP), _ACROSS)

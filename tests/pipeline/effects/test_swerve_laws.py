@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from pipeline.effects import effect_by_key
 from pipeline.physics.friction import stribeck_level
 from pipeline.platforms.swerve_kinematics import module_states
+from pipeline.platforms.swerve_mechanism import CREEP
 from pipeline.simulation import FittedEffect, Simulator, rollout
 from pipeline.simulation.motion import motion_of
 from tests.pipeline.effects.responses import TIME_STEP, actuated, constants
@@ -186,10 +187,31 @@ def test_turning_the_modules_of_a_coupled_drive_turns_its_motors():
     torch.testing.assert_close(turned, 2.5 * state[7:11])
 
 
+def misaligned(cornering_stiffness: float = 0.0, **offsets: float) -> Simulator:
+    return with_effect("module_misalignment@chassis", cornering_stiffness=cornering_stiffness, **offsets)
+
+
+@given(toe=st.floats(-0.3, 0.3), speed=st.floats(0.5, 4.0), stiffness=st.floats(0.0, 30.0))
+def test_wheels_that_toe_in_are_dragged_over_the_ground(toe, speed, stiffness):
+    toed = {"offset_1": -toe, "offset_2": toe, "offset_3": -toe, "offset_4": toe}
+    signals = {
+        "steer_angle": torch.zeros(1, 4, dtype=torch.float64),
+        "chassis_velocity": torch.tensor([[speed, 0.0, 0.0]], dtype=torch.float64),
+    }
+    simulator = misaligned(stiffness, **toed)
+    (fitted,) = simulator.effects
+    found = fitted.effect.wrench(signals, fitted.values, simulator.constants())
+    slip_angle = math.sin(toe) * speed / math.hypot(speed * math.cos(toe), CREEP)
+    expected = -stiffness * SWERVE.mass * SWERVE.gravity * math.sin(toe) * slip_angle
+    assert float(found["drive_x"]) == pytest.approx(expected, abs=1e-3)
+    assert float(found["drive_y"]) == pytest.approx(0.0, abs=1e-3)
+    assert float(found["drive_yaw"]) == pytest.approx(0.0, abs=1e-3)
+
+
 @given(offset=st.floats(-0.5, 0.5), seed=SEEDS)
 def test_misaligned_modules_are_aligned_ones_at_other_angles(offset, seed):
     offsets = {f"offset_{module}": offset * module for module in range(1, 5)}
-    simulator, nominal = with_effect("module_misalignment@chassis", **offsets), Simulator(SWERVE)
+    simulator, nominal = misaligned(**offsets), Simulator(SWERVE)
     signals = some_signals("swerve", (5, 3), seed)
     elsewhere = signals["steer_angle"] + offset * torch.arange(1.0, 5.0, dtype=torch.float64)
     found = simulator.balance(simulator.along_time(signals, TIME_STEP))
@@ -202,7 +224,7 @@ def test_a_robot_with_misaligned_modules_runs_where_they_point():
     volts = torch.full((1, 20, 4), 6.0, dtype=torch.float64)
     commands = {"drive_voltage": volts, "steer_voltage": torch.zeros_like(volts)}
     initial = torch.zeros(1, 12, dtype=torch.float64)
-    last = rollout(with_effect("module_misalignment@chassis", **offsets), initial, commands, 0.01)[0, -1]
+    last = rollout(misaligned(**offsets), initial, commands, 0.01)[0, -1]
     straight = rollout(Simulator(SWERVE), initial, commands, 0.01)[0, -1, 0]
     expected = straight * torch.tensor([math.cos(0.2), math.sin(0.2)], dtype=torch.float64)
     torch.testing.assert_close(last[:2], expected)

@@ -72,6 +72,7 @@ CONSTANTS = {
         "module_positions": "m",
         "module_offset": "rad",
         "coupling_ratio": "1",
+        "creep": "m/s",
         **{f"{group}_sliding_velocity": "rad/s" for group in ("drive", "steer")},
         **{f"{group}_gear_ratio": "1" for group in ("drive", "steer")},
         **{f"{group}_nominal_voltage": "V" for group in ("drive", "steer")},

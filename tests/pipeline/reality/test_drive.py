@@ -64,3 +64,9 @@ def test_an_empty_battery_turns_the_rotors_slower_and_a_regulated_one_does_not(r
     full, empty = (drive(racer, charge, battery_sag=0.8)(command)[0] for charge in (1.0, 0.15))
     assert (empty < full).all()
     np.testing.assert_array_equal(drive(racer, 0.15)(command)[0], command)
+
+
+def test_the_lag_that_is_concealed_is_the_mean_of_the_rotors(racer):
+    lags = -STEP / np.log(drive(racer, motor_lag=0.04).decay)
+    assert np.ptp(lags) > 0.0
+    assert lags.mean() == pytest.approx(0.04)
