@@ -37,7 +37,7 @@ def finetune(config: FinetuneStage, run: StageRun) -> None:
     track, racing = race_from(description.configuration, None)
     training = replace(
         config.train_policy,
-        simulator=str(residual / "simulator"),
+        simulator=chosen.simulator or str(residual / "simulator"),
         observation=_if_there(residual / "observation"),
         start=str(policy),
         learning=replace(config.train_policy.learning, **_learning(description, chosen)),
