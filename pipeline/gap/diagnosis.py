@@ -120,7 +120,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     proof = prove(nominal, simulator, proving, functions, counted, held_out, settings.resamples, beside)
     unseen = _unseen(proof, naming, problem, channels)
     gap = bool(unnamed or unseen) or any(m.excess > BEYOND_NOISE for m in mismatches)
-    doubts = (*_doubts(naming, drifts, memories, held_out), *unseen)
+    doubts = (*_disproved(naming, proof), *_doubts(naming, drifts, memories, held_out), *unseen)
     return Diagnosis(
         verdict=_verdict(naming, gap),
         warnings=(*recording.warnings, *prepared.remarks, *doubts),
@@ -173,6 +173,16 @@ def _unseen(proof: Proof, naming: Naming, problem: Problem, channels: Sequence[C
         "what they do is in no fitted run; record more like them"
         for channel, proved, known in zip(channels, (after / noise).tolist(), fitted.tolist(), strict=True)
         if proved > BEYOND_NOISE * known
+    ]
+
+
+def _disproved(naming: Naming, proof: Proof) -> list[str]:
+    """Say that runs which were used for nothing else speak against what was named, where they do."""
+    if not naming.named or proof.gap_closed is None or proof.gap_closed > 0.0:
+        return []
+    return [
+        "the held-out runs are predicted no better with what was named than without: do not build on it; record more "
+        "runs that resemble each other"
     ]
 
 

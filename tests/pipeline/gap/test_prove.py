@@ -58,6 +58,14 @@ def test_what_only_held_out_runs_show_is_said_and_never_none():
     assert not any("held-out runs leave" in warning for warning in diagnosed(Plant()).warnings)
 
 
+def test_names_that_help_no_held_out_run_are_doubted():
+    found = diagnosed(Plant(friction=(0.3, 0.3, 0.3, 0.3, 0.0, 0.0)))
+    assert found.naming.named
+    assert found.proof.gap_closed <= 0.0
+    assert any("do not build on it" in warning for warning in found.warnings)
+    assert not any("do not build on it" in warning for warning in diagnosed(Plant(friction=0.3)).warnings)
+
+
 @pytest.mark.parametrize(
     "plant",
     [Plant(friction=0.3), Plant(current_limit=5.0), Plant(friction=0.3, other=lambda q, v: -0.02 * q)],
