@@ -18,6 +18,7 @@ from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
 
 CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
+_SLOWEST = 1.0  # s between samples, beyond which no machine of these kinds is seen moving
 
 
 @dataclass(frozen=True)
@@ -49,8 +50,9 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool 
         held: whether commands are held between samples; None: what the recording looks like.
 
     Raises:
-        InputError: when the recording is too short, or no run is left to fit.
+        InputError: when the recording is too short or its samples too rare, or no run is left to fit.
     """
+    _require_motion(recording)
     blocks, remarks = _blocks(recording, nominal, settings, held)
     fitted, proving, held_out = _divide(blocks, recording.split, settings)
     nominal, known_to = resolved(nominal, fitted), resolution_of(nominal, fitted)
@@ -59,6 +61,16 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool 
     noise, quadrature = (of(nominal, fitted, functions) for of in (noise_of_rows, quadrature_of_rows))
     problem = Problem(fitted, functions, noise, quadrature, clusters_of(fitted, CLUSTER_DURATION))
     return Prepared(nominal, problem, proving, held_out, remarks)
+
+
+def _require_motion(recording: Recording) -> None:
+    step = float(recording.frame.groupby("run", sort=False)["t"].diff().median())
+    if step > _SLOWEST:
+        raise InputError(
+            f"a sample every {step:.3g} s shows no motion: milliseconds where seconds belong?",
+            recording.source or "recording",
+            "give the time t in seconds",
+        )
 
 
 def _blocks(

@@ -77,6 +77,7 @@ def read_simulator(folder: Path) -> Simulator:
     platform = platform_from_config(content.get("platform"), f"{path}: platform")
     try:
         effects = tuple(_fitted(platform, entry, folder) for entry in content["effects"])
+        _require_once(effects)
         settings = {str(name): _number(value) for name, value in content["settings"].items()}
         if content["position_unit"] not in ("rad", "m"):
             raise ValueError(f"position_unit is {content['position_unit']!r}, neither rad nor m")
@@ -96,6 +97,13 @@ def _fitted(platform: Platform, entry: dict[str, Any], folder: Path) -> FittedEf
         raise ValueError(f"{effect.key} has the parameters {', '.join(p.name for p in effect.parameters)}")
     std = {name: float(parameter["std"]) for name, parameter in parameters.items() if "std" in parameter}
     return FittedEffect(effect, values, std, bool(entry.get("known")))
+
+
+def _require_once(effects: tuple[FittedEffect, ...]) -> None:
+    keys = [fitted.effect.key for fitted in effects]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise ValueError(f"{key} is there twice")
 
 
 def _recorded(platform: Quadrotor, entry: dict[str, Any], file: Path) -> RecordedResidual:

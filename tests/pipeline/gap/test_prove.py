@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.errors import InputError
 from pipeline.gap.diagnosis import diagnose
 from pipeline.gap.prove import gap_closed
 from pipeline.gap.settings import Gap
@@ -99,3 +100,11 @@ def test_open_loop_predictions_fall_too():
         assert (error.before[:, 1] <= error.before[:, 0]).all()
         assert (error.before[:, 0] <= error.before[:, 2]).all()
         assert float(error.horizon[-1]) == pytest.approx(0.5)
+
+
+def test_a_time_in_milliseconds_is_refused_in_one_line():
+    recording = joint_recording(Plant(friction=0.3))
+    frame = recording.frame.assign(t=1000.0 * recording.frame["t"])
+    with pytest.raises(InputError, match="milliseconds where seconds belong") as caught:
+        quick(replace(recording, frame=frame), joint_simulator())
+    assert "\n" not in str(caught.value)

@@ -144,3 +144,9 @@ def test_every_part_of_an_effect_that_was_tampered_with_is_refused(tmp_path, key
     entry = next(entry for entry in content["effects"] if entry["effect"] == "coulomb_friction")
     entry[key] = value
     assert said in refusal(tmp_path, yaml.safe_dump(content))
+
+
+def test_an_effect_that_is_there_twice_is_refused(tmp_path):
+    content = written(tmp_path)
+    content["effects"].append(content["effects"][0])
+    assert f"{content['effects'][0]['effect']} is there twice" in refusal(tmp_path, yaml.safe_dump(content))
