@@ -1,15 +1,18 @@
 """A load that swings below the machine on a cable."""
 
+import math
 from typing import Any
 
 import torch
 from torch import Tensor
 
+from pipeline.effects.chain import chains_of
 from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.quadrotor.common import along_axes
 from pipeline.effects.scan import scan
 from pipeline.physics import rotations
 
+_STEP = 0.04  # of the time in which a cable swings by a rad
 _STILL = 1e-12  # rad, below which a cable has not turned
 
 
@@ -56,7 +59,7 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
         velocity = rotations.rotate(signals["attitude"], signals["velocity"])
         weight = _weight(velocity, constants)
         if memory is None:
-            direction, rate = _hanging(weight), torch.zeros_like(weight)
+            direction, rate = _along(weight), torch.zeros_like(weight)
             bare = apparent = weight
             share = 1.0
         else:
@@ -74,17 +77,13 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
         """Return recorded blocks with the pull that follows from how the machine was seen to accelerate.
 
         An accelerometer reads it where there is one, else velocities give it by central differences. The cable starts
-        along the apparent gravity.
+        along the apparent gravity where a recording does, and swings on from stretch to stretch: nothing stops it.
         """
+        chains = chains_of(signals, time_step)
         apparent = _apparent_gravity(signals, constants, time_step)
-        direction, rate = _hanging(apparent[:, 0]), torch.zeros_like(apparent[:, 0])
-        directions, rates = [direction], [rate]
-        for before, after in zip(apparent[:, :-1].unbind(1), apparent[:, 1:].unbind(1), strict=True):
-            direction, rate = _swing(direction, rate, before, after, values["length"], time_step)
-            directions.append(direction)
-            rates.append(rate)
-        pull = _pull(torch.stack(directions, 1), torch.stack(rates, 1), apparent, values["length"])
-        return {**signals, "payload_pull": pull}
+        swung = _swings(chains.joined(apparent), values["length"], constants["gravity"], time_step)
+        direction, rate = (chains.parted(series) for series in swung)
+        return {**signals, "payload_pull": _pull(direction, rate, apparent, values["length"])}
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the cable's pull on the machine in the body frame, m/s²."""
@@ -107,13 +106,49 @@ def _apparent_gravity(signals: Signals, constants: Values, time_step: float) -> 
     return _weight(velocity, constants) - acceleration
 
 
-def _hanging(apparent: Tensor) -> Tensor:
-    """Return the direction along the apparent gravity; straight down where there is none."""
-    down = torch.zeros_like(apparent)
+def _along(vector: Tensor) -> Tensor:
+    """Return the direction of vectors (..., 3); straight down where there is none."""
+    down = torch.zeros_like(vector)
     down[..., 2] = -1.0
-    size = torch.linalg.vector_norm(apparent.detach(), dim=-1, keepdim=True)
-    safe = torch.where(size > 0.0, apparent, down)
+    size = torch.linalg.vector_norm(vector.detach(), dim=-1, keepdim=True)
+    safe = torch.where(size > 0.0, vector, down)
     return safe / torch.linalg.vector_norm(safe, dim=-1, keepdim=True)
+
+
+def _swings(
+    apparent: Tensor, length: Tensor | float, gravity: float, time_step: float
+) -> tuple[Tensor, Tensor]:
+    """Return direction and rate of cables that hang at the first of samples (cables, samples, 3).
+
+    A step is as many samples as make a small part of a swing, over the mean of what acts; in between, both change
+    linearly.
+    """
+    stride = max(int(_STEP * math.sqrt(float(length) / gravity) / time_step), 1)
+    means = _pooled(apparent, stride)
+    direction, rate = _along(apparent[:, 0]), torch.zeros_like(apparent[:, 0])
+    directions, rates = [direction], [rate]
+    for before, after in zip(means[:, :-1].unbind(1), means[:, 1:].unbind(1), strict=True):
+        direction, rate = _swing(direction, rate, before, after, length, stride * time_step)
+        directions.append(direction)
+        rates.append(rate)
+    found = (torch.stack(series, 1) for series in (directions, rates))
+    direction, rate = (_spread(series, stride, apparent.shape[1]) for series in found)
+    return _along(direction), rate
+
+
+def _pooled(series: Tensor, stride: int) -> Tensor:
+    """Return the means of every so many samples of a series (cables, samples, 3), the last one held where it ends."""
+    missing = -series.shape[1] % stride
+    whole = torch.cat([series, series[:, -1:].expand(-1, missing, -1)], dim=1)
+    return whole.unflatten(1, (-1, stride)).mean(2)
+
+
+def _spread(series: Tensor, stride: int, samples: int) -> Tensor:
+    """Return a series (cables, steps, 3) of the middles of steps at every sample, (cables, samples, 3)."""
+    if stride == 1:
+        return series
+    linear = torch.nn.functional.interpolate(series.transpose(1, 2), scale_factor=stride, mode="linear")
+    return linear.transpose(1, 2)[:, :samples]
 
 
 def _swing(
