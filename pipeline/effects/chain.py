@@ -20,6 +20,7 @@ class Chains:
         chain: that each stretch belongs to, (stretches,).
         first: sample of the chain at which each stretch starts, (stretches,).
         samples: of a stretch.
+        ended: whether a sample repeats the last one of its chain, (chains, longest).
     """
 
     stretch: Tensor
@@ -27,6 +28,7 @@ class Chains:
     chain: Tensor
     first: Tensor
     samples: int
+    ended: Tensor
 
     def joined(self, series: Tensor) -> Tensor:
         """Return a series of stretches (stretches, samples, ...) along the chains, (chains, longest, ...)."""
@@ -37,10 +39,15 @@ class Chains:
         return series[self.chain[:, None], self.first[:, None] + torch.arange(self.samples)]
 
 
-def chains_of(signals: Signals, time_step: float) -> Chains:
+def chains_of(signals: Signals, time_step: float, most: int) -> Chains:
     """Join stretches (stretches, samples, ...) of one run (`run_number`) that overlap in time (`elapsed`).
 
     Where these signals are missing, every stretch is a chain of its own.
+
+    Args:
+        signals: of the stretches.
+        time_step: s.
+        most: stretches that are joined.
     """
     count, samples = next(iter(signals.values())).shape[:2]
     parts: list[
@@ -55,7 +62,7 @@ def chains_of(signals: Signals, time_step: float) -> Chains:
         run, time = runs[stretch], times[stretch]
         before, chain = last.get(run, (-torch.inf, -1))
         later = (time - before) / time_step
-        if later < samples and abs(later - round(later)) < _CLOSE:
+        if later < samples and len(parts[chain]) < most and abs(later - round(later)) < _CLOSE:
             parts[chain].append((stretch, round(later)))
         else:
             chain = len(parts)
@@ -68,6 +75,7 @@ def _chains(parts: list[list[tuple[int, int]]], count: int, samples: int) -> Cha
     longest = samples + max(sum(later for _, later in part) for part in parts)
     stretch, sample = (torch.empty(len(parts), longest, dtype=torch.long) for _ in range(2))
     chain, first = (torch.empty(count, dtype=torch.long) for _ in range(2))
+    ended = torch.ones(len(parts), longest, dtype=torch.bool)
     for number, part in enumerate(parts):
         start = 0
         for one, later in part:
@@ -75,4 +83,5 @@ def _chains(parts: list[list[tuple[int, int]]], count: int, samples: int) -> Cha
             stretch[number, start:] = one
             sample[number, start:] = torch.arange(longest - start).clamp_max(samples - 1)
             chain[one], first[one] = number, start
-    return Chains(stretch, sample, chain, first, samples)
+        ended[number, : start + samples] = False
+    return Chains(stretch, sample, chain, first, samples, ended)

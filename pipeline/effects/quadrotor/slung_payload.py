@@ -1,6 +1,6 @@
 """A load that swings below the machine on a cable."""
 
-import math
+from dataclasses import dataclass, replace
 from typing import Any
 
 import torch
@@ -12,8 +12,12 @@ from pipeline.effects.quadrotor.common import along_axes
 from pipeline.effects.scan import scan
 from pipeline.physics import rotations
 
-_STEP = 0.04  # of the time in which a cable swings by a rad
-_STILL = 1e-12  # rad, below which a cable has not turned
+_COARSE = 0.15  # step with which it is found how a swing starts
+_TOGETHER = 4  # stretches through which a swing is followed: what is felt is no more precise than that
+_USUAL = 0.3  # rad, by which a cable may be off the apparent gravity at first
+_CORRECTIONS = 2
+_SLIGHT = 1e-3  # rad, by which it is turned to see what that changes
+_MEMORY = 0.2  # s, after which what is felt tells something new
 
 
 class SlungPayload(ActuatorEffect, WrenchEffect):
@@ -76,13 +80,19 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
     ) -> dict[str, Tensor]:
         """Return recorded blocks with the pull that follows from how the machine was seen to accelerate.
 
-        An accelerometer reads it where there is one, else velocities give it by central differences. The cable starts
-        along the apparent gravity where a recording does, and swings on from stretch to stretch: nothing stops it.
+        An accelerometer reads it where there is one, else velocities give it by central differences. Nothing stops a
+        load from swinging on from stretch to stretch; how it swings at the first is what the forces across the thrust
+        say.
         """
-        chains = chains_of(signals, time_step)
+        chains = chains_of(signals, time_step, _TOGETHER)
         apparent = _apparent_gravity(signals, constants, time_step)
-        swung = _swings(chains.joined(apparent), values["length"], constants["gravity"], time_step)
-        direction, rate = (chains.parted(series) for series in swung)
+        joined = chains.joined(apparent)
+        cable = Cable(values["length"], constants["gravity"], time_step)
+        start = cable.hanging(joined)
+        if "run_number" in signals:
+            attitude = chains.joined(signals["attitude"])
+            start = _first_swing(cable, start, joined, attitude, ~chains.ended, values["mass_ratio"])
+        direction, rate = (chains.parted(series) for series in cable.swings(*start, joined))
         return {**signals, "payload_pull": _pull(direction, rate, apparent, values["length"])}
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
@@ -115,25 +125,102 @@ def _along(vector: Tensor) -> Tensor:
     return safe / torch.linalg.vector_norm(safe, dim=-1, keepdim=True)
 
 
-def _swings(
-    apparent: Tensor, length: Tensor | float, gravity: float, time_step: float
-) -> tuple[Tensor, Tensor]:
-    """Return direction and rate of cables that hang at the first of samples (cables, samples, 3).
+@dataclass(frozen=True)
+class Cable:
+    """A cable whose upper end moves as recorded.
 
-    A step is as many samples as make a small part of a swing, over the mean of what acts; in between, both change
-    linearly.
+    Attributes:
+        length: m.
+        gravity: m/s².
+        time_step: of the recording, s.
+        step: of the integration, in units of the time in which it swings by a rad.
     """
-    stride = max(int(_STEP * math.sqrt(float(length) / gravity) / time_step), 1)
-    means = _pooled(apparent, stride)
-    direction, rate = _along(apparent[:, 0]), torch.zeros_like(apparent[:, 0])
-    directions, rates = [direction], [rate]
-    for before, after in zip(means[:, :-1].unbind(1), means[:, 1:].unbind(1), strict=True):
-        direction, rate = _swing(direction, rate, before, after, length, stride * time_step)
-        directions.append(direction)
-        rates.append(rate)
-    found = (torch.stack(series, 1) for series in (directions, rates))
-    direction, rate = (_spread(series, stride, apparent.shape[1]) for series in found)
-    return _along(direction), rate
+
+    length: Tensor | float
+    gravity: float
+    time_step: float
+    step: float = 0.04
+
+    @property
+    def pace(self) -> Tensor:
+        """How fast it swings, rad/s."""
+        return (self.gravity / torch.as_tensor(self.length, dtype=torch.float64)).sqrt()
+
+    def hanging(self, apparent: Tensor) -> tuple[Tensor, Tensor]:
+        """Return direction and rate of cables that rest along the first of samples (cables, samples, 3)."""
+        return _along(apparent[:, 0]), torch.zeros_like(apparent[:, 0])
+
+    def swings(self, direction: Tensor, rate: Tensor, apparent: Tensor) -> tuple[Tensor, Tensor]:
+        """Return direction and rate of cables along samples of apparent gravity (cables, samples, 3) from a start.
+
+        A step is as many samples as make a small part of a swing, over the mean of what acts; in between, both change
+        linearly.
+        """
+        stride = max(int(self.step / float(self.pace) / self.time_step), 1)
+        directions, rates = [direction], [rate]
+        means, step = _pooled(apparent, stride), stride * self.time_step
+        for before, after in zip(means[:, :-1].unbind(1), means[:, 1:].unbind(1), strict=True):
+            direction, rate = _swing(direction, rate, before, after, self.length, step)
+            directions.append(direction)
+            rates.append(rate)
+        found = (torch.stack(series, 1) for series in (directions, rates))
+        direction, rate = (_spread(series, stride, apparent.shape[1]) for series in found)
+        return _along(direction), rate
+
+
+def _first_swing(
+    cable: Cable,
+    rest: tuple[Tensor, Tensor],
+    apparent: Tensor,
+    attitude: Tensor,
+    counts: Tensor,
+    mass_ratio: Tensor | float,
+) -> tuple[Tensor, Tensor]:
+    """Return direction and rate with which the pull follows best what is felt across the thrust.
+
+    Gauss-Newton from rest over two angles and their rates, as far as they may usually be off (`_USUAL`).
+
+    Args:
+        cable: that swings.
+        rest: direction and rate, (cables, 3).
+        apparent: gravity, world frame, (cables, samples, 3) m/s².
+        attitude: (cables, samples, 4).
+        counts: which samples count, (cables, samples).
+        mass_ratio: of load and machine.
+    """
+    felt, coarse = _across_thrust(attitude, -apparent, counts), replace(cable, step=_COARSE)
+    independent = counts.sum(1) * cable.time_step / _MEMORY
+    off = torch.zeros(len(felt), 4, dtype=felt.dtype)
+    for _ in range(_CORRECTIONS):
+        moved = [off, *(off + _SLIGHT * unit for unit in torch.eye(4, dtype=felt.dtype))]
+        starts = zip(*(_turned(cable, rest, each) for each in moved), strict=True)
+        whole = apparent.repeat(len(moved), 1, 1)
+        direction, rate = (torch.cat(part) for part in starts)
+        swung = coarse.swings(direction, rate, whole)
+        pulls = (mass_ratio * _pull(*swung, whole, cable.length)).unflatten(0, (len(moved), -1))
+        shown = torch.stack([_across_thrust(attitude, pull, counts) for pull in pulls])
+        slopes, error = ((shown[1:] - shown[0]) / _SLIGHT).movedim(0, -1), felt - shown[0]
+        weight = independent / error.square().sum(1).clamp_min(1e-12)
+        square = weight[:, None, None] * slopes.mT @ slopes + torch.eye(4, dtype=felt.dtype) / _USUAL**2
+        uphill = weight[:, None] * (slopes.mT @ error[..., None])[..., 0] - off / _USUAL**2
+        off = off + torch.linalg.solve(square, uphill)
+    return _turned(cable, rest, off)
+
+
+def _turned(cable: Cable, rest: tuple[Tensor, Tensor], off: Tensor) -> tuple[Tensor, Tensor]:
+    """Return direction and rate of cables off rest by two angles, and by two rates over their pace, (cables, 4)."""
+    direction, rate = rest
+    sides = torch.stack(
+        [_across(axis.expand_as(direction), direction) for axis in torch.eye(3).to(direction)[:2]]
+    )
+    aside, turning = ((part.T[..., None] * sides).sum(0) for part in (off[:, :2], cable.pace * off[:, 2:]))
+    turned = _along(direction + aside)
+    return turned, _across(rate + turning, turned)
+
+
+def _across_thrust(attitude: Tensor, acceleration: Tensor, counts: Tensor) -> Tensor:
+    """Return accelerations (cables, samples, 3), world frame, along body x and y; 0 where they do not count."""
+    return (rotations.rotate_inverse(attitude, acceleration)[..., :2] * counts[..., None]).flatten(1)
 
 
 def _pooled(series: Tensor, stride: int) -> Tensor:
@@ -154,9 +241,9 @@ def _spread(series: Tensor, stride: int, samples: int) -> Tensor:
 def _swing(
     direction: Tensor, rate: Tensor, before: Tensor, after: Tensor, length: Tensor | float, time_step: float
 ) -> tuple[Tensor, Tensor]:
-    """Return direction and rate of the cable a step later: kick, turn along a great circle, kick.
+    """Return direction and rate of the cable a step later.
 
-    Source: Hairer, Lubich & Wanner 2006, Geometric numerical integration, §VII.1.4: RATTLE on the sphere, second order.
+    Source: Hairer, Lubich & Wanner 2006, Geometric numerical integration, §VII.1.4: RATTLE, second order.
 
     Args:
         direction: of the cable away from the machine, unit, (..., 3).
@@ -167,12 +254,10 @@ def _swing(
         time_step: s.
     """
     kick = 0.5 * time_step / length
-    rate = rate + kick * _across(before, direction)
-    angle = ((rate * time_step).square().sum(-1, keepdim=True) + _STILL**2).sqrt()
-    sine = torch.sin(angle) / angle
-    turned = torch.cos(angle) * direction + time_step * sine * rate
-    rate = torch.cos(angle) * rate - sine * angle.square() / time_step * direction
-    return turned, rate + kick * _across(after, turned)
+    free = direction + time_step * (rate + kick * before)
+    along, size = (free * direction).sum(-1, keepdim=True), (free * free).sum(-1, keepdim=True)
+    turned = free + ((along * along - size + 1.0).clamp_min(0.0).sqrt() - along) * direction
+    return turned, _across((turned - direction) / time_step + kick * after, turned)
 
 
 def _across(vector: Tensor, direction: Tensor) -> Tensor:

@@ -33,7 +33,7 @@ def test_a_run_in_any_order_is_one_chain_and_comes_back_as_it_was(count, samples
     cut = stretches(0, 0, count, samples, margin)
     mixed = torch.randperm(count, generator=torch.Generator().manual_seed(seed))
     signals = {name: series[mixed] for name, series in cut.items()}
-    chains = chains_of(signals, STEP)
+    chains = chains_of(signals, STEP, 9)
     joined = chains.joined(signals["number"])
     assert joined.shape == (1, count * samples + 2 * margin)
     torch.testing.assert_close(torch.diff(joined[0]), torch.ones(joined.shape[1] - 1).double())
@@ -47,7 +47,7 @@ def test_runs_and_gaps_break_a_chain():
         stretches(1, 0, 2, 10, 4),
         stretches(1, 25, 1, 10, 4),
     )
-    chains = chains_of(signals, STEP)
+    chains = chains_of(signals, STEP, 9)
     assert sorted(torch.bincount(chains.chain).tolist()) == [2, 3, 3]
     torch.testing.assert_close(chains.parted(chains.joined(signals["number"])), signals["number"])
 
@@ -56,6 +56,6 @@ def test_runs_and_gaps_break_a_chain():
 def test_what_is_not_known_to_go_on_starts_anew(missing):
     signals = stretches(0, 0, 3, 10, 4)
     del signals[missing]
-    chains = chains_of(signals, STEP)
+    chains = chains_of(signals, STEP, 9)
     assert chains.chain.tolist() == [0, 1, 2]
     torch.testing.assert_close(chains.joined(signals["number"]), signals["number"])

@@ -6,6 +6,7 @@ import pytest
 import torch
 
 from pipeline.effects import effect_by_key
+from pipeline.effects.quadrotor.slung_payload import Cable
 from pipeline.physics import rotations
 from pipeline.simulation import FittedEffect, Simulator, rollout
 from pipeline.simulation.motion import motion_of
@@ -46,6 +47,42 @@ def test_the_cable_of_a_wide_swing_pulls_as_its_energy_says():
     cosine = -pull[:, 2] / size
     torch.testing.assert_close(size, GRAVITY * (3.0 * cosine - 2.0 * math.cos(1.2)), rtol=0.0, atol=2e-2)
     assert float(size.max()) > 2.2 * GRAVITY
+
+
+def test_how_a_load_swings_when_a_recording_begins_is_found():
+    """A swing that was on its way before pulls as it did, cut into stretches or not."""
+    samples, time_step, margin = 400, 0.01, 20
+    cable = Cable(0.8, GRAVITY, time_step)
+    apparent = torch.zeros(1, samples, 3, dtype=torch.float64)
+    apparent[..., 2] = -GRAVITY
+    direction = torch.tensor([[math.sin(0.4), 0.0, -math.cos(0.4)]], dtype=torch.float64)
+    rate = torch.tensor([[0.0, 0.5, 0.0]], dtype=torch.float64)
+    for _ in range(30):  # the pull moves the machine, which moves the load
+        directions, rates = cable.swings(direction, rate, apparent)
+        tension = 0.8 * rates.square().sum(-1) + (directions * apparent).sum(-1)
+        pull = tension[..., None] * directions
+        apparent = torch.cat([-0.2 * pull[..., :2], apparent[..., 2:]], dim=-1)
+    lifted = -apparent
+    signals = {
+        "attitude": torch.tensor([1.0, 0.0, 0.0, 0.0], dtype=torch.float64).expand(1, samples, 4),
+        "velocity": torch.zeros_like(lifted),
+        "specific_force": lifted,
+        "elapsed": time_step * torch.arange(samples, dtype=torch.float64)[None],
+        "run_number": torch.zeros(1, samples, dtype=torch.float64),
+    }
+    firsts = (0, samples // 2 - 2 * margin)
+    cut = {
+        name: torch.cat([series[:, first : first + samples // 2 + 2 * margin] for first in firsts])
+        for name, series in signals.items()
+    }
+    values = {"mass_ratio": 0.2, "length": 0.8}
+    found = PAYLOAD.along_time(cut, values, constants("quadrotor"), time_step)["payload_pull"]
+    for part, first in zip(found, firsts, strict=True):
+        known = pull[0, first : first + len(part)]
+        assert float((part - known)[:, :2].abs().max()) < 0.3
+    hanging = {name: series for name, series in cut.items() if name != "run_number"}
+    missed = PAYLOAD.along_time(hanging, values, constants("quadrotor"), time_step)["payload_pull"]
+    assert float((missed[0] - pull[0, : missed.shape[1]])[:, :2].abs().max()) > 1.0
 
 
 def test_a_hanging_load_is_weight():
