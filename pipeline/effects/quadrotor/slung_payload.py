@@ -1,6 +1,6 @@
 """A load that swings below the machine on a cable."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import torch
@@ -12,7 +12,10 @@ from pipeline.effects.quadrotor.common import along_axes
 from pipeline.effects.scan import scan
 from pipeline.physics import rotations
 
-_COARSE = 0.15  # step with which it is found how a swing starts
+_FINE, _COARSE = (
+    0.04,
+    0.15,
+)  # rad that a cable swings by in a step: where it counts, and where its start is looked for
 _TOGETHER = 4  # stretches through which a swing is followed: what is felt is no more precise than that
 _USUAL = 0.3  # rad, by which a cable may be off the apparent gravity at first
 _CORRECTIONS = 2
@@ -88,7 +91,7 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
         apparent = _apparent_gravity(signals, constants, time_step)
         joined = chains.joined(apparent)
         cable = Cable(values["length"], constants["gravity"], time_step)
-        start = cable.hanging(joined)
+        start = _along(joined[:, 0]), torch.zeros_like(joined[:, 0])
         if "run_number" in signals:
             attitude = chains.joined(signals["attitude"])
             start = _first_swing(cable, start, joined, attitude, ~chains.ended, values["mass_ratio"])
@@ -133,22 +136,20 @@ class Cable:
         length: m.
         gravity: m/s².
         time_step: of the recording, s.
-        step: of the integration, in units of the time in which it swings by a rad.
     """
 
     length: Tensor | float
     gravity: float
     time_step: float
-    step: float = 0.04
 
     @property
     def pace(self) -> Tensor:
         """How fast it swings, rad/s."""
         return (self.gravity / torch.as_tensor(self.length, dtype=torch.float64)).sqrt()
 
-    def hanging(self, apparent: Tensor) -> tuple[Tensor, Tensor]:
-        """Return direction and rate of cables that rest along the first of samples (cables, samples, 3)."""
-        return _along(apparent[:, 0]), torch.zeros_like(apparent[:, 0])
+    def stride(self, turn: float) -> int:
+        """Return how many samples are a step in which it swings by an angle in rad, at least one."""
+        return max(int(turn / float(self.pace) / self.time_step), 1)
 
     def swings(self, direction: Tensor, rate: Tensor, apparent: Tensor) -> tuple[Tensor, Tensor]:
         """Return direction and rate of cables along samples of apparent gravity (cables, samples, 3) from a start.
@@ -156,16 +157,19 @@ class Cable:
         A step is as many samples as make a small part of a swing, over the mean of what acts; in between, both change
         linearly.
         """
-        stride = max(int(self.step / float(self.pace) / self.time_step), 1)
-        directions, rates = [direction], [rate]
-        means, step = _pooled(apparent, stride), stride * self.time_step
-        for before, after in zip(means[:, :-1].unbind(1), means[:, 1:].unbind(1), strict=True):
-            direction, rate = _swing(direction, rate, before, after, self.length, step)
-            directions.append(direction)
-            rates.append(rate)
-        found = (torch.stack(series, 1) for series in (directions, rates))
+        stride = self.stride(_FINE)
+        found = self.steps(direction, rate, _pooled(apparent, stride), stride)
         direction, rate = (_spread(series, stride, apparent.shape[1]) for series in found)
         return _along(direction), rate
+
+    def steps(self, direction: Tensor, rate: Tensor, means: Tensor, stride: int) -> tuple[Tensor, Tensor]:
+        """Return direction and rate of cables over steps of so many samples, (cables, steps, 3) each."""
+        directions, rates = [direction], [rate]
+        for before, after in zip(means[:, :-1].unbind(1), means[:, 1:].unbind(1), strict=True):
+            direction, rate = _swing(direction, rate, before, after, self.length, stride * self.time_step)
+            directions.append(direction)
+            rates.append(rate)
+        return torch.stack(directions, 1), torch.stack(rates, 1)
 
 
 def _first_swing(
@@ -178,7 +182,7 @@ def _first_swing(
 ) -> tuple[Tensor, Tensor]:
     """Return direction and rate with which the pull follows best what is felt across the thrust.
 
-    Gauss-Newton from rest over two angles and their rates, as far as they may usually be off (`_USUAL`).
+    Gauss-Newton from rest, in coarse steps, over two angles and their rates, as far as they may usually be off.
 
     Args:
         cable: that swings.
@@ -188,20 +192,25 @@ def _first_swing(
         counts: which samples count, (cables, samples).
         mass_ratio: of load and machine.
     """
-    felt, coarse = _across_thrust(attitude, -apparent, counts), replace(cable, step=_COARSE)
-    independent = counts.sum(1) * cable.time_step / _MEMORY
+    stride = cable.stride(_COARSE)
+    means = _pooled(apparent, stride)
+    middles = (stride * torch.arange(means.shape[1]) + stride // 2).clamp_max(apparent.shape[1] - 1)
+    attitude, counts = attitude[:, middles], counts[:, middles]
+    felt = _across_thrust(attitude, -means, counts)
+    independent = counts.sum(1) * stride * cable.time_step / _MEMORY
+    units = torch.eye(4, dtype=felt.dtype)
     off = torch.zeros(len(felt), 4, dtype=felt.dtype)
     for _ in range(_CORRECTIONS):
-        moved = [off, *(off + _SLIGHT * unit for unit in torch.eye(4, dtype=felt.dtype))]
+        moved = [off, *(off + _SLIGHT * unit for unit in units)]
         starts = zip(*(_turned(cable, rest, each) for each in moved), strict=True)
-        whole = apparent.repeat(len(moved), 1, 1)
         direction, rate = (torch.cat(part) for part in starts)
-        swung = coarse.swings(direction, rate, whole)
+        whole = means.repeat(len(moved), 1, 1)
+        swung = cable.steps(direction, rate, whole, stride)
         pulls = (mass_ratio * _pull(*swung, whole, cable.length)).unflatten(0, (len(moved), -1))
         shown = torch.stack([_across_thrust(attitude, pull, counts) for pull in pulls])
         slopes, error = ((shown[1:] - shown[0]) / _SLIGHT).movedim(0, -1), felt - shown[0]
         weight = independent / error.square().sum(1).clamp_min(1e-12)
-        square = weight[:, None, None] * slopes.mT @ slopes + torch.eye(4, dtype=felt.dtype) / _USUAL**2
+        square = weight[:, None, None] * slopes.mT @ slopes + units / _USUAL**2
         uphill = weight[:, None] * (slopes.mT @ error[..., None])[..., 0] - off / _USUAL**2
         off = off + torch.linalg.solve(square, uphill)
     return _turned(cable, rest, off)
