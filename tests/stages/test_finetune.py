@@ -82,6 +82,15 @@ def test_training_goes_on_from_the_policy_in_the_simulator_with_residuals(artifa
     assert pd.read_parquet(artifacts / "redeploy" / "laps.parquet")["machine"].nunique() == 4
 
 
+def test_a_policy_may_stay_in_its_simulator_and_learn_the_errors_of_the_estimate_alone(artifacts, tmp_path):
+    few = ("finetune.enabled=true", "finetune.interactions=2_000", "finetune.simulator=ideal")
+    ran(finetune, *FEW, *FLOWN, *few, f"artifacts={artifacts}", f"output={tmp_path / 'ideal'}")
+    names = [
+        load_policy(folder / "policy")[1].simulator for folder in (artifacts / "finetune", tmp_path / "ideal")
+    ]
+    assert names[0] != names[1]
+
+
 def test_where_nothing_was_trained_nothing_is_flown_or_trained_further(tmp_path):
     for stage in (deploy, identify_residual, finetune, redeploy):
         ran(stage, f"artifacts={tmp_path}", "platform=racer", "tracking.enabled=false")
