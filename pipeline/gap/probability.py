@@ -16,7 +16,6 @@ DIRECTIONS = {
     "unsteadiness": -1,
     "signal": 1,
     "excess": -1,
-    "contrast": 1,
     "number": -1,
 }
 """Whether more of a feature speaks for the effect (+1) or against it (−1)."""
@@ -24,7 +23,6 @@ DIRECTIONS = {
 _MOST = 0.995  # nothing is certain of one recording
 _LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 1.0  # times the noise: what cannot hide in it may be as small as it is
 _MOST_EXCESS = 10.0  # times the noise, whose level says little where far more is left
-_LEAST_CONTRAST, _MOST_CONTRAST = 0.01, 100.0  # of what it explains over what is left beside it
 _MOST_ODDS = 50.0  # of the logarithm, beyond which the exponential says nothing more
 
 
@@ -68,15 +66,10 @@ class Signs:
         return {
             "evidence": math.asinh(self.log_bayes_factor),
             "unsteadiness": math.log1p(self.unsteadiness),
-            "signal": _magnitude(self.signal, _LEAST_SIGNAL, _MOST_SIGNAL),
-            "excess": _magnitude(self.excess, 1.0, _MOST_EXCESS),
-            "contrast": _magnitude(self.signal / max(self.excess, 1.0), _LEAST_CONTRAST, _MOST_CONTRAST),
+            "signal": math.log10(min(max(self.signal, _LEAST_SIGNAL), _MOST_SIGNAL)),
+            "excess": math.log10(min(max(self.excess, 1.0), _MOST_EXCESS)),
             "number": float(self.is_number),
         }
-
-
-def _magnitude(value: float, least: float, most: float) -> float:
-    return math.log10(min(max(value, least), most))
 
 
 @dataclass(frozen=True)
