@@ -105,7 +105,7 @@ def _read(stage: "Stage[Any]", done: Sequence[Done]) -> tuple[list[Job], dict[st
         note = Note.read(outcome.folder)
         assert note is not None
         compared = stage.compared(read_metrics(outcome.folder))
-        values = {key: value for key, value in note.values.items() if key != "seed"}
+        values = {key: value for key, value in outcome.place.values.items() if key != "seed"}
         jobs.append(Job(values, note.seed, compared.pop("", {}), note.seconds))
         references |= compared
     return jobs, references

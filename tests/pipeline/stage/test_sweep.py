@@ -129,6 +129,18 @@ def test_a_preset_run_part_by_part_puts_every_job_where_the_whole_would(tiny: Mo
     ]
 
 
+def test_the_whole_after_its_parts_knows_what_each_job_is(tiny: ModuleType) -> None:
+    for amount in (3, 4):
+        part = ["-m", "+experiment=pair", f"drawing.amount={amount}", "seed=1,2", UNTRACKED]
+        assert run_command(tiny.tiny_stage, part) == 0
+    whole = ["-m", "+experiment=pair", "drawing.amount=3,4", "seed=1,2", UNTRACKED]
+    assert run_command(tiny.tiny_stage, whole) == 0
+    jobs = Comparison.read(Path("artifacts/default/sweeps/pair/comparison")).jobs
+    assert [(job.seed, job.values) for job in jobs] == [
+        (seed, {"drawing.amount": amount}) for seed in (1, 2) for amount in (3, 4)
+    ]
+
+
 def written(folder: Path) -> dict[str, int]:
     return {path.parent.name: path.stat().st_ino for path in folder.rglob("draws")}
 
