@@ -1,6 +1,7 @@
 """Stretches of a recording joined where one goes on in the next, for effects that remember longer than a margin."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
@@ -8,6 +9,13 @@ from torch import Tensor
 from pipeline.effects.effect import Signals
 
 _CLOSE = 0.1  # samples, by which a stretch may start beside a sample of the one before
+
+
+class Part(NamedTuple):
+    """A stretch of a chain, and how many samples later than the one before it starts."""
+
+    stretch: int
+    later: int
 
 
 @dataclass(frozen=True)
@@ -20,7 +28,7 @@ class Chains:
         chain: that each stretch belongs to, (stretches,).
         first: sample of the chain at which each stretch starts, (stretches,).
         samples: of a stretch.
-        ended: whether a sample repeats the last one of its chain, (chains, longest).
+        recorded: whether a sample does not only repeat the last one of its chain, (chains, longest).
     """
 
     stretch: Tensor
@@ -28,7 +36,7 @@ class Chains:
     chain: Tensor
     first: Tensor
     samples: int
-    ended: Tensor
+    recorded: Tensor
 
     def joined(self, series: Tensor) -> Tensor:
         """Return a series of stretches (stretches, samples, ...) along the chains, (chains, longest, ...)."""
@@ -50,38 +58,44 @@ def chains_of(signals: Signals, time_step: float, most: int) -> Chains:
         most: stretches that are joined.
     """
     count, samples = next(iter(signals.values())).shape[:2]
-    parts: list[
-        list[tuple[int, int]]
-    ] = []  # of each chain: stretches, and how many samples later each one starts
-    last: dict[float, tuple[float, int]] = {}  # of each run: the time of its last stretch, and its chain
-    middle = samples // 2  # a stretch's ends may lie beyond the recording, its middle never does
-    known = "run_number" in signals and "elapsed" in signals
-    runs = signals["run_number"][:, middle].tolist() if known else list(map(float, range(count)))
-    times = signals["elapsed"][:, middle].tolist() if known else [0.0] * count
-    for stretch in sorted(range(count), key=times.__getitem__):
-        run, time = runs[stretch], times[stretch]
-        before, chain = last.get(run, (-torch.inf, -1))
-        later = (time - before) / time_step
-        if later < samples and len(parts[chain]) < most and abs(later - round(later)) < _CLOSE:
-            parts[chain].append((stretch, round(later)))
+    parts: list[list[Part]] = []
+    if "run_number" not in signals or "elapsed" not in signals:
+        return _chains([[Part(stretch, 0)] for stretch in range(count)], count, samples)
+    runs, elapsed = signals["run_number"][:, 0].tolist(), signals["elapsed"]
+    middle = elapsed[:, samples // 2]  # a stretch's ends may lie beyond the recording, its middle never does
+    last: dict[float, tuple[int, int]] = {}  # of each run: its last stretch, and the chain of that
+    for stretch in torch.argsort(middle).tolist():
+        before, chain = last.get(runs[stretch], (-1, -1))
+        later = round(float(middle[stretch] - middle[before]) / time_step) if before >= 0 else samples
+        if (
+            later < samples
+            and len(parts[chain]) < most
+            and _is_same(elapsed, stretch, before, later, time_step)
+        ):
+            parts[chain].append(Part(stretch, later))
         else:
             chain = len(parts)
-            parts.append([(stretch, 0)])
-        last[run] = time, chain
+            parts.append([Part(stretch, 0)])
+        last[runs[stretch]] = stretch, chain
     return _chains(parts, count, samples)
 
 
-def _chains(parts: list[list[tuple[int, int]]], count: int, samples: int) -> Chains:
-    longest = samples + max(sum(later for _, later in part) for part in parts)
+def _is_same(elapsed: Tensor, stretch: int, before: int, later: int, time_step: float) -> bool:
+    """Whether a stretch begins where another is so many samples later; beyond a gap in time it does not."""
+    return abs(float(elapsed[stretch, 0] - elapsed[before, later])) < _CLOSE * time_step
+
+
+def _chains(parts: list[list[Part]], count: int, samples: int) -> Chains:
+    longest = samples + max(sum(each.later for each in part) for part in parts)
     stretch, sample = (torch.empty(len(parts), longest, dtype=torch.long) for _ in range(2))
     chain, first = (torch.empty(count, dtype=torch.long) for _ in range(2))
-    ended = torch.ones(len(parts), longest, dtype=torch.bool)
+    recorded = torch.zeros(len(parts), longest, dtype=torch.bool)
     for number, part in enumerate(parts):
         start = 0
-        for one, later in part:
-            start += later
-            stretch[number, start:] = one
+        for each in part:
+            start += each.later
+            stretch[number, start:] = each.stretch
             sample[number, start:] = torch.arange(longest - start).clamp_max(samples - 1)
-            chain[one], first[one] = number, start
-        ended[number, : start + samples] = False
-    return Chains(stretch, sample, chain, first, samples, ended)
+            chain[each.stretch], first[each.stretch] = number, start
+        recorded[number, : start + samples] = True
+    return Chains(stretch, sample, chain, first, samples, recorded)

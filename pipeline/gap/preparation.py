@@ -64,10 +64,9 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool 
 
 
 def _require_motion(recording: Recording) -> None:
-    step = float(recording.frame.groupby("run", sort=False)["t"].diff().median())
-    if step > _SLOWEST:
+    if recording.time_step > _SLOWEST:
         raise InputError(
-            f"a sample every {step:.3g} s shows no motion: milliseconds where seconds belong?",
+            f"a sample every {recording.time_step:.3g} s shows no motion: milliseconds where seconds belong?",
             recording.source or "recording",
             "give the time t in seconds",
         )

@@ -76,10 +76,14 @@ class SwerveMechanism(Mechanism):
         per_speed = constants["drive_gear_ratio"] / constants["wheel_radius"]
         motor = per_speed * over + constants["coupling_ratio"] * signals["steer_velocity"]
         measured = signals["drive_velocity"]
-        motor = motor + sliding * _beyond(measured - motor, CREEP * per_speed) + per_speed * least_slip
+        motor = (
+            motor
+            + sliding * _beyond(measured - motor, constants["creep"] * per_speed)
+            + per_speed * least_slip
+        )
         rolling = {f"rolling_{n + 1}": (measured[..., n], motor[..., n]) for n in range(4)}
         along = along_the_wheels(twist, angle, constants)
-        along = along + sliding.mean(-1, keepdim=True) * _beyond(twist - along, CREEP)
+        along = along + sliding.mean(-1, keepdim=True) * _beyond(twist - along, constants["creep"])
         across = {name: (twist[..., n], along[..., n]) for n, name in enumerate(_ACROSS)}
         return rolling | across
 

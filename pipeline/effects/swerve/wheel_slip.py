@@ -7,7 +7,7 @@ from torch import Tensor
 
 from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from pipeline.effects.swerve.common import wheel_angle
-from pipeline.platforms.swerve_mechanism import CREEP, LEAST_SLIP, SLIDING
+from pipeline.platforms.swerve_mechanism import LEAST_SLIP, SLIDING
 
 # Of a wheel's share of the weight: accelerations shift load, a light wheel slides first and a heavy one last.
 _LIGHTEST, _LIGHT, _HEAVIEST = 0.7, 0.8, 1.2
@@ -50,7 +50,7 @@ class WheelSlip(ActuatorEffect):
         return {
             "drive_torque": signals["drive_torque"] / used.clamp_min(1.0),
             SLIDING: sliding,
-            LEAST_SLIP: CREEP * spinning * torch.sign(pull),
+            LEAST_SLIP: constants["creep"] * spinning * torch.sign(pull),
         }, None
 
 

@@ -40,16 +40,26 @@ def test_a_run_in_any_order_is_one_chain_and_comes_back_as_it_was(count, samples
     torch.testing.assert_close(chains.parted(joined), signals["number"])
 
 
-def test_runs_and_gaps_break_a_chain():
-    signals = together(
-        stretches(0, 0, 3, 10, 4),
-        stretches(0, 100, 2, 10, 4),
-        stretches(1, 0, 2, 10, 4),
-        stretches(1, 25, 1, 10, 4),
-    )
+def test_another_run_and_a_gap_break_a_chain():
+    signals = together(stretches(0, 0, 3, 10, 4), stretches(0, 100, 2, 10, 4), stretches(1, 0, 2, 10, 4))
     chains = chains_of(signals, STEP, 9)
-    assert sorted(torch.bincount(chains.chain).tolist()) == [2, 3, 3]
+    assert sorted(torch.bincount(chains.chain).tolist()) == [2, 2, 3]
     torch.testing.assert_close(chains.parted(chains.joined(signals["number"])), signals["number"])
+
+
+def test_a_gap_that_held_margins_bridge_breaks_a_chain_too():
+    """Before and after a gap the margins hold the last and the first value, in time as in all else."""
+    signals = together(stretches(0, 0, 2, 10, 4), stretches(0, 25, 2, 10, 4))
+    for row, (least, most) in enumerate([(0, 19), (0, 19), (25, 44), (25, 44)]):
+        for name, unit in (("number", 1.0), ("elapsed", STEP)):
+            signals[name][row] = signals[name][row].clamp(least * unit, most * unit)
+    assert chains_of(signals, STEP, 9).chain.tolist() == [0, 0, 1, 1]
+
+
+def test_no_more_are_joined_than_asked_for():
+    chains = chains_of(stretches(0, 0, 5, 10, 4), STEP, 2)
+    assert chains.chain.tolist() == [0, 0, 1, 1, 2]
+    assert chains.recorded.sum(1).tolist() == [28, 28, 18]
 
 
 @pytest.mark.parametrize("missing", ["run_number", "elapsed"])

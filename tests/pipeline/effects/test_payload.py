@@ -6,8 +6,8 @@ import pytest
 import torch
 
 from pipeline.effects import effect_by_key
-from pipeline.effects.quadrotor.slung_payload import Cable
 from pipeline.physics import rotations
+from pipeline.physics.cable import Cable
 from pipeline.simulation import FittedEffect, Simulator, rollout
 from pipeline.simulation.motion import motion_of
 from tests.pipeline.effects.responses import constants, smooth_flight

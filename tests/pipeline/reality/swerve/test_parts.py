@@ -1,5 +1,7 @@
 """Tyres, chassis and scrubbing patches against what is known of them exactly."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -70,6 +72,16 @@ def test_grip_is_shared_along_and_across():
     np.testing.assert_allclose(force[0] * slip[1], force[1] * slip[0])
     small = tyres.damping(1e-6 * slip, np.zeros((50, 4)) + 10.0, loads)[0]
     np.testing.assert_allclose(small, 40.0 * 100.0 / 10.15)
+
+
+def test_wheels_that_point_elsewhere_hold_with_the_side_force_of_their_slip_angle():
+    tyres = Tyres(friction=math.inf, stiffness=0.0, height=0.0, cornering=15.0)
+    angle, rolling, loads = 0.05, np.full((1, 4), 3.0), np.full((1, 4), 100.0)
+    slip = np.stack((np.zeros_like(rolling), math.tan(angle) * rolling))
+    _, side = tyres.damping(slip, rolling, loads)
+    np.testing.assert_allclose(side * slip[1], 15.0 * loads * math.tan(angle) * 3.0 / 3.15)
+    well_aligned = Tyres(friction=math.inf, stiffness=0.0, height=0.0)
+    assert (side < 0.1 * well_aligned.damping(slip, rolling, loads)[1]).all()
 
 
 def test_braking_shifts_load_forward_and_keeps_its_sum(robot):

@@ -1,0 +1,113 @@
+"""A taut cable without mass below an end that moves, with a point mass on it: a spherical pendulum.
+
+Directions and accelerations are in the world frame. What acts on the load is the apparent gravity: gravity less the
+acceleration of the cable's upper end.
+"""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+_FINE = 0.04  # rad that a cable swings by in a step
+
+
+@dataclass(frozen=True)
+class Cable:
+    """A cable whose upper end moves as it was sampled.
+
+    Attributes:
+        length: m.
+        gravity: m/s².
+        time_step: of the samples, s.
+    """
+
+    length: Tensor | float
+    gravity: float
+    time_step: float
+
+    @property
+    def pace(self) -> Tensor:
+        """How fast it swings, rad/s."""
+        return (self.gravity / torch.as_tensor(self.length, dtype=torch.float64)).sqrt()
+
+    def stride(self, turn: float) -> int:
+        """Return how many samples are a step in which it swings by an angle in rad, at least one."""
+        return max(int(turn / self.pace.item() / self.time_step), 1)
+
+    def swings(self, direction: Tensor, rate: Tensor, apparent: Tensor) -> tuple[Tensor, Tensor]:
+        """Return direction and rate of cables along samples of apparent gravity (cables, samples, 3) from a start.
+
+        A step is as many samples as make a small part of a swing, over the mean of what acts; in between, both change
+        linearly.
+        """
+        stride = self.stride(_FINE)
+        found = self.steps(direction, rate, pooled(apparent, stride), stride)
+        direction, rate = (_spread(series, stride, apparent.shape[1]) for series in found)
+        return along(direction), rate
+
+    def steps(self, direction: Tensor, rate: Tensor, means: Tensor, stride: int) -> tuple[Tensor, Tensor]:
+        """Return direction and rate of cables over steps of so many samples, (cables, steps, 3) each."""
+        directions, rates = [direction], [rate]
+        for before, after in zip(means[:, :-1].unbind(1), means[:, 1:].unbind(1), strict=True):
+            direction, rate = swing(direction, rate, before, after, self.length, stride * self.time_step)
+            directions.append(direction)
+            rates.append(rate)
+        return torch.stack(directions, 1), torch.stack(rates, 1)
+
+
+def swing(
+    direction: Tensor, rate: Tensor, before: Tensor, after: Tensor, length: Tensor | float, time_step: float
+) -> tuple[Tensor, Tensor]:
+    """Return direction and rate of a cable a step later.
+
+    Source: Hairer, Lubich & Wanner 2006, Geometric numerical integration, §VII.1.4: RATTLE, second order.
+
+    Args:
+        direction: of the cable away from its upper end, unit, (..., 3).
+        rate: of the direction, across it, (..., 3) 1/s.
+        before: apparent gravity at the start of the step, (..., 3) m/s².
+        after: at its end.
+        length: of the cable, m.
+        time_step: s.
+    """
+    kick = 0.5 * time_step / length
+    free = direction + time_step * (rate + kick * before)
+    onward, size = (free * direction).sum(-1, keepdim=True), (free * free).sum(-1, keepdim=True)
+    turned = free + ((onward * onward - size + 1.0).clamp_min(0.0).sqrt() - onward) * direction
+    return turned, across((turned - direction) / time_step + kick * after, turned)
+
+
+def pull(direction: Tensor, rate: Tensor, apparent: Tensor, length: Tensor | float) -> Tensor:
+    """Return the cable's tension per mass of the load along its direction, m/s²; a cable does not push."""
+    tension = length * rate.square().sum(-1) + (direction * apparent).sum(-1)
+    return tension.clamp_min(0.0)[..., None] * direction
+
+
+def along(vector: Tensor) -> Tensor:
+    """Return the direction of vectors (..., 3); straight down where there is none."""
+    down = torch.zeros_like(vector)
+    down[..., 2] = -1.0
+    size = torch.linalg.vector_norm(vector.detach(), dim=-1, keepdim=True)
+    safe = torch.where(size > 0.0, vector, down)
+    return safe / torch.linalg.vector_norm(safe, dim=-1, keepdim=True)
+
+
+def across(vector: Tensor, direction: Tensor) -> Tensor:
+    """Return what of vectors (..., 3) is at right angles to unit directions (..., 3)."""
+    return vector - (vector * direction).sum(-1, keepdim=True) * direction
+
+
+def pooled(series: Tensor, stride: int) -> Tensor:
+    """Return the means of every so many samples of a series (cables, samples, 3), the last one held where it ends."""
+    missing = -series.shape[1] % stride
+    whole = torch.cat([series, series[:, -1:].expand(-1, missing, -1)], dim=1)
+    return whole.unflatten(1, (-1, stride)).mean(2)
+
+
+def _spread(series: Tensor, stride: int, samples: int) -> Tensor:
+    """Return a series (cables, steps, 3) of the middles of steps at every sample, (cables, samples, 3)."""
+    if stride == 1:
+        return series
+    linear = torch.nn.functional.interpolate(series.transpose(1, 2), scale_factor=stride, mode="linear")
+    return linear.transpose(1, 2)[:, :samples]
