@@ -3,6 +3,7 @@
 import json
 import multiprocessing
 import os
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -47,7 +48,7 @@ def _worked(
     if not tasks:
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(tasks)), context, initializer=one_thread) as pool:
+    with ProcessPoolExecutor(min(jobs, len(tasks)), context, initializer=_begin) as pool:
         waiting = {pool.submit(work, task, folder / name): name for name, task in tasks.items()}
         try:
             for done in as_completed(waiting):
@@ -57,6 +58,19 @@ def _worked(
             raise InputError("a process of the benchmark was killed", str(folder), remedy) from error
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _begin() -> None:
+    """Let a process of the pool have one thread, and end it where the one that started it is killed."""
+    one_thread()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _done(folder: Path, identity: str) -> dict[str, Any] | None:

@@ -1,6 +1,12 @@
 """Many cases side by side, killed and continued."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +19,28 @@ def square(task, folder):
     with (folder / "done").open("a") as trace:
         trace.write("x")
     return {"squared": task**2}
+
+
+def wait(task, folder):
+    """Work that says which process does it and goes on until that is ended."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "process").write_text(str(os.getpid()))
+    time.sleep(600)
+    return {}
+
+
+def is_alive(process):
+    """Whether a process goes on; one that nobody asked how it ended is a zombie, and does not."""
+    stat = Path(f"/proc/{process}/stat")
+    return stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def eventually(happens):
+    for _ in range(600):
+        if happens():
+            return True
+        time.sleep(0.1)
+    return False
 
 
 def run(tmp_path, tasks, identity=str):
@@ -54,3 +82,23 @@ def test_a_result_is_whole_or_not_there(tmp_path):
         write_whole({"a": object()}, path)
     assert json.loads(path.read_text()) == {"a": 1}
     assert list(path.parent.iterdir()) == [path]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+@pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGKILL])
+def test_no_process_of_a_killed_run_goes_on(tmp_path, sign):
+    waits = (
+        "from pathlib import Path\n"
+        "from pipeline.proof.running import run_cases\n"
+        "from tests.pipeline.proof.test_running import wait\n"
+        "if __name__ == '__main__':\n"
+        f"    run_cases({{'a': 1, 'b': 2}}, wait, Path({str(tmp_path)!r}), 2, str)\n"
+    )
+    script = tmp_path / "waits.py"
+    script.write_text(waits)
+    run = subprocess.Popen([sys.executable, str(script)], env={**os.environ, "PYTHONPATH": os.getcwd()})
+    processes = [tmp_path / name / "process" for name in "ab"]
+    assert eventually(lambda: all(each.exists() and each.read_text() for each in processes))
+    run.send_signal(sign)
+    run.wait()
+    assert eventually(lambda: not any(is_alive(each.read_text()) for each in processes))
