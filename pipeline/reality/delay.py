@@ -8,11 +8,10 @@ from pipeline.reality.rotation import Array
 class Commands:
     """What was commanded so far, and what of it has arrived."""
 
-    def __init__(self, delay: float, step: float, shape: tuple[int, ...], held: bool = False) -> None:
+    def __init__(self, delay: float, step: float, shape: tuple[int, ...]) -> None:
         """Keep a series of that shape (steps, ...), one entry every `step` s; what arrives is `delay` s old."""
         self.late = delay / step
         self.series = np.zeros(shape)
-        self.held = held
 
     def note(self, count: int, command: Array) -> None:
         """Note the command of a step."""
@@ -23,10 +22,13 @@ class Commands:
         self.series[count] = self.series[count - 1]
 
     def at(self, count: int) -> Array:
-        """Return the command that arrives at a step: held until the next one, or in between."""
+        """Return the command that arrives at a step, in between two.
+
+        Where commands are held from step to step, it is the mean of what arrives until the next one.
+        """
         place = max(count - self.late, 0.0)
         whole = int(place)
         share = place - whole
-        if self.held or share == 0.0:
+        if share == 0.0:
             return self.series[whole]
         return (1.0 - share) * self.series[whole] + share * self.series[whole + 1]

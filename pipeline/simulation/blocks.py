@@ -11,7 +11,7 @@ from pipeline.errors import InputError
 from pipeline.platforms import Platform
 from pipeline.recordings.excerpt import evenly
 from pipeline.recordings.recording import Recording
-from pipeline.simulation.signals import COMMANDS, recorded_signals
+from pipeline.simulation.signals import COMMANDS, rates_of, recorded_signals
 
 _FEWEST_SAMPLES = 10  # of a block
 
@@ -33,6 +33,7 @@ class Blocks:
             a simulation holds them. By name, (blocks, margin + samples + margin, ...).
         resolution: what velocities are known to at each sample, in their units; of no concern to a simulation, which
             knows its own. By name, (blocks, margin + samples + margin, ...).
+        rates: which signals are the integral of which other one, by name.
     """
 
     signals: dict[str, Tensor]
@@ -45,6 +46,7 @@ class Blocks:
     held: bool = True
     held_commands: dict[str, Tensor] = field(default_factory=dict)
     resolution: dict[str, Tensor] = field(default_factory=dict)
+    rates: dict[str, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.run)
@@ -82,9 +84,16 @@ class Blocks:
     def acting(self) -> dict[str, Tensor]:
         """What acts, by name, as long as `signals`: through each step where commands are held, else at each sample.
 
-        Through the step that follows a sample its command is held, and all else is taken halfway to the next sample.
+        Through the step that follows a sample its command is held, and all else has its mean until the next sample: of
+        a position whose velocity runs in a straight line, h·(v₀ − v₁)/12 beside the mean of both.
         """
-        return self.acting_after(0.5) if self.on_steps else self.signals | self.resolution
+        if not self.on_steps:
+            return self.signals | self.resolution
+        means = self.acting_after(0.5)
+        for position, velocity in self.rates.items():
+            change = _next(self.signals[velocity]) - self.signals[velocity]
+            means[position] = means[position] - self.time_step / 12.0 * change
+        return means
 
     def acting_after(self, part: float) -> dict[str, Tensor]:
         """Return what acts when a part of each step is over, by name, where commands are known step by step."""
@@ -170,6 +179,7 @@ def cut_blocks(
         samples=samples,
         held=held,
         held_commands=_stacked([commands for _, commands in pieces]),
+        rates=rates_of(platform),
     )
 
 

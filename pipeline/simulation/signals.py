@@ -18,6 +18,13 @@ COMMANDS = frozenset({"motor_command", "effort", "voltage", "drive_voltage", "st
 """Signals that a controller holds from one sample to the next."""
 
 
+def rates_of(platform: Platform) -> dict[str, str]:
+    """Return by name which signals are the integral of which other one."""
+    if isinstance(platform, Joint):
+        return {"position": "velocity"}
+    return {"steer_angle": "steer_velocity"} if isinstance(platform, Swerve) else {}
+
+
 def recorded_signals(frame: pd.DataFrame, platform: Platform, held: bool = True) -> dict[str, Tensor]:
     """Return the signals of one uniformly sampled stretch, each (samples, ...) float64.
 

@@ -66,7 +66,7 @@ def move(
     drive = drive_of(effects, platform, case, random)
     axis = axis_of(effects, outside, platform, case, (reference[0][0], reference[1][0]))
     noise = case.sensors.scale * case.sensors.position * random.standard_normal(reference[0].shape)
-    commands = Commands(effects.get("command_delay", "delay"), STEP, reference[0].shape, case.held)
+    commands = Commands(effects.get("command_delay", "delay"), STEP, reference[0].shape)
     every = round(1.0 / (case.rate * STEP)) if case.held else 1
     controller = JointController(platform, case, reference[0][0], reference[1][0], every * STEP)
     rows: list[tuple[Array, ...]] = []

@@ -42,7 +42,7 @@ def turn(
     hold = round(1.0 / (case.rate * STEP))
     rig = Rig(case, airframe, platform, battery, count, random[1])
     sticks = Sticks(case, (count - 1) // hold + 1, random[0])
-    commands = Commands(case.latency, STEP, (count, case.runs, 3), held=True)
+    commands = Commands(case.latency, STEP, (count, case.runs, 3))
     kept = []
     for index in range(count):
         if index % hold:

@@ -142,8 +142,8 @@ def move(
     controller = controller or ModuleController(platform, case, reference)
     shape = reference.angle.shape
     noise = case.sensors.scale * case.sensors.steer_angle * random.standard_normal(shape)
-    drive = Commands(effects.get("command_delay@drive", "delay"), STEP, shape, case.held)
-    steer = Commands(effects.get("command_delay@steer", "delay"), STEP, shape, case.held)
+    drive = Commands(effects.get("command_delay@drive", "delay"), STEP, shape)
+    steer = Commands(effects.get("command_delay@steer", "delay"), STEP, shape)
     every = round(1.0 / (case.rate * STEP)) if case.held else 1
     rows: list[tuple[Array, ...]] = []
     for count in range(shape[0]):

@@ -63,6 +63,22 @@ def test_blocks_stay_inside_a_segment_do_not_overlap_and_cover_every_run(lengths
         assert float(blocks.start[block]) == row["t"]
 
 
+def test_a_position_acts_with_its_mean_through_each_step():
+    """Exact where the velocity runs in straight lines between samples, as it does under held efforts."""
+    step, count = 0.01, 200
+    acceleration = np.random.default_rng(0).standard_normal(count)
+    velocity = np.cumsum(np.r_[0.0, acceleration[:-1]]) * step
+    position = np.cumsum(np.r_[0.0, velocity[:-1] * step + 0.5 * acceleration[:-1] * step**2])
+    frame = pd.DataFrame({"t": step * np.arange(count), "position": position, "velocity": velocity})
+    frame["run"], frame["effort"] = "a", acceleration
+    units = {"position": "rad", "velocity": "rad/s", "effort": "N·m"}
+    blocks = cut_blocks(Recording(frame, "joint", units, cleaned=True), JOINT, 1.0, 0.1)
+    first = slice(blocks.margin, blocks.margin + blocks.samples)
+    means = position + velocity * step / 2.0 + acceleration * step**2 / 6.0
+    found = blocks.acting["position"][0, first].numpy()
+    np.testing.assert_allclose(found, means[: blocks.samples], rtol=0.0, atol=1e-14)
+
+
 def test_blocks_of_chosen_runs_and_thinned_blocks_are_a_part_of_them():
     blocks = cut_blocks(counted([[200], [100, 120], [90]]), JOINT, 0.2, 0.05)
     some = blocks.of_runs(["run2", "run0"])
