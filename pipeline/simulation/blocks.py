@@ -33,7 +33,7 @@ class Blocks:
             a simulation holds them. By name, (blocks, margin + samples + margin, ...).
         resolution: what velocities are known to at each sample, in their units; of no concern to a simulation, which
             knows its own. By name, (blocks, margin + samples + margin, ...).
-        rates: which signals are the integral of which other one, by name.
+        rates: which signals act with their mean, and are the integral of which other one, by name.
     """
 
     signals: dict[str, Tensor]

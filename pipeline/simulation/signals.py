@@ -19,10 +19,11 @@ COMMANDS = frozenset({"motor_command", "effort", "voltage", "drive_voltage", "st
 
 
 def rates_of(platform: Platform) -> dict[str, str]:
-    """Return by name which signals are the integral of which other one."""
-    if isinstance(platform, Joint):
-        return {"position": "velocity"}
-    return {"steer_angle": "steer_velocity"} if isinstance(platform, Swerve) else {}
+    """Return by name which signals are the integral of which other one, where a force goes nearly with them.
+
+    An angle that turns forces is not among them: its mean through a step is not that at which the mean force acts.
+    """
+    return {"position": "velocity"} if isinstance(platform, Joint) else {}
 
 
 def recorded_signals(frame: pd.DataFrame, platform: Platform, held: bool = True) -> dict[str, Tensor]:
