@@ -142,12 +142,12 @@ def _observation(
     from pipeline.policies.residual.storage import save_observation
     from pipeline.report.realisations import draw_realisations
 
-    features, residual = recorded_beliefs(recording.frame, chosen.samples)
-    processes = fit(features, residual, chosen.judged_by, chosen.iterations)
+    beliefs = recorded_beliefs(recording.frame, chosen.samples)
+    processes = fit(*beliefs, chosen.judged_by, chosen.iterations)
     drawn = draw(processes, chosen.realisations, chosen.frequencies, chosen.anchors, seed)
     save_observation(processes, drawn, recording.source, run.output / "observation")
     draw_realisations(recording.frame, drawn, run.output / "realisations.png")
-    size = residual.square().mean(0).sqrt().tolist()
+    size = beliefs.residual.square().mean(0).sqrt().tolist()
     return {f"misjudged_{name}": value for name, value in zip(RESIDUALS, size, strict=True)}
 
 

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import torch
 
@@ -26,10 +25,11 @@ def draw_realisations(frame: pd.DataFrame, drawn: Realisations, path: Path, seco
 
     flight = frame[frame["run"] == frame["run"].iloc[0]]
     flight = flight[flight["t"] < flight["t"].iloc[0] + seconds]
-    features, residual = recorded_beliefs(flight, len(flight))
-    times = np.linspace(0.0, float(flight["t"].iloc[-1] - flight["t"].iloc[0]), len(features))
-    every = torch.arange(len(drawn)).repeat_interleave(len(features))
-    along = drawn(features.float().repeat(len(drawn), 1), every).unflatten(0, (len(drawn), -1))
+    features, residual, course = recorded_beliefs(flight, len(flight))
+    times, count = course.moment, len(drawn)
+    every = torch.arange(count).repeat_interleave(len(features))
+    along = drawn(features.float().repeat(count, 1), times.float().repeat(count), every)
+    along = along.unflatten(0, (count, -1))
     figure = Figure(figsize=_SIZE, layout="constrained")
     for place, (axes, name) in enumerate(
         zip(figure.subplots(3, 3, sharex=True).flat, RESIDUALS, strict=True)

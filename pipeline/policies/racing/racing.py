@@ -26,8 +26,8 @@ class Misjudging(Protocol):
     def __len__(self) -> int:
         """Return how many functions there are."""
 
-    def __call__(self, state: dict[str, Tensor], which: Tensor) -> dict[str, Tensor]:
-        """Return what is believed of states, each part (batch, ...), by the functions (batch,) of the machines."""
+    def __call__(self, state: dict[str, Tensor], moments: Tensor, which: Tensor) -> dict[str, Tensor]:
+        """Return what is believed of states, each part (batch, ...), at moments (batch,) s of functions (batch,)."""
 
 
 class Racing(Environment):
@@ -152,7 +152,8 @@ class Racing(Environment):
         rows = now["rows"][:, machines]
         believed = state_of(self.fleet.believed(rows))
         if self.misjudging is not None:
-            believed = self.misjudging(believed, now["misjudged"][machines])
+            moments = self.period * now["age"][machines]
+            believed = self.misjudging(believed, moments, now["misjudged"][machines])
         acceleration = self.fleet.angular_acceleration(rows)
         return racing_observation(
             self.track,

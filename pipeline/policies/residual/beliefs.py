@@ -1,5 +1,7 @@
 """What an on-board estimate gets wrong, as a function of where and how the machine flies."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
 import torch
@@ -7,6 +9,7 @@ from torch import Tensor
 
 from pipeline.errors import InputError
 from pipeline.physics import rotations
+from pipeline.policies.residual.wander import Course
 from pipeline.recordings.excerpt import evenly
 
 FEATURES = 15
@@ -57,8 +60,22 @@ def with_residual(state: dict[str, Tensor], residual: Tensor) -> dict[str, Tenso
     }
 
 
-def recorded_beliefs(frame: pd.DataFrame, samples: int) -> tuple[Tensor, Tensor]:
-    """Return features (samples, 15) and residuals (samples, 9), float64, evenly over a recording.
+class Beliefs(NamedTuple):
+    """What was believed along recorded flights, float64.
+
+    Attributes:
+        features: of the true states, (samples, 15).
+        residual: (samples, 9).
+        course: when the samples were taken.
+    """
+
+    features: Tensor
+    residual: Tensor
+    course: Course
+
+
+def recorded_beliefs(frame: pd.DataFrame, samples: int) -> Beliefs:
+    """Return what was believed, evenly over a recording.
 
     Args:
         frame: of a recording with `estimate_*` columns.
@@ -75,12 +92,18 @@ def recorded_beliefs(frame: pd.DataFrame, samples: int) -> tuple[Tensor, Tensor]
             "recording",
             "record what the machine believed, or residual.observation.enabled=false",
         )
-    complete = frame[[*own, *believed]].dropna()
+    complete = frame[["run", "t", *own, *believed]].dropna()
     if len(complete) < FEATURES:
         raise InputError(f"has {len(complete)} samples with an estimate", "recording", "record more")
     chosen = complete.iloc[evenly(len(complete), samples)]
     truth, belief = _state(chosen[own], _STATE), _state(chosen[believed], _ESTIMATED)
-    return state_features(truth), misjudged(truth, belief)
+    return Beliefs(state_features(truth), misjudged(truth, belief), _course(chosen))
+
+
+def _course(frame: pd.DataFrame) -> Course:
+    flight, _ = pd.factorize(frame["run"])
+    moment = frame["t"] - frame.groupby("run", sort=False)["t"].transform("first")
+    return Course(torch.from_numpy(flight), torch.tensor(moment.to_numpy(dtype=np.float64)))
 
 
 def _columns(stem: str, parts: dict[str, str]) -> list[str]:

@@ -1,21 +1,26 @@
 """Gaussian processes, one for each residual, fitted together.
 
+A residual is a function of the state, of which every flight shows the same, and noise. Samples of one flight follow one
+another, so that a part of what its drift happened to be passes for what the state makes of it, and that with certainty.
+How large that part is, and for how long it lasts, shows in flights that are foretold from the others (`wander`).
+
 Rasmussen & Williams 2006, "Gaussian Processes for Machine Learning", eqs. 2.23–2.24 (posterior), 5.8 (marginal
-likelihood); squared exponential kernel with a length scale for every feature, and noise.
+likelihood); squared exponential kernels, of the state with a length scale for every feature.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import gpytorch
 import torch
 from torch import Tensor
 
+from pipeline.policies.residual.wander import Course, Wander, wander_of
 from pipeline.recordings.excerpt import evenly
 
 # Of scaled features and outputs: beyond these a process only looks more certain than a thousand samples can be.
-_LENGTHS, _VARIANCES, _NOISES = (0.1, 30.0), (0.01, 4.0), (1e-3, 1.5)
-_STARTS = {"lengths": 3.0, "variance": 1.0, "noise": 0.1}
+_LENGTHS, _VARIANCES, _NOISES = (0.1, 30.0), (0.01, 1.0), (1e-3, 1.5)
+_STARTS = {"lengths": 3.0, "variance": 0.5, "noise": 0.1}
 _JITTER = 1e-6  # of a process's variance, for the factorisation
 
 
@@ -26,8 +31,10 @@ class GaussianProcesses:
     Attributes:
         inputs: (samples, features), scaled.
         outputs: (processes, samples), scaled.
+        course: when they were taken.
         lengths: length scales, (processes, features), of scaled features.
         variance: of the processes, (processes,).
+        wander: what is another function of time in each flight.
         noise: its variance, (processes,).
         input_scale: mean and standard deviation of the features, (2, features).
         output_scale: of the outputs, (2, processes).
@@ -35,8 +42,10 @@ class GaussianProcesses:
 
     inputs: Tensor
     outputs: Tensor
+    course: Course
     lengths: Tensor
     variance: Tensor
+    wander: Wander
     noise: Tensor
     input_scale: Tensor
     output_scale: Tensor
@@ -63,26 +72,35 @@ class GaussianProcesses:
         """Return the covariance's inverse times outputs (processes, samples, columns)."""
         return torch.cholesky_solve(outputs, self.factor)
 
+    def foretold(self, inputs: Tensor) -> tuple[Tensor, Tensor]:
+        """Return posterior mean and variance of the functions of the state, (processes, batch) each, all scaled."""
+        across = self.kernel(self.inputs, inputs)
+        mean = across.mT @ self.solve(self.outputs[..., None])
+        whitened = torch.linalg.solve_triangular(self.factor, across, upper=False)
+        return mean[..., 0], (self.variance[:, None] - whitened.square().sum(1)).clamp_min(0.0)
+
     def mean(self, queries: Tensor) -> Tensor:
-        """Return the posterior means (batch, processes) at features (batch, features), in their units."""
-        weights = self.solve(self.outputs[..., None])
-        scaled = (self.kernel(self.scaled(queries), self.inputs) @ weights)[..., 0].T
-        return self.output_scale[0] + self.output_scale[1] * scaled
+        """Return the posterior means (batch, processes) of the functions of the state (batch, features), in units."""
+        mean, _ = self.foretold(self.scaled(queries))
+        return self.output_scale[0] + self.output_scale[1] * mean.T
 
     def deviation(self, queries: Tensor) -> Tensor:
-        """Return the posterior standard deviations (batch, processes) of the functions, without the noise."""
-        across = self.kernel(self.inputs, self.scaled(queries))
-        whitened = torch.linalg.solve_triangular(self.factor, across, upper=False)
-        variance = (self.variance[:, None] - whitened.square().sum(1)).clamp_min(0.0)
+        """Return the posterior standard deviations (batch, processes) of the functions of the state."""
+        _, variance = self.foretold(self.scaled(queries))
         return self.output_scale[1] * variance.sqrt().T
 
 
-def fit(features: Tensor, residuals: Tensor, judged_by: int, iterations: int) -> GaussianProcesses:
-    """Return the processes with the greatest marginal likelihood that is found.
+def fit(
+    features: Tensor, residuals: Tensor, course: Course, judged_by: int, iterations: int
+) -> GaussianProcesses:
+    """Return the processes with the greatest marginal likelihood that is found, and what wanders beside.
+
+    The likelihood of both together would let time account for what the state repeats in each flight.
 
     Args:
         features: (samples, features).
         residuals: (samples, processes).
+        course: when they were taken.
         judged_by: samples, evenly among all, whose likelihood it is; the processes know all of them.
         iterations: of the search, by L-BFGS.
     """
@@ -90,15 +108,37 @@ def fit(features: Tensor, residuals: Tensor, judged_by: int, iterations: int) ->
     outputs, output_scale = _standardised(residuals)
     judged = evenly(len(inputs), judged_by)
     kernel, noise = _most_likely(inputs[judged], outputs[judged], iterations)
-    return GaussianProcesses(
+    alone = GaussianProcesses(
         inputs,
         outputs.T.contiguous(),
+        course,
         kernel.base_kernel.lengthscale.detach()[:, 0],
         kernel.outputscale.detach(),
+        Wander.none(outputs.shape[1]),
         noise.detach()[:, 0],
         input_scale,
         output_scale,
     )
+    return replace(alone, wander=_wander_beside(alone))
+
+
+def _wander_beside(processes: GaussianProcesses) -> Wander:
+    """Return what flights show beyond what is foretold of them by the others."""
+    flights = processes.course.flight
+    if len(flights.unique()) < 2:
+        return processes.wander
+    error, certain = torch.empty_like(processes.outputs), torch.empty_like(processes.outputs)
+    for flight in flights.unique():
+        out = flights == flight
+        others = replace(
+            processes,
+            inputs=processes.inputs[~out],
+            outputs=processes.outputs[:, ~out],
+            course=processes.course.take(~out),
+        )
+        mean, variance = others.foretold(processes.inputs[out])
+        error[:, out], certain[:, out] = processes.outputs[:, out] - mean, variance
+    return wander_of(error, certain, processes.course)
 
 
 def _most_likely(

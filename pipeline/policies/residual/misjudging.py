@@ -8,7 +8,7 @@ from pipeline.policies.residual.realisations import Realisations
 
 
 class DrawnMisjudging:
-    """Each machine misjudges its state by one of the drawn functions of it."""
+    """Each machine misjudges its state by one of the drawn functions of it and of time."""
 
     def __init__(self, drawn: Realisations, device: torch.device | str = "cpu") -> None:
         self._drawn = drawn.to(device)
@@ -17,6 +17,6 @@ class DrawnMisjudging:
         """Return how many functions were drawn."""
         return len(self._drawn)
 
-    def __call__(self, state: dict[str, Tensor], which: Tensor) -> dict[str, Tensor]:
-        """Return what is believed of states, each part (batch, ...), by the functions (batch,) of the machines."""
-        return with_residual(state, self._drawn(state_features(state), which))
+    def __call__(self, state: dict[str, Tensor], moments: Tensor, which: Tensor) -> dict[str, Tensor]:
+        """Return what is believed of states, each part (batch, ...), at moments (batch,) s of functions (batch,)."""
+        return with_residual(state, self._drawn(state_features(state), moments, which))

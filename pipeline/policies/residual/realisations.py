@@ -2,7 +2,8 @@
 
 A draw is one from the prior, as a sum of random Fourier features (Rahimi & Recht 2007), and what the data add to it
 (Wilson et al. 2020, "Efficiently sampling functions from Gaussian process posteriors", arXiv 2002.09309, eq. 12). It
-is a function of the state, so that what it tells a machine is consistent in time.
+is a function of the state, so that what it tells a machine is consistent in time, beside one of the time since the
+flight began, which the data say nothing about: it is another one in every flight.
 """
 
 import math
@@ -13,6 +14,8 @@ from torch import Tensor
 
 from pipeline.policies.residual.gaussian_processes import GaussianProcesses
 from pipeline.recordings.excerpt import evenly
+
+_PACES = 16  # frequencies of the waves in time, a cosine and a sine of each
 
 
 @dataclass(frozen=True)
@@ -26,6 +29,8 @@ class Realisations:
         anchors: scaled features, (anchors, features).
         lengths: length scales, (processes, features).
         corrections: weights of the kernels at the anchors, (draws, processes, anchors).
+        paces: frequencies of the waves in time, (processes, waves) rad/s.
+        wanderings: weights of the waves in time, (draws, processes, waves).
         input_scale: mean and standard deviation of the features, (2, features).
         output_scale: of the outputs, (2, processes).
     """
@@ -36,6 +41,8 @@ class Realisations:
     anchors: Tensor
     lengths: Tensor
     corrections: Tensor
+    paces: Tensor
+    wanderings: Tensor
     input_scale: Tensor
     output_scale: Tensor
 
@@ -43,11 +50,12 @@ class Realisations:
         """Return how many functions were drawn."""
         return len(self.weights)
 
-    def __call__(self, queries: Tensor, draw: Tensor) -> Tensor:
+    def __call__(self, queries: Tensor, moments: Tensor, draw: Tensor) -> Tensor:
         """Return residuals (batch, processes).
 
         Args:
             queries: features (batch, features).
+            moments: since the flights began, (batch,) s.
             draw: which function each machine has, (batch,).
         """
         scaled = (queries - self.input_scale[0]) / self.input_scale[1]
@@ -56,7 +64,9 @@ class Realisations:
         near = torch.exp(-0.5 * torch.cdist(scaled / scale, self.anchors / scale).square())
         basis = torch.cat([waves, near], dim=-1).transpose(0, 1)  # (batch, processes, waves + anchors)
         together = torch.cat([self.weights, self.corrections], dim=-1)[draw]
-        return self.output_scale[0] + self.output_scale[1] * (basis * together).sum(-1)
+        angles = moments[:, None, None] * self.paces
+        passing = torch.cat([angles.cos(), angles.sin()], dim=-1) * self.wanderings[draw]
+        return self.output_scale[0] + self.output_scale[1] * ((basis * together).sum(-1) + passing.sum(-1))
 
     def to(self, device: torch.device | str) -> "Realisations":
         """Return the draws on a device."""
@@ -93,6 +103,9 @@ def draw(processes: GaussianProcesses, count: int, waves: int, anchors: int, see
     added = processes.solve(processes.outputs[..., None] - prior - noise)  # (processes, samples, draws)
     chosen = processes.inputs[evenly(len(processes.inputs), anchors)]
     corrections = _carried(processes, chosen, added)
+    paces = torch.stack([_frequencies(time[None], _PACES, random)[0] for time in processes.wander.time])
+    wanderings = torch.randn(count, len(paces), 2 * _PACES, generator=random, dtype=torch.float64)
+    wanderings = wanderings * (processes.wander.variance / _PACES).sqrt()[:, None]
     numbers = (
         frequencies,
         phases,
@@ -100,6 +113,8 @@ def draw(processes: GaussianProcesses, count: int, waves: int, anchors: int, see
         chosen,
         processes.lengths,
         corrections.permute(2, 0, 1),
+        paces,
+        wanderings,
         processes.input_scale,
         processes.output_scale,
     )

@@ -13,7 +13,7 @@ from pipeline.policies.residual.beliefs import RESIDUALS
 from pipeline.policies.residual.gaussian_processes import GaussianProcesses
 from pipeline.policies.residual.realisations import Realisations
 
-SCHEMA = "simgap.observation/1"
+SCHEMA = "simgap.observation/2"
 DESCRIPTION_FILE, TENSOR_FILE = "observation.yaml", "observation.safetensors"
 _REMEDY = "give the folder that simgap identify_residual wrote"
 
@@ -32,7 +32,9 @@ def save_observation(processes: GaussianProcesses, drawn: Realisations, source: 
     described = {
         name: {
             "standard_deviation": float(size[place]),
-            "share_explained": float(1.0 - processes.noise[place]),
+            "share_in_time": float(processes.wander.variance[place]),
+            "time_scale": round(float(processes.wander.time[place]), 3),
+            "share_of_noise": float(processes.noise[place]),
             "length_scales": [round(float(length), 3) for length in processes.lengths[place]],
         }
         for place, name in enumerate(RESIDUALS)

@@ -32,13 +32,16 @@ def test_racing_keeps_to_the_contract(environment):
 
 
 class Shifted:
-    """The first function moves what is believed along x, the second along y."""
+    """The first function moves what is believed along x, the second along y; both lift it by 0.1 m/s."""
 
     def __len__(self) -> int:
         return 2
 
-    def __call__(self, state: dict[str, torch.Tensor], which: torch.Tensor) -> dict[str, torch.Tensor]:
-        return {**state, "position": state["position"] + torch.eye(3)[which]}
+    def __call__(
+        self, state: dict[str, torch.Tensor], moments: torch.Tensor, which: torch.Tensor
+    ) -> dict[str, torch.Tensor]:
+        along, moving = torch.eye(3)[which], 0.1 * torch.eye(3)[2] * moments[:, None]
+        return {**state, "position": state["position"] + along + moving}
 
 
 def test_machines_that_misjudge_their_states_keep_to_the_contract():
@@ -55,8 +58,11 @@ def test_a_policy_sees_what_is_believed_and_its_critic_the_truth_besides(environ
     assert set(which.tolist()) == {0, 1}
     torch.testing.assert_close(seen_state(belief)[0] - seen_state(truth)[0], torch.eye(3)[which])
     assert torch.equal(belief.privileged, truth.privileged)
-    misjudging.step(torch.zeros(64, 4))
+    assert not bool(misjudging.step(torch.zeros(64, 4)).terminated.any())
     assert torch.equal(misjudging.state["misjudged"], which)  # through the whole flight
+    seen, true = seen_state(misjudging.observe())[0], state_of(misjudging.state["rows"])["position"]
+    moved = seen - true - torch.eye(3)[which]
+    torch.testing.assert_close(moved[:, 2], torch.full((64,), 0.1 * misjudging.period), rtol=0, atol=1e-5)
 
 
 def test_an_action_of_zero_hovers(environment):

@@ -52,14 +52,18 @@ def recorded(count=50):
         for name, letters in axes.items()
         for place, axis in enumerate(letters)
     }
-    return pd.DataFrame(columns)
+    times = {"run": np.where(np.arange(count) < count // 2, "a", "b"), "t": 3.0 + 0.1 * np.arange(count)}
+    return pd.DataFrame(times | columns)
 
 
 def test_residuals_are_read_from_a_recording_with_gaps():
     frame = recorded()
     frame.loc[3, "estimate_velocity_x"] = np.nan
-    features, residual = recorded_beliefs(frame, samples=40)
+    features, residual, course = recorded_beliefs(frame, samples=40)
     assert features.shape == (40, FEATURES)
+    assert course.flight.tolist() == sorted(course.flight.tolist())
+    assert course.moment[course.flight.diff(prepend=torch.tensor([-1])) > 0].tolist() == [0.0, 0.0]
+    assert float(course.moment.max()) == pytest.approx(2.4)
     torch.testing.assert_close(residual, torch.full((40, 9), 0.1, dtype=torch.float64), rtol=0, atol=1e-9)
 
 

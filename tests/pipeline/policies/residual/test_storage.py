@@ -11,13 +11,15 @@ from pipeline.policies.residual.storage import (
     load_observation,
     save_observation,
 )
+from pipeline.policies.residual.wander import Course
 
 
 @pytest.fixture
 def saved(tmp_path):
     random = torch.Generator().manual_seed(0)
     features, residual = torch.randn(40, 15, generator=random), torch.randn(40, 9, generator=random)
-    processes = fit(features, residual, judged_by=20, iterations=3)
+    course = Course(torch.arange(40) // 20, 0.1 * (torch.arange(40) % 20).double())
+    processes = fit(features, residual, course, judged_by=20, iterations=3)
     drawn = draw(processes, count=4, waves=16, anchors=10, seed=0)
     save_observation(processes, drawn, "a flight", tmp_path)
     return drawn, tmp_path
@@ -25,8 +27,8 @@ def saved(tmp_path):
 
 def test_draws_are_read_as_they_were_written(saved):
     drawn, folder = saved
-    read, queries, which = load_observation(folder), torch.randn(6, 15), torch.arange(6) % 4
-    assert torch.equal(read(queries, which), drawn(queries, which))
+    asked = torch.randn(6, 15), torch.rand(6), torch.arange(6) % 4
+    assert torch.equal(load_observation(folder)(*asked), drawn(*asked))
     described = yaml.safe_load((folder / DESCRIPTION_FILE).read_text())
     assert described["draws"] == 4
     assert described["source"] == "a flight"
