@@ -45,9 +45,28 @@ def extend(
     if starts is None:
         starts = effect.starts()
     if not effect.kinked:
-        return _extended(current, effect, problem, starts)
-    sides = [_extended(current, effect, problem, [start]) for start in starts]
-    return min(sides, key=lambda side: float((side.residual / current.scale).square().sum()))
+        found = _extended(current, effect, problem, starts)
+        freed = _freed(found, effect)
+        return _better([found, _extended(current, effect, problem, [freed])], current) if freed else found
+    return _better([_extended(current, effect, problem, [start]) for start in starts], current)
+
+
+def _better(fits: Sequence[Fit], current: Fit) -> Fit:
+    return min(fits, key=lambda each: float((each.residual / current.scale).square().sum()))
+
+
+def _freed(found: Fit, effect: Effect) -> dict[str, float] | None:
+    """Return an effect's values with those on a bound put back, where there are others; None where none rests there.
+
+    What lies on a bound may have made up for others that were still far off.
+    """
+    values = found.simulator.effects[-1].values
+    usual = {parameter.name: parameter.default for parameter in effect.parameters}
+    bounds = {parameter.name: (parameter.low, parameter.high) for parameter in effect.parameters}
+    resting = [name for name, value in values.items() if value in bounds[name]]
+    if not resting or len(resting) == len(values) or _is_linear(effect):
+        return None
+    return {**values, **{name: usual[name] for name in resting}}
 
 
 def _extended(current: Fit, effect: Effect, problem: Problem, starts: Sequence[dict[str, float]]) -> Fit:

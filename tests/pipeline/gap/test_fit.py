@@ -4,10 +4,13 @@ import torch
 from scipy import stats
 
 from pipeline.effects import effect_by_key
-from pipeline.gap.fit import clustered_covariance, fit, jacobian_of, values_of
+from pipeline.gap.fit import Problem, clustered_covariance, fit, jacobian_of, values_of
 from pipeline.gap.refit import extend, shrink
 from pipeline.gap.residuals import residual_rows
-from pipeline.simulation import FittedEffect, Simulator
+from pipeline.physics.weak_form import window_functions
+from pipeline.simulation import FittedEffect, Simulator, rollout
+from pipeline.simulation.blocks import Blocks
+from pipeline.simulation.motion import motion_of
 from tests.pipeline.gap.problems import at_start, of_joint, problem_of, random_like
 from tests.pipeline.gap.recordings import (
     Plant,
@@ -166,3 +169,28 @@ def test_the_jacobian_is_the_slope_of_the_prediction(name):
     found = jacobian_of(simulator, problem, rows(truth))[..., 0]
     assert values_of(simulator).tolist() == [truth]
     assert float((found - central).norm() / central.norm()) < 0.02
+
+
+@pytest.mark.parametrize(("gap", "share"), [(0.15, 0.6), (0.25, 0.35), (0.6, 0.2)])
+def test_play_that_no_start_comes_near_is_found(gap, share):
+    """On the way to the gap the share is driven to its bound, from which no step leads back."""
+    effect = effect_by_key("joint", "backlash")
+    problem = _replayed(FittedEffect(effect, {"gap": gap, "motor_inertia_share": share}))
+    found = extend(fit(joint_simulator(), problem), effect, problem).simulator.effects[-1]
+    assert found.values["gap"] == pytest.approx(gap, rel=0.01)
+    assert found.values["motor_inertia_share"] == pytest.approx(share, rel=0.01)
+
+
+def _replayed(*effects: FittedEffect, machines: int = 24, step: float = 0.005) -> Problem:
+    """Return what is to be fitted where a joint's simulator moved for a second under sines of held voltages."""
+    time, random = step * torch.arange(201, dtype=torch.float64), torch.Generator().manual_seed(0)
+    phase, rate = torch.rand(2, machines, 1, generator=random, dtype=torch.float64)
+    voltage = {"voltage": 6.0 * torch.sin((2.0 + 14.0 * rate) * time + 2.0 * torch.pi * phase)}
+    still = torch.zeros(machines, 2, dtype=torch.float64)
+    held = {"voltage": voltage["voltage"][:, :-1]}
+    states = rollout(joint_simulator(*effects), still, held, step)
+    run = torch.zeros(machines, dtype=torch.long)
+    signals = motion_of(joint_simulator().platform).signals(states) | voltage
+    blocks = Blocks(signals, run, ("run",), run.double(), step, margin=4, samples=193, held_commands=voltage)
+    functions, quiet = window_functions(blocks.samples, 0.2, step), torch.full((1,), 1e-4).double()
+    return Problem(blocks, functions, quiet, torch.zeros(1).double(), torch.arange(machines))
