@@ -42,7 +42,7 @@ class Backlash(ActuatorEffect):
 
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan: the gap has to be about right before its crossings meet the recorded ones."""
-        return scan(gap=(0.002, 0.01, 0.03, 0.1, 0.3), motor_inertia_share=(0.1, 0.4, 0.8))
+        return scan(gap=(0.002, 0.01, 0.03, 0.1), motor_inertia_share=(0.1, 0.4, 0.8))
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float

@@ -117,7 +117,7 @@ def fit(simulator: Simulator, problem: Problem) -> Fit:
         change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
         if promised < _TOLERANCE * residual.numel():
             break
-        values, residual = _line_search(simulator, problem, values, change, residual, scale)
+        values, residual = line_search(simulator, problem, values, change, residual, scale)
         jacobian = jacobian_of(with_values(simulator, values), problem, residual)
     scale = channel_scale(residual, problem.noise)
     covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)
@@ -211,7 +211,7 @@ def bounded_newton_step(
     return change, float(gradient @ change)
 
 
-def _line_search(
+def line_search(
     simulator: Simulator, problem: Problem, values: Tensor, change: Tensor, residual: Tensor, scale: Tensor
 ) -> tuple[Tensor, Tensor]:
     """Take the longest step of 1, ½, ¼, … that lowers the weighted cost; return the values and their residual."""

@@ -15,14 +15,15 @@ from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 
 _NEARLY = 0.3  # of half a sample
+_MUCH = 10.0  # times the energy of the noise
 
 
 def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tuple[Prepared, Naming]:
     """Name what is missing, with the commands where they act.
 
     Which of the two readings of a command is right, held or measured, may not show before the physics is known. The
-    other one is tried where it may cost less, and where a delay or an offset of half a sample was needed, which is no
-    physics.
+    other one is tried where it may cost less, where much has no name in this one, and where a delay or an offset of
+    half a sample was needed, which is no physics.
     """
     prepared = prepare(recording, nominal, settings)
     prepared, naming = name_settled(prepared, settings)
@@ -30,7 +31,7 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
         return prepared, naming
     late = _is_late_by_half_a_sample(naming, prepared)
     other = prepare(recording, nominal, settings, held=not prepared.problem.blocks.held)
-    if not late and not _may_cost_less(other, prepared, naming):
+    if not (late or _much_is_left(naming, prepared) or _may_cost_less(other, prepared, naming)):
         return prepared, naming
     other, renamed = name_settled(other, settings)
     later = _is_late_by_half_a_sample(renamed, other)
@@ -38,6 +39,11 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
         return (other, renamed) if late and not later else (prepared, naming)
     noise = _greater_noise(prepared, other)
     return (other, renamed) if cost_of(renamed, noise) < cost_of(naming, noise) else (prepared, naming)
+
+
+def _much_is_left(naming: Naming, prepared: Prepared) -> bool:
+    """Whether every equation leaves so much more than noise that a wrong reading may be what is wrong with all."""
+    return bool((excess_of(naming.fit, prepared.problem.noise) > _MUCH).all())
 
 
 def _may_cost_less(other: Prepared, prepared: Prepared, naming: Naming) -> bool:

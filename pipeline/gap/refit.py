@@ -1,5 +1,6 @@
 """A fit with one effect more or one less, without fitting the others from scratch."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -17,14 +18,20 @@ from pipeline.gap.fit import (
     columns_of,
     effect_jacobian,
     fit,
+    line_search,
     values_of,
     with_errors,
     with_values,
 )
 from pipeline.simulation import FittedEffect, Simulator
 
-_STEPS = 3
+_STEPS = 3  # where slopes are kept
+_MOST_STEPS, _PROGRESS = (
+    8,
+    3e-3,
+)  # where they are not: steps at most, and share of the cost that one has to take off
 _SCANNED = 60  # blocks that a scan of starting points looks at
+_FOLLOWED = 4  # of them, where the most promising one leads to a bound
 
 
 def extend(
@@ -42,40 +49,74 @@ def extend(
         starts: values from which to start, the most promising of which is taken; None: the effect's own. Where a kink
             lies between them, each is followed to the end.
     """
-    if starts is None:
-        starts = effect.starts()
-    if not effect.kinked:
-        found = _extended(current, effect, problem, starts)
-        freed = _freed(found, effect)
-        return _better([found, _extended(current, effect, problem, [freed])], current) if freed else found
-    return _better([_extended(current, effect, problem, [start]) for start in starts], current)
+    tried = _tried(current, effect, effect.starts() if starts is None else starts)
+    if effect.kinked:
+        return _best([_extended(current, effect, problem, each) for each in tried], current)
+    tried = _most_promising_first(tried, effect, current, problem)
+    found = _extended(current, effect, problem, tried[0])
+    if not _rests_on_a_bound(found, effect):
+        return found
+    others = [
+        _extended(current, effect, problem, each) for each in (*tried[1:_FOLLOWED], _freed(found, effect))
+    ]
+    return _best([found, *others], current)
 
 
-def _better(fits: Sequence[Fit], current: Fit) -> Fit:
-    return min(fits, key=lambda each: float((each.residual / current.scale).square().sum()))
+def _tried(current: Fit, effect: Effect, starts: Sequence[dict[str, float]]) -> list[Simulator]:
+    """Return the simulators from which an effect is fitted; what is known of it is the only start there is."""
+    kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
+    known = _known(current, effect)
+    values = [known] if known else starts
+    return [current.simulator.with_effects((*kept, FittedEffect(effect, each))) for each in values]
 
 
-def _freed(found: Fit, effect: Effect) -> dict[str, float] | None:
-    """Return an effect's values with those on a bound put back, where there are others; None where none rests there.
+def _known(current: Fit, effect: Effect) -> dict[str, float] | None:
+    return next((dict(f.values) for f in current.simulator.known if f.effect.key == effect.key), None)
 
-    What lies on a bound may have made up for others that were still far off.
-    """
+
+def _residual_at(start: Simulator, current: Fit, effect: Effect, problem: Problem) -> Tensor:
+    """Return what a start leaves; where it changes nothing yet, nothing has to be evaluated."""
+    unchanged = _known(current, effect) or effect.neutral()
+    return current.residual if start.effects[-1].values == unchanged else problem.residual(start)
+
+
+def _best(fits: Sequence[Fit], current: Fit) -> Fit:
+    return min(fits, key=lambda each: _cost(each.residual, current))
+
+
+def _rests_on_a_bound(found: Fit, effect: Effect) -> bool:
+    """Whether one of several values lies on a bound: it may have made up for others that were still far off."""
+    return len(effect.parameters) > 1 and not _is_linear(effect) and bool(_on_bounds(found, effect))
+
+
+def _on_bounds(found: Fit, effect: Effect) -> dict[str, float]:
+    """Return the usual values of those of an effect's parameters that lie on a bound."""
     values = found.simulator.effects[-1].values
-    usual = {parameter.name: parameter.default for parameter in effect.parameters}
-    bounds = {parameter.name: (parameter.low, parameter.high) for parameter in effect.parameters}
-    resting = [name for name, value in values.items() if value in bounds[name]]
-    if not resting or len(resting) == len(values) or _is_linear(effect):
-        return None
-    return {**values, **{name: usual[name] for name in resting}}
+    return {p.name: p.default for p in effect.parameters if values[p.name] in (p.low, p.high)}
 
 
-def _extended(current: Fit, effect: Effect, problem: Problem, starts: Sequence[dict[str, float]]) -> Fit:
-    simulator, residual = _start(current, effect, problem, starts)
-    for _ in range(1 if _is_linear(effect) else _STEPS):
+def _freed(found: Fit, effect: Effect) -> Simulator:
+    """Return a fitted simulator with those of the last effect's values that lie on a bound put back."""
+    *others, last = found.simulator.effects
+    freed = FittedEffect(effect, {**last.values, **_on_bounds(found, effect)})
+    return found.simulator.with_effects((*others, freed))
+
+
+def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) -> Fit:
+    simulator, residual = start, _residual_at(start, current, effect, problem)
+    left, before = _cost(residual, current), math.inf
+    for _ in range(1 if _is_linear(effect) else _MOST_STEPS):
+        if left > (1.0 - _PROGRESS) * before:
+            break
         added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
         simulator, residual = _stepped(simulator, residual, jacobian, problem, _is_linear(effect))
+        left, before = _cost(residual, current), left
     return _finished(simulator, residual, jacobian, problem)
+
+
+def _cost(residual: Tensor, current: Fit) -> float:
+    return float((residual / current.scale).square().sum())
 
 
 def remove(current: Fit, effect: Effect, problem: Problem, known: FittedEffect | None = None) -> Fit:
@@ -127,26 +168,19 @@ def _is_linear(effect: Effect) -> bool:
     return isinstance(effect, WrenchEffect) and effect.linear
 
 
-def _start(
-    current: Fit, effect: Effect, problem: Problem, starts: Sequence[dict[str, float]]
-) -> tuple[Simulator, Tensor]:
-    """Return the simulator at the effect's most promising starting point, and its residual.
+def _most_promising_first(
+    tried: list[Simulator], effect: Effect, current: Fit, problem: Problem
+) -> list[Simulator]:
+    """Return starting points in the order of what one Newton step from each promises.
 
-    A start is worth what one Newton step from it promises: many effects have a size that only a step can tell and a
-    shape that only a scan can find. The scan looks at a part of the blocks, drawn evenly.
+    Many effects have a size that only a step can tell and a shape that only a scan can find. The scan looks at a part
+    of the blocks, drawn evenly.
     """
-    kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
-    known = next((f for f in current.simulator.known if f.effect.key == effect.key), None)
-    starts = [dict(known.values)] if known else starts
-    simulators = [current.simulator.with_effects((*kept, FittedEffect(effect, values))) for values in starts]
-    best = simulators[0]
-    if len(simulators) > 1:
-        part = torch.linspace(0, len(problem.blocks) - 1, min(_SCANNED, len(problem.blocks))).round().long()
-        few = replace(problem, blocks=problem.blocks.take(part), cluster=problem.cluster[part])
-        best = min(simulators, key=lambda tried: _promise(tried, effect, current, few, part))
-    if best is simulators[0] and (known or starts[0] == effect.neutral()):
-        return best, current.residual
-    return best, problem.residual(best)
+    if len(tried) == 1:
+        return tried
+    part = torch.linspace(0, len(problem.blocks) - 1, min(_SCANNED, len(problem.blocks))).round().long()
+    few = replace(problem, blocks=problem.blocks.take(part), cluster=problem.cluster[part])
+    return sorted(tried, key=lambda each: _promise(each, effect, current, few, part))
 
 
 def _promise(simulator: Simulator, effect: Effect, current: Fit, few: Problem, part: Tensor) -> float:
@@ -166,13 +200,11 @@ def _stepped(
     low, high = bounds_of(simulator)
     values, scale = values_of(simulator), channel_scale(residual, problem.noise)
     change, _ = bounded_newton_step(jacobian, residual, scale, values, low, high)
-    after = (values + change).clamp(low, high)
-    moved = with_values(simulator, after)
     if linear:
-        return moved, residual - jacobian @ (after - values)
-    rows = problem.residual(moved)
-    worse = (rows / scale).square().sum() > (residual / scale).square().sum()
-    return (simulator, residual) if worse else (moved, rows)
+        after = (values + change).clamp(low, high)
+        return with_values(simulator, after), residual - jacobian @ (after - values)
+    after, rows = line_search(simulator, problem, values, change, residual, scale)
+    return (simulator, residual) if rows is residual else (with_values(simulator, after), rows)
 
 
 def _finished(simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem) -> Fit:
