@@ -1,6 +1,5 @@
 """A fit with one effect more or one less, without fitting the others from scratch."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -26,10 +25,8 @@ from pipeline.gap.fit import (
 from pipeline.simulation import FittedEffect, Simulator
 
 _STEPS = 3  # where slopes are kept
-_MOST_STEPS, _PROGRESS = (
-    8,
-    3e-3,
-)  # where they are not: steps at most, and share of the cost that one has to take off
+_MOST_STEPS = 8  # where they are not
+_PROGRESS = 0.05  # of what all steps took off the cost: as much the last one has to for another to follow
 _SCANNED = 60  # blocks that a scan of starting points looks at
 _FOLLOWED = 4  # of them, where the most promising one leads to a bound
 
@@ -104,14 +101,14 @@ def _freed(found: Fit, effect: Effect) -> Simulator:
 
 def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) -> Fit:
     simulator, residual = start, _residual_at(start, current, effect, problem)
-    left, before = _cost(residual, current), math.inf
-    for _ in range(1 if _is_linear(effect) else _MOST_STEPS):
-        if left > (1.0 - _PROGRESS) * before:
-            break
+    costs = [_cost(residual, current)]
+    while len(costs) == 1 or costs[-2] - costs[-1] > _PROGRESS * (costs[0] - costs[-1]):
         added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
         simulator, residual = _stepped(simulator, residual, jacobian, problem, _is_linear(effect))
-        left, before = _cost(residual, current), left
+        costs.append(_cost(residual, current))
+        if len(costs) > (1 if _is_linear(effect) else _MOST_STEPS):
+            break
     return _finished(simulator, residual, jacobian, problem)
 
 
