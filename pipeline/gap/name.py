@@ -50,7 +50,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         again.finish()
         if is_beyond_chance(again.scores() - competition.scores()):
             competition = again
-    competition.disown()
+    _disown(competition)
     named = tuple(competition.named())
     rivalries = tuple(rivalry for winner in named if (rivalry := competition.rivalry(winner)))
     return Naming(
@@ -61,6 +61,15 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         rivalries,
         competition.short_times(),
     )
+
+
+def _disown(competition: Competition) -> None:
+    """Drop what is hardly there, and let enter what it kept out where no more effects may be named."""
+    had_room = competition.has_room()
+    competition.disown()
+    if not had_room and competition.has_room():
+        competition.run(competition.catalogue)
+        _disown(competition)
 
 
 def _settled(catalogue: list[Effect]) -> list[Effect]:
