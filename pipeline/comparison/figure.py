@@ -56,9 +56,14 @@ def _chosen(comparison: Comparison) -> Table | None:
 
 
 def _is_wide(table: Table, column: str) -> bool:
-    """Whether some values are so much greater than others that these would lie flat on a linear axis."""
-    values = [row.entries[column].mean for row in table.rows]
-    return min(values) > 0 and max(values) > _WIDE * min(values)
+    """Whether some values are so much greater than others that these would lie flat on a linear axis.
+
+    Where a spread reaches zero there is no other: a logarithmic axis has no room for it.
+    """
+    entries = [row.entries[column] for row in table.rows]
+    values = [entry.mean for entry in entries]
+    lowest = min(entry.mean - (entry.std or 0.0) for entry in entries)
+    return lowest > 0 and max(values) > _WIDE * min(values)
 
 
 def _abscissa(table: Table) -> str | None:

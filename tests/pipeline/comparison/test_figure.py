@@ -51,3 +51,14 @@ def test_where_there_is_nothing_to_hold_against_another_nothing_is_drawn(tmp_pat
     comparison = sweep(*jobs, references={"persistence": {"position/h1": 8.0, "position/h10": 80.0}})
     assert not draw(comparison, tmp_path / "figure.svg")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("spread", "logarithmic"), [(0.001, True), (0.02, False)])
+def test_an_axis_is_logarithmic_where_values_are_far_apart_and_no_spread_reaches_zero(
+    tmp_path, spread, logarithmic
+):
+    means = {"a": 1.0, "b": 0.01}
+    jobs = [
+        job(mean + side * spread, side, model=name) for name, mean in means.items() for side in (0, 1, -1)
+    ]
+    assert ("mathdefault" in drawn(sweep(*jobs), tmp_path)) == logarithmic
