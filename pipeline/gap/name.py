@@ -64,9 +64,10 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
 
 
 def _disown(competition: Competition) -> None:
-    """Drop what is hardly there, and let enter what it kept out where no more effects may be named."""
+    """Drop what is hardly there and what cannot stay without it, and let enter what both kept out."""
     had_room = competition.has_room()
     competition.disown()
+    competition.prune()
     if not had_room and competition.has_room():
         competition.run(competition.catalogue)
         _disown(competition)

@@ -24,6 +24,17 @@ class Crowded(Competition):
         self.dropped |= self.doubtful & set(self.inside)
         self.inside = [each for each in self.inside if each not in self.dropped]
 
+    def prune(self) -> None:
+        if not set("ac") & set(self.inside):
+            self.inside = [each for each in self.inside if each != "x"]
+
+
+def test_what_cannot_stay_without_the_disowned_goes_too():
+    competition = Crowded(3, "bx", "b")
+    competition.catalogue = "bx"
+    _disown(competition)
+    assert competition.inside == []
+
 
 def test_what_is_disowned_makes_room_for_what_it_kept_out():
     competition = Crowded(3, "abcdef", "bd")
