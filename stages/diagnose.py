@@ -93,6 +93,8 @@ def _say(document: dict[str, Any]) -> None:
     print(f"verdict: {document['verdict']}")
     for effect in document["effects"]:
         print(f"  {effect['name']} (probability {effect['probability']:.2f}): {effect['statement']}")
+    for rivals in document["ambiguous"]:
+        print(f"  not told apart here: {', '.join(rivals['names'])}. To tell them: {rivals['separate_by']}")
     for unnamed in document["unnamed"]:
         print(
             f"  no name for {unnamed['share']:.0%} of the error in {unnamed['channel']}: {unnamed['formula']}"

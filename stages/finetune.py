@@ -23,7 +23,7 @@ class FinetuneStage(StageConfig):
 @stage(FinetuneStage)
 def finetune(config: FinetuneStage, run: StageRun) -> None:
     """Train a policy further in the simulator with the residuals that its flights in reality showed."""
-    from pipeline.policies.racing.entry import race_from
+    from pipeline.policies.racing.entry import as_flown, trained_race
     from pipeline.policies.storage import load_policy
 
     chosen = config.finetune
@@ -34,14 +34,14 @@ def finetune(config: FinetuneStage, run: StageRun) -> None:
     policy = Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy")
     residual = Path(chosen.residual) if chosen.residual else config.artifact("identify_residual", "")
     _, description = load_policy(run.input(policy))
-    track, racing = race_from(description.configuration, None)
+    track, racing = trained_race(description.configuration)
     training = replace(
         config.train_policy,
         simulator=chosen.simulator or str(residual / "simulator"),
         observation=_if_there(residual / "observation"),
         start=str(policy),
         learning=replace(config.train_policy.learning, **_learning(description, chosen)),
-        racing=racing,
+        racing=racing if chosen.randomised else as_flown(racing, None),
     )
     trained(training, track, description.configuration["platform"], config, run)
 

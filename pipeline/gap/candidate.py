@@ -1,13 +1,16 @@
 """One effect's entry in the competition: where its fit starts, what it is worth, and why it may not be named."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import torch
 from torch import Tensor
 
 from pipeline.effects import Effect, ParameterError
 from pipeline.gap.fit import Fit, Problem, columns_of
+from pipeline.gap.residuals import channels_on, noise_of_rows
 from pipeline.gap.resolution import is_short
 from pipeline.gap.scoring import cross_validated, folds_of, predictive_score, significance_of
 from pipeline.gap.settings import Gap
@@ -17,6 +20,12 @@ _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
+BEYOND_NOISE = 4.0
+"""Times the noise's energy: coloured noise may pass for more than the white noise it is measured by."""
+_WORSE = 1.2  # times the energy in a channel; nothing that is there makes another equation that much worse
+_PRICE = 0.1  # of the logarithm that the other channels' energies fall by, which an imperfect law may cost
+FEWEST_MORE = 5
+"""So many more clusters than parameters a name needs: errors from fewer are anything."""
 _MOST = 0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
 
 
@@ -106,10 +115,11 @@ class Judge:
         self.contestants, self.resting = contestants, resting
         self.fold = folds_of(problem.blocks, settings.folds)
         self.clusters = int(problem.cluster.max()) + 1
+        self.last: tuple[Fit, Tensor] | None = None
 
     def __call__(self, effect: Effect, without: Fit, fitted: Fit) -> Candidate:
         """Measure a candidate and say why it may not be named, if so."""
-        before, after = cross_validated(without, self.fold), cross_validated(fitted, self.fold)
+        before, after = self.before(without), self.left_out(fitted)
         columns = columns_of(fitted, effect)
         neutral = list(self.rest(effect).values())
         significance = significance_of(fitted, columns, neutral, self.clusters)
@@ -132,7 +142,24 @@ class Judge:
             p_value=significance.p_value,
             design_effect=significance.design_effect,
         )
-        return replace(candidate, refusal=self.refusal(candidate, energies))
+        spoilt = self.spoilt(before, after)
+        return replace(candidate, refusal=self.refusal(candidate, energies) or spoilt)
+
+    def left_out(self, fit: Fit) -> Tensor:
+        """Return residuals of folds left out, (blocks, rows, channels), with the noise that a fit has silenced.
+
+        An input that is mostly noise is best foretold by equations that hardly listen to it. What they pass on less of
+        its noise than those of the simulator before is no merit, and counts as left.
+        """
+        passed_on = noise_of_rows(fit.simulator, self.problem.blocks, self.problem.functions)
+        silenced = (self.problem.noise.square() - passed_on.square()).clamp_min(0.0)
+        return (cross_validated(fit, self.fold).square() + silenced).sqrt()
+
+    def before(self, without: Fit) -> Tensor:
+        """Return the same of the simulator without the effect; all candidates of a round have that in common."""
+        if self.last is None or self.last[0] is not without:
+            self.last = without, self.left_out(without)
+        return self.last[1]
 
     def excess(self, residual: Tensor) -> Tensor:
         """Return the energy of residuals over the noise's in each channel, (channels,)."""
@@ -152,17 +179,34 @@ class Judge:
         names = (parameter.name for parameter in effect.parameters)
         values = dict(zip(names, fit.values[columns_of(fit, effect)].tolist(), strict=True))
         constants = fit.simulator.constants()
-        refusal = self.bound(effect, values) or self.unresolved(effect, values, constants, energies)
+        refusal = (
+            self.bound(effect, values)
+            or _unseen(candidate)
+            or self.unresolved(effect, values, constants, energies)
+        )
         if refusal:
             return refusal
         if limit := effect.limit(values, self.problem.blocks.signals, constants):
             return f"comes down to {limit} here"
+        if self.clusters < fit.jacobian.shape[-1] + FEWEST_MORE:
+            return "too little was recorded to tell"
         if candidate.p_value > self.settings.significance / max(self.contestants, 1):
             return "not significant"
         if candidate.gain <= 0:
             return "does not predict runs it was not fitted on"
         seen = bool((energies > _LEAST_ENERGY * self.problem.noise.square()).any())
         return "" if seen and self.matters(candidate) else "explains too little to matter"
+
+    def spoilt(self, before: Tensor, after: Tensor) -> str:
+        """Return which channel an effect makes worse on folds left out, if any, by more than noise may."""
+        least = BEYOND_NOISE * self.problem.noise.square()
+        energies = [residual.square().mean((0, 1)).maximum(least) for residual in (before, after)]
+        growth = (energies[1] / energies[0]).log()
+        lost, won = growth.clamp_min(0.0), -growth.clamp_max(0.0)
+        worst = int(growth.argmax())
+        if growth[worst] <= math.log(_WORSE) or lost.sum() <= _PRICE * won.sum():
+            return ""
+        return f"makes {channels_on(self.base.simulator, self.problem.blocks)[worst].name} worse"
 
     def bound(self, effect: Effect, values: dict[str, float]) -> str:
         """Return which bound a parameter rests on, if it does and that is not where it changes nothing."""
@@ -189,11 +233,10 @@ class Judge:
         resting = self.rest(effect)
         if effect.key in self.resting and self.is_short(effect, values, constants):
             return "changes by less than samples can tell"
-        if isinstance(effect, ParameterError):
-            imitated = bool((energies < self.problem.quadrature.square()).all())
-            if imitated or abs(values["ratio"] - resting["ratio"]) < _LEAST_ERROR:
-                return "smaller than the quadrature of the equations can tell"
-        return ""
+        seen, missed = _LEAST_ENERGY * self.problem.noise.square(), self.problem.quadrature.square()
+        imitated = bool((energies < torch.maximum(seen, missed)).all() and (energies < missed).any())
+        small = isinstance(effect, ParameterError) and abs(values["ratio"] - resting["ratio"]) < _LEAST_ERROR
+        return "smaller than the quadrature of the equations can tell" if imitated or small else ""
 
     def is_short(self, effect: Effect, values: Mapping[str, float], constants: dict[str, Any]) -> bool:
         """Whether an effect makes something late by less than samples can tell, beside what was known before."""
@@ -210,3 +253,13 @@ class Judge:
     def rest(self, effect: Effect) -> dict[str, float]:
         """Return the values at which an effect changes nothing: those known before, else none of it."""
         return self.resting.get(effect.key, effect.neutral())
+
+
+def _unseen(candidate: Candidate) -> str:
+    """Return which parameter leaves no trace in the recording, if one does: any value that it may have serves."""
+    effect, fit = candidate.effect, candidate.fit
+    for parameter, column in zip(effect.parameters, columns_of(fit, effect), strict=True):
+        error = float(fit.covariance[column, column].clamp_min(0.0).sqrt())
+        if error > parameter.high - parameter.low or not fit.jacobian[..., column].any():
+            return f"{parameter.name} makes no difference here"
+    return ""

@@ -6,21 +6,18 @@ from torch import Tensor
 
 from pipeline.effects import Effect
 from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
-from pipeline.gap.candidate import Candidate, Judge, Starts
+from pipeline.gap.candidate import BEYOND_NOISE, Candidate, Judge, Starts
 from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Fit, Problem, excess_of, fit
 from pipeline.gap.model import drifts_of
 from pipeline.gap.parsimony import single_cause
 from pipeline.gap.probability import presence_of
 from pipeline.gap.refit import extend, shrink
-from pipeline.gap.scoring import cross_validated, predictive_score
+from pipeline.gap.scoring import predictive_score
 from pipeline.gap.settings import Gap
 from pipeline.gap.signs import signs_of
 from pipeline.simulation import FittedEffect, Simulator
 
-BEYOND_NOISE = (
-    4.0  # times the noise's energy: coloured noise may pass for more than the white noise it is measured by
-)
 _REDUNDANT = 0.2
 _INCREDIBLE = 0.1  # a probability below which an effect carries no other
 _EXCHANGES = 3  # each costs a round for every named effect
@@ -72,6 +69,15 @@ class Competition:
         self.condense()
         self.exchange()
 
+    def conclude(self) -> None:
+        """Drop what is hardly there and what cannot stay without it, and let enter what both kept out."""
+        had_room = self.has_room()
+        self.disown()
+        self.prune()
+        if not had_room and self.has_room():
+            self.run(self.catalogue)
+            self.conclude()
+
     def leaves_more_than_noise(self) -> bool:
         """Whether some channel still holds more than the sensors' noise can account for."""
         return float(excess_of(self.current, self.problem.noise).max()) > BEYOND_NOISE
@@ -88,7 +94,7 @@ class Competition:
 
     def scores(self) -> Tensor:
         """Return the cross-validated log likelihood of each cluster of correlated residuals, (clusters,)."""
-        score = predictive_score(cross_validated(self.current, self.judge.fold), self.problem.noise)
+        score = predictive_score(self.judge.left_out(self.current), self.problem.noise)
         return score.new_zeros(self.clusters).index_add(0, self.problem.cluster, score)
 
     def take(self, winner: Candidate) -> None:

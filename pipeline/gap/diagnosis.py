@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from pipeline.effects import MeasurementEffect, ParameterError
-from pipeline.gap.competition import BEYOND_NOISE
+from pipeline.gap.candidate import BEYOND_NOISE, FEWEST_MORE
 from pipeline.gap.drivers import name_with_drivers
 from pipeline.gap.fit import Problem, channels_of, excess_of
 from pipeline.gap.horizon import HorizonError, horizon_errors
@@ -27,6 +27,8 @@ from pipeline.platforms.mechanism import Channel
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
+
+_FEW_CLUSTERS = 10  # so few that a person should know
 
 
 @dataclass(frozen=True)
@@ -87,8 +89,9 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         settings: of the gap engine.
 
     Raises:
-        InputError: when the recording is too short or of another kind than the platform.
+        InputError: when the recording is too short or of another kind than the platform, or a setting out of its range.
     """
+    settings.check()
     prepared, naming = name_with_drivers(*name_as_read(recording, nominal, settings), settings)
     nominal, problem, proving = prepared.nominal, prepared.problem, prepared.proving
     fitted, functions, cluster, held_out = (
@@ -120,7 +123,12 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     proof = prove(nominal, simulator, proving, functions, counted, held_out, settings.resamples, beside)
     unseen = _unseen(proof, naming, problem, channels)
     gap = bool(unnamed or unseen) or any(m.excess > BEYOND_NOISE for m in mismatches)
-    doubts = (*_disproved(naming, proof), *_doubts(naming, drifts, memories, held_out), *unseen)
+    doubts = (
+        *_disproved(naming, proof),
+        *_shortness(problem),
+        *_doubts(naming, drifts, memories, held_out),
+        *unseen,
+    )
     return Diagnosis(
         verdict=_verdict(naming, gap),
         warnings=(*recording.warnings, *prepared.remarks, *doubts),
@@ -183,6 +191,18 @@ def _disproved(naming: Naming, proof: Proof) -> list[str]:
     return [
         "the held-out runs are predicted no better with what was named than without: do not build on it; record more "
         "runs that resemble each other"
+    ]
+
+
+def _shortness(problem: Problem) -> list[str]:
+    """Return a sentence about a recording that is too short for many names."""
+    clusters = int(problem.cluster.max()) + 1
+    if clusters >= _FEW_CLUSTERS:
+        return []
+    seconds = len(problem.blocks) * problem.blocks.samples * problem.blocks.time_step
+    most = max(clusters - FEWEST_MORE, 0)
+    return [
+        f"only {seconds:.2g} s could be fitted, which show no more than {most} parameters; record ten seconds"
     ]
 
 

@@ -7,13 +7,13 @@ import torch
 from torch import Tensor
 
 from pipeline.effects import Effect, ParameterError
+from pipeline.gap.candidate import BEYOND_NOISE
 from pipeline.gap.candidates import allowed, available_signals
-from pipeline.gap.competition import BEYOND_NOISE
 from pipeline.gap.fit import Problem, channel_scale, excess_of
 from pipeline.gap.name import Naming
-from pipeline.gap.preparation import CLUSTER_DURATION, Prepared
+from pipeline.gap.preparation import Prepared
 from pipeline.gap.reading import cost_of
-from pipeline.gap.scoring import clusters_of
+from pipeline.gap.scoring import independent_clusters
 from pipeline.gap.settings import Gap
 from pipeline.gap.short_times import name_settled
 from pipeline.simulation import FittedEffect, Simulator
@@ -188,7 +188,7 @@ def _suspicious(prepared: Prepared, naming: Naming) -> bool:
 
 
 def _problem_on(blocks: Blocks, problem: Problem) -> Problem:
-    return replace(problem, blocks=blocks, cluster=clusters_of(blocks, CLUSTER_DURATION))
+    return replace(problem, blocks=blocks, cluster=independent_clusters(blocks))
 
 
 def constant(blocks: Blocks, value: float) -> Tensor:

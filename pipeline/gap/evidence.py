@@ -16,7 +16,6 @@ from pipeline.gap.learned import LearnedResidual
 from pipeline.gap.prove import gap_closed
 from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
 from pipeline.gap.residuals import channel_series, measured_rows, residual_rows
-from pipeline.gap.scoring import clusters_of
 from pipeline.physics.weak_form import mean_of
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
@@ -171,7 +170,7 @@ def laws(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     blocks, fit = diagnosis.fitting.blocks, diagnosis.naming.fit
     functions = diagnosis.fitting.functions
     regimes = [(r, mean_of(functions, r.series).flatten()) for r in regimes_on(blocks, diagnosis.simulator)]
-    cluster = clusters_of(blocks, 3.0).repeat_interleave(len(functions.centres))
+    cluster = diagnosis.fitting.cluster.repeat_interleave(len(functions.centres))
     drawn = []
     for candidate in diagnosis.naming.named:
         kept = tuple(f for f in diagnosis.simulator.effects if f.effect.key != candidate.effect.key)

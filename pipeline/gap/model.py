@@ -74,7 +74,9 @@ def _estimate(
     score = torch.einsum("brcp,brc->bp", jacobian, residual - jacobian @ change)
     summed = score.new_zeros((count, len(columns))).index_add(0, groups, score)
     covariance = bread @ (summed.T @ summed) @ bread * (count / (count - 1))
-    return (fit.values[columns] + change).tolist(), covariance.diagonal().clamp_min(0).sqrt().tolist()
+    # What shows in one cluster of a run only is fitted there without a residual: its robust error would be none.
+    variance = torch.maximum(covariance.diagonal(), bread.diagonal())
+    return (fit.values[columns] + change).tolist(), variance.clamp_min(0).sqrt().tolist()
 
 
 def _heterogeneity(name: str, pairs: list[tuple[float, float]], distance: float) -> Drift:
@@ -84,7 +86,8 @@ def _heterogeneity(name: str, pairs: list[tuple[float, float]], distance: float)
     q = float((weights * (values - mean) ** 2).sum())
     freedom = len(pairs) - 1
     # DerSimonian & Laird's moment estimate of the variance between runs.
-    between = max(q - freedom, 0.0) / float(weights.sum() - (weights**2).sum() / weights.sum())
+    others = float(weights.sum() - (weights**2).sum() / weights.sum())
+    between = max(q - freedom, 0.0) / others if others > 0 else 0.0
     spread = math.sqrt(between) / max(distance, 1e-12)
     return Drift(name, spread, float(stats.chi2.sf(q, freedom)))
 

@@ -10,6 +10,8 @@ from pipeline.gap.fit import Fit, Problem
 from pipeline.gap.settings import Gap
 from pipeline.simulation import FittedEffect, Simulator
 
+_OUTDONE = 0.1  # of the weight among rivals, with which a name is none any more
+
 
 @dataclass(frozen=True)
 class Naming:
@@ -50,27 +52,27 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         again.finish()
         if is_beyond_chance(again.scores() - competition.scores()):
             competition = again
-    _disown(competition)
-    named = tuple(competition.named())
-    rivalries = tuple(rivalry for winner in named if (rivalry := competition.rivalry(winner)))
+    competition.conclude()
+    rivalries = _rivalries(competition)
+    if any(rivalry.weight < _OUTDONE for rivalry in rivalries):
+        competition.exchange()
+        competition.conclude()
+        rivalries = _rivalries(competition)
     return Naming(
         competition.base,
         competition.current,
-        named,
+        tuple(competition.named()),
         tuple(competition.rounds),
         rivalries,
         competition.short_times(),
     )
 
 
-def _disown(competition: Competition) -> None:
-    """Drop what is hardly there and what cannot stay without it, and let enter what both kept out."""
-    had_room = competition.has_room()
-    competition.disown()
-    competition.prune()
-    if not had_room and competition.has_room():
-        competition.run(competition.catalogue)
-        _disown(competition)
+def _rivalries(competition: Competition) -> tuple[Rivalry, ...]:
+    """Return what could stand in for each named effect, of those for which something could."""
+    return tuple(
+        rivalry for winner in competition.named() if (rivalry := competition.rivalry(winner)) is not None
+    )
 
 
 def _settled(catalogue: list[Effect]) -> list[Effect]:

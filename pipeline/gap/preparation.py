@@ -8,7 +8,7 @@ from pipeline.errors import InputError
 from pipeline.gap.fit import Problem
 from pipeline.gap.residuals import noise_of_rows, quadrature_of_rows
 from pipeline.gap.resolution import resolution_of, resolved, with_resolution
-from pipeline.gap.scoring import clusters_of
+from pipeline.gap.scoring import ENOUGH_CLUSTERS, independent_clusters
 from pipeline.gap.sensors import settle_accelerometer, settle_velocity
 from pipeline.gap.settings import Gap
 from pipeline.gap.timing import cut_settled_blocks
@@ -17,7 +17,7 @@ from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
 
-CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
+_SHORTEST = 0.5  # s, of a block
 _SLOWEST = 1.0  # s between samples, beyond which no machine of these kinds is seen moving
 
 
@@ -59,7 +59,7 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool 
     fitted, proving = (with_resolution(blocks, nominal, known_to) for blocks in (fitted, proving))
     functions = window_functions(fitted.samples, settings.test_width, fitted.time_step)
     noise, quadrature = (of(nominal, fitted, functions) for of in (noise_of_rows, quadrature_of_rows))
-    problem = Problem(fitted, functions, noise, quadrature, clusters_of(fitted, CLUSTER_DURATION))
+    problem = Problem(fitted, functions, noise, quadrature, independent_clusters(fitted))
     return Prepared(nominal, problem, proving, held_out, remarks)
 
 
@@ -75,6 +75,7 @@ def _require_motion(recording: Recording) -> None:
 def _blocks(
     recording: Recording, nominal: Simulator, settings: Gap, held: bool | None
 ) -> tuple[Blocks, list[str]]:
+    settings = _suiting(settings, recording)
     blocks = cut_settled_blocks(recording, nominal.platform, settings, held)
     remarks: list[str] = []
     if recording.kind == "quadrotor":
@@ -82,6 +83,13 @@ def _blocks(
     if recording.kind == "joint":
         blocks, remarks = settle_velocity(blocks, settings.test_width)
     return _with_clock_deviation(blocks, recording.clock_offset), remarks
+
+
+def _suiting(settings: Gap, recording: Recording) -> Gap:
+    """Return settings with blocks so short that even a short recording has enough of them to test with."""
+    fitted = sum(recording.split.get(run, "train") != "holdout" for run in recording.frame["run"])
+    enough = fitted * recording.time_step / ENOUGH_CLUSTERS
+    return replace(settings, block_duration=min(settings.block_duration, max(enough, _SHORTEST)))
 
 
 def _with_clock_deviation(blocks: Blocks, offsets: dict[str, float]) -> Blocks:

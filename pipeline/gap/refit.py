@@ -43,8 +43,8 @@ def extend(
         current: without the effect.
         effect: to be added.
         problem: what is fitted.
-        starts: values from which to start, the most promising of which is taken; None: the effect's own. Where a kink
-            lies between them, each is followed to the end.
+        starts: values from which to start; None: the effect's own. The most promising one is followed, some more where
+            it leads to a bound, and each of them where a kink lies between them.
     """
     tried = _tried(current, effect, effect.starts() if starts is None else starts)
     if effect.kinked:
@@ -102,12 +102,12 @@ def _freed(found: Fit, effect: Effect) -> Simulator:
 def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) -> Fit:
     simulator, residual = start, _residual_at(start, current, effect, problem)
     costs = [_cost(residual, current)]
-    while len(costs) == 1 or costs[-2] - costs[-1] > _PROGRESS * (costs[0] - costs[-1]):
+    for _ in range(1 if _is_linear(effect) else _MOST_STEPS):
         added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
         simulator, residual = _stepped(simulator, residual, jacobian, problem, _is_linear(effect))
         costs.append(_cost(residual, current))
-        if len(costs) > (1 if _is_linear(effect) else _MOST_STEPS):
+        if costs[-2] - costs[-1] <= _PROGRESS * (costs[0] - costs[-1]):
             break
     return _finished(simulator, residual, jacobian, problem)
 

@@ -9,11 +9,20 @@ from torch import Tensor
 from pipeline.gap.fit import Fit, channel_scale, inverse_of
 from pipeline.simulation.blocks import Blocks
 
+_CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
+ENOUGH_CLUSTERS = 20
+"""So many a test needs: errors that are robust to correlation inside clusters are too small with fewer."""
+_ENOUGH_RUNS = 3  # to leave out one at a time
+_ROUNDING = 1e-6  # of a cluster
+
 
 def folds_of(blocks: Blocks, count: int) -> Tensor:
-    """Return the fold of each block: whole runs where there are enough, else stretches of time; (blocks,)."""
+    """Return the fold of each block: whole runs where there are enough, else stretches of time; (blocks,).
+
+    Of two runs the shorter one would have to foretell the longer one.
+    """
     present = torch.unique(blocks.run)
-    if len(present) >= 2:
+    if len(present) >= _ENOUGH_RUNS:
         fold_of_run = torch.zeros(len(blocks.runs), dtype=torch.long)
         fold_of_run[present] = torch.arange(len(present)) % min(count, len(present))
         return fold_of_run[blocks.run]
@@ -22,8 +31,17 @@ def folds_of(blocks: Blocks, count: int) -> Tensor:
 
 def clusters_of(blocks: Blocks, duration: float) -> Tensor:
     """Number stretches of about `duration` s inside each run, within which residuals may be correlated; (blocks,)."""
-    stretch = torch.floor((blocks.start - blocks.start.min()) / duration).long()
+    stretch = torch.floor((blocks.start - blocks.start.min()) / duration + _ROUNDING).long()
     return torch.unique(torch.stack([blocks.run, stretch]), dim=1, return_inverse=True)[1]
+
+
+def independent_clusters(blocks: Blocks) -> Tensor:
+    """Number stretches whose residuals count as independent: of 3 s, or of what gives twenty of them; (blocks,).
+
+    A short recording has too few stretches of 3 s for any test, whatever it shows. None is shorter than a block.
+    """
+    block = blocks.samples * blocks.time_step
+    return clusters_of(blocks, min(_CLUSTER_DURATION, max(block, len(blocks) * block / ENOUGH_CLUSTERS)))
 
 
 def cross_validated(fit: Fit, fold: Tensor) -> Tensor:

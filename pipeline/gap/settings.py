@@ -2,6 +2,13 @@
 
 from dataclasses import dataclass
 
+from pipeline.checks import check_not_negative, check_positive
+from pipeline.errors import InputError
+
+_SHARES = ("significance", "least_share", "least_probability")
+_LENGTHS = ("block_duration", "test_width", "horizon", "fit_horizon", "significance")
+_COUNTS = ("most_effects", "most_blocks", "resamples")
+
 
 @dataclass
 class Gap:
@@ -33,3 +40,17 @@ class Gap:
     """Most blocks that are used of the fitting runs, drawn evenly; bounds the time of a diagnosis."""
     resamples: int = 400
     """Bootstrap resamples of the intervals."""
+
+    def check(self) -> None:
+        """Refuse what nothing could be diagnosed with.
+
+        Raises:
+            InputError: on a number that is out of its range.
+        """
+        check_positive(self, (*_LENGTHS, *_COUNTS), "gap")
+        check_not_negative(self, ("margin", *_SHARES), "gap")
+        for key in _SHARES:
+            if getattr(self, key) > 1:
+                raise InputError(f"is a share, is {getattr(self, key)}", f"gap.{key}", "give at most 1")
+        if self.folds < 2:
+            raise InputError(f"nothing could be left out with {self.folds}", "gap.folds", "give 2 or more")

@@ -66,6 +66,7 @@ class PolicyFinetuning:
     policy: str | None = None  # folder; null: what train_policy wrote
     residual: str | None = None  # folder; null: what identify_residual wrote
     simulator: str | None = None  # as in train_policy; null: that of the residual
+    randomised: bool = False  # whether dynamics that were drawn for every episode still are
     interactions: int = 20_000_000
     learning_rate: float = 3e-4
     final_learning_rate: float = 1e-4

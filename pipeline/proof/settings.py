@@ -51,7 +51,9 @@ def table_of(settings: Proof, kind: str) -> Mapping[str, Any]:
     """
     table: Mapping[str, Any] = getattr(settings, kind, {})
     if not table:
-        raise InputError(f"nothing is drawn for {kind!r}", "prove.kinds", "use quadrotor, joint or swerve")
+        raise InputError(
+            f"nothing is drawn for {kind!r}", "prove.kinds", "use quadrotor, joint, swerve or real"
+        )
     return table
 
 

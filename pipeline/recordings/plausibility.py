@@ -15,12 +15,13 @@ _SAMPLES = 20
 _SWERVE = [(f"steer_velocity_{module}", f"steer_angle_{module}") for module in "1234"]
 _QUADROTOR = [(f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
 _PAIRS = {"joint": [("velocity", "position")], "swerve": _SWERVE, "quadrotor": _QUADROTOR}
+_REMEDY = "Convert it, or declare its unit in Parquet."
 _REASONS = {
-    _DEGREE: "degrees where radians belong?",
-    1 / _DEGREE: "is the angle in degrees where radians belong?",
-    1000.0: "millimetres where metres belong?",
-    1 / 1000.0: "is the position in millimetres where metres belong?",
-    30 / np.pi: "turns per minute where rad/s belong?",
+    _DEGREE: f"degrees where radians belong? {_REMEDY}",
+    1 / _DEGREE: f"is the angle in degrees where radians belong? {_REMEDY}",
+    1000.0: f"millimetres where metres belong? {_REMEDY}",
+    1 / 1000.0: f"is the position in millimetres where metres belong? {_REMEDY}",
+    30 / np.pi: f"turns per minute where rad/s belong? {_REMEDY}",
 }
 
 
@@ -34,9 +35,12 @@ def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> 
         yield from _quadrotor(frame)
     for column in units:
         if units[column] == "rad" and _swings_wide(frame, column):
-            yield f"Channel {column!r} swings over more than two turns: degrees where radians belong?"
+            yield f"Channel {column!r} swings over more than two turns: degrees where radians belong? {_REMEDY}"
     if "battery_voltage" in frame and frame["battery_voltage"].median() > 1000:
-        yield "Channel 'battery_voltage' is above 1000 V: millivolts where volts belong?"
+        yield f"Channel 'battery_voltage' is above 1000 V: millivolts where volts belong? {_REMEDY}"
+    for column in units:
+        if units[column] == "V" and column != "battery_voltage" and frame[column].abs().quantile(0.99) > 1000:
+            yield f"Channel {column!r} exceeds 1000 V: millivolts where volts belong? {_REMEDY}"
 
 
 def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -> Iterator[str]:
@@ -67,14 +71,14 @@ def _quadrotor(frame: pd.DataFrame) -> Iterator[str]:
         if force < 0:
             yield "Channel 'specific_force_z' is negative in the median: z down where z up belongs?"
         if 0.5 < abs(force) < 2.0:
-            yield "Channel 'specific_force_z' is about 1 in the median: g where m/s² belong?"
+            yield f"Channel 'specific_force_z' is about 1 in the median: g where m/s² belong? {_REMEDY}"
     for column in (f"motor_command_{rotor}" for rotor in "1234"):
         if column in frame and float(frame[column].quantile(0.9)) > 1.2:
             yield f"Channel {column!r} exceeds 1: a command of 0 to 1 is expected."
     fastest = float(np.nanquantile(frame[[f"body_rate_{axis}" for axis in "xyz"]].abs(), 0.99))
     for column in (f"body_rate_command_{axis}" for axis in "xyz"):
         if column in frame and float(frame[column].abs().quantile(0.99)) > 20 * fastest:
-            yield f"Channel {column!r} is far larger than the body rate: degrees where radians belong?"
+            yield f"Channel {column!r} is far larger than the body rate: degrees where radians belong? {_REMEDY}"
 
 
 def _swings_wide(frame: pd.DataFrame, column: str) -> bool:

@@ -62,11 +62,24 @@ def described_race(track: TrackSettings, settings: RacingSettings) -> dict[str, 
 def race_from(
     description: Mapping[str, Any], powertrain: bool | None
 ) -> tuple[TrackSettings, RacingSettings]:
-    """Return track and settings that a policy was trained with.
+    """Return the track that a policy was trained on, and the settings of a race there.
 
     Args:
         description: of `described_race`.
         powertrain: what is to be flown with; None for what was trained with.
+
+    Raises:
+        InputError: when it is not such a description.
+    """
+    track, settings = trained_race(description)
+    return track, as_flown(settings, powertrain)
+
+
+def trained_race(description: Mapping[str, Any]) -> tuple[TrackSettings, RacingSettings]:
+    """Return track and settings that a policy was trained with.
+
+    Args:
+        description: of `described_race`.
 
     Raises:
         InputError: when it is not such a description.
@@ -81,7 +94,7 @@ def race_from(
         settings = OmegaConf.to_object(merged)
     assert isinstance(track, TrackSettings)
     assert isinstance(settings, RacingSettings)
-    return track, as_flown(settings, powertrain)
+    return track, settings
 
 
 def as_flown(settings: RacingSettings, powertrain: bool | None) -> RacingSettings:

@@ -5,7 +5,7 @@ another, so that a part of what its drift happened to be passes for what the sta
 How large that part is, and for how long it lasts, shows in flights that are foretold from the others (`wander`).
 
 Rasmussen & Williams 2006, "Gaussian Processes for Machine Learning", eqs. 2.23–2.24 (posterior), 5.8 (marginal
-likelihood); squared exponential kernels, of the state with a length scale for every feature.
+likelihood); squared exponential kernel with a length scale for every feature, and noise.
 """
 
 from dataclasses import dataclass, replace
@@ -18,7 +18,8 @@ from torch import Tensor
 from pipeline.policies.residual.wander import Course, Wander, wander_of
 from pipeline.recordings.excerpt import evenly
 
-# Of scaled features and outputs: beyond these a process only looks more certain than a thousand samples can be.
+# Of scaled features and outputs: beyond these a process only looks more certain than a thousand samples can be, and
+# takes what was never flown for worse than all that was.
 _LENGTHS, _VARIANCES, _NOISES = (0.1, 30.0), (0.01, 1.0), (1e-3, 1.5)
 _STARTS = {"lengths": 3.0, "variance": 0.5, "noise": 0.1}
 _JITTER = 1e-6  # of a process's variance, for the factorisation
@@ -31,18 +32,16 @@ class GaussianProcesses:
     Attributes:
         inputs: (samples, features), scaled.
         outputs: (processes, samples), scaled.
-        course: when they were taken.
         lengths: length scales, (processes, features), of scaled features.
         variance: of the processes, (processes,).
         wander: what is another function of time in each flight.
-        noise: its variance, (processes,).
+        noise: variance of what is neither, (processes,).
         input_scale: mean and standard deviation of the features, (2, features).
         output_scale: of the outputs, (2, processes).
     """
 
     inputs: Tensor
     outputs: Tensor
-    course: Course
     lengths: Tensor
     variance: Tensor
     wander: Wander
@@ -111,7 +110,6 @@ def fit(
     alone = GaussianProcesses(
         inputs,
         outputs.T.contiguous(),
-        course,
         kernel.base_kernel.lengthscale.detach()[:, 0],
         kernel.outputscale.detach(),
         Wander.none(outputs.shape[1]),
@@ -119,26 +117,21 @@ def fit(
         input_scale,
         output_scale,
     )
-    return replace(alone, wander=_wander_beside(alone))
+    return replace(alone, wander=_wander_beside(alone, course))
 
 
-def _wander_beside(processes: GaussianProcesses) -> Wander:
-    """Return what flights show beyond what is foretold of them by the others."""
-    flights = processes.course.flight
-    if len(flights.unique()) < 2:
+def _wander_beside(processes: GaussianProcesses, course: Course) -> Wander:
+    """Return what flights show beyond what is foretold of them by the others; of one flight nothing can be said."""
+    flights = course.flight.unique()
+    if len(flights) < 2:
         return processes.wander
-    error, certain = torch.empty_like(processes.outputs), torch.empty_like(processes.outputs)
-    for flight in flights.unique():
-        out = flights == flight
-        others = replace(
-            processes,
-            inputs=processes.inputs[~out],
-            outputs=processes.outputs[:, ~out],
-            course=processes.course.take(~out),
-        )
-        mean, variance = others.foretold(processes.inputs[out])
-        error[:, out], certain[:, out] = processes.outputs[:, out] - mean, variance
-    return wander_of(error, certain, processes.course)
+    error, expected = torch.empty_like(processes.outputs), torch.empty_like(processes.outputs)
+    for flight in flights:
+        out = course.flight == flight
+        others = replace(processes, inputs=processes.inputs[~out], outputs=processes.outputs[:, ~out])
+        mean, expected[:, out] = others.foretold(processes.inputs[out])
+        error[:, out] = processes.outputs[:, out] - mean
+    return wander_of(error, expected, course)
 
 
 def _most_likely(

@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from pipeline.policies.residual.gaussian_processes import GaussianProcesses
+from pipeline.policies.residual.wander import Wander
 from pipeline.recordings.excerpt import evenly
 
 _PACES = 16  # frequencies of the waves in time, a cosine and a sine of each
@@ -29,8 +30,8 @@ class Realisations:
         anchors: scaled features, (anchors, features).
         lengths: length scales, (processes, features).
         corrections: weights of the kernels at the anchors, (draws, processes, anchors).
-        paces: frequencies of the waves in time, (processes, waves) rad/s.
-        wanderings: weights of the waves in time, (draws, processes, waves).
+        paces: frequencies of the waves in time, (processes, paces) rad/s.
+        wanderings: weights of their cosines and then of their sines, (draws, processes, 2·paces).
         input_scale: mean and standard deviation of the features, (2, features).
         output_scale: of the outputs, (2, processes).
     """
@@ -103,9 +104,7 @@ def draw(processes: GaussianProcesses, count: int, waves: int, anchors: int, see
     added = processes.solve(processes.outputs[..., None] - prior - noise)  # (processes, samples, draws)
     chosen = processes.inputs[evenly(len(processes.inputs), anchors)]
     corrections = _carried(processes, chosen, added)
-    paces = torch.stack([_frequencies(time[None], _PACES, random)[0] for time in processes.wander.time])
-    wanderings = torch.randn(count, len(paces), 2 * _PACES, generator=random, dtype=torch.float64)
-    wanderings = wanderings * (processes.wander.variance / _PACES).sqrt()[:, None]
+    paces, wanderings = _wanderings(processes.wander, count, random)
     numbers = (
         frequencies,
         phases,
@@ -119,6 +118,13 @@ def draw(processes: GaussianProcesses, count: int, waves: int, anchors: int, see
         processes.output_scale,
     )
     return Realisations(*(tensor.float().contiguous() for tensor in numbers))
+
+
+def _wanderings(wander: Wander, count: int, random: torch.Generator) -> tuple[Tensor, Tensor]:
+    """Return frequencies (processes, paces) and weights (draws, processes, 2·paces) of waves in time."""
+    paces = torch.stack([_frequencies(time[None], _PACES, random)[0] for time in wander.time])
+    weights = torch.randn(count, len(paces), 2 * _PACES, generator=random, dtype=torch.float64)
+    return paces, weights * (wander.variance / _PACES).sqrt()[:, None]
 
 
 def _frequencies(lengths: Tensor, count: int, random: torch.Generator) -> Tensor:

@@ -21,10 +21,6 @@ class Course:
     flight: Tensor
     moment: Tensor
 
-    def take(self, which: Tensor) -> "Course":
-        """Return some of the samples."""
-        return Course(self.flight[which], self.moment[which])
-
 
 @dataclass(frozen=True)
 class Wander:
@@ -44,12 +40,12 @@ class Wander:
         return Wander(torch.zeros(processes).double(), torch.ones(processes).double())
 
 
-def wander_of(error: Tensor, certain: Tensor, course: Course) -> Wander:
-    """Return processes that are as large as errors that last from sample to sample, and forgotten as soon.
+def wander_of(error: Tensor, expected: Tensor, course: Course) -> Wander:
+    """Return processes that are as large as what of errors lasts from sample to sample, and forgotten as soon.
 
     Args:
         error: of samples in the order of their flights, (processes, samples).
-        certain: variance of what is foretold, which errors share, (processes, samples).
+        expected: variance that they have since the function of the state is not known better, (processes, samples).
         course: of the samples.
     """
     _, counts = torch.unique_consecutive(course.flight, return_counts=True)
@@ -58,11 +54,11 @@ def wander_of(error: Tensor, certain: Tensor, course: Course) -> Wander:
     fallen = lasting < math.exp(-0.5) * lasting[0]
     first = torch.where(fallen.any(0), fallen.int().argmax(0) + 1, len(lags))
     step = float(course.moment.diff().clamp_min(0.0).median())
-    variance = (lasting[0] - certain.mean(1)).clamp_min(0.0)
+    variance = (lasting[0] - expected.mean(1)).clamp_min(0.0)
     return Wander(variance, (step * first.double()).clamp_min(_LEAST_TIME))
 
 
 def _lagged(error: Tensor, flight: Tensor, lag: int) -> Tensor:
-    """Return the mean product of errors so many samples apart in the same flight, (processes,)."""
+    """Return the mean product of errors so many samples apart in the same flight, (processes,); 0 where none are."""
     same = flight[lag:] == flight[:-lag]
-    return (error[:, lag:] * error[:, :-lag])[:, same].mean(1)
+    return (error[:, lag:] * error[:, :-lag] * same).sum(1) / same.sum().clamp_min(1)

@@ -8,7 +8,7 @@ from pipeline.effects import Effect, effect_by_key
 from pipeline.gap.diagnosis import Diagnosis, diagnose
 from pipeline.gap.fit import Problem
 from pipeline.gap.residuals import noise_of_rows, quadrature_of_rows
-from pipeline.gap.scoring import clusters_of
+from pipeline.gap.scoring import independent_clusters
 from pipeline.gap.settings import Gap
 from pipeline.physics.weak_form import window_functions
 from pipeline.recordings.recording import Recording
@@ -27,7 +27,7 @@ def problem_of(recording: Recording, simulator: Simulator) -> Problem:
     blocks = blocks_of(recording, simulator)
     functions = window_functions(blocks.samples, Gap().test_width, blocks.time_step)
     noise, quadrature = (of(simulator, blocks, functions) for of in (noise_of_rows, quadrature_of_rows))
-    return Problem(blocks, functions, noise, quadrature, clusters_of(blocks, 3.0))
+    return Problem(blocks, functions, noise, quadrature, independent_clusters(blocks))
 
 
 def at_start(effect: Effect) -> FittedEffect:

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 import torch
 
@@ -44,6 +46,18 @@ def test_runs_too_short_to_know_their_own_error_say_nothing():
     (recording,) = joint_recordings(Plant(viscous=0.05), [0], runs=4, duration=6.0)
     problem = problem_of(recording, simulator)
     assert drifts_of(fit(simulator, problem), effect, problem.blocks, torch.zeros_like(problem.cluster)) == []
+
+
+def test_a_run_of_which_one_block_shows_an_effect_does_not_decide_alone():
+    effect = effect_by_key("joint", "viscous_friction")
+    simulator = joint_simulator(at_start(effect))
+    (recording,) = joint_recordings(Plant(viscous=0.05), [0], runs=RUNS, duration=15.0)
+    problem = problem_of(recording, simulator)
+    fitted = fit(simulator, problem)
+    silent = torch.nonzero(problem.blocks.run == 0).squeeze(1)[1:]
+    jacobian = fitted.jacobian.index_fill(0, silent, 0.0)
+    (drift,) = drifts_of(replace(fitted, jacobian=jacobian), effect, problem.blocks, problem.cluster)
+    assert not drift.notable
 
 
 def test_unsteadiness_is_the_worst_certain_drift():

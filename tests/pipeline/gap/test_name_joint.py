@@ -55,6 +55,27 @@ def test_a_faint_effect_is_named_too():
     assert value_of(found, "coulomb_friction") == pytest.approx(0.1, rel=0.1)
 
 
+@pytest.mark.parametrize("name", [name for name in PLANTED if name != "current_limit"])
+def test_six_seconds_of_one_run_are_enough(name):
+    """Ramps of the voltage, in which the current stays below any limit."""
+    plant, truth = PLANTED[name]
+    found = quick(joint_recordings(plant, [0], runs=1, duration=6.0)[0], joint_simulator())
+    assert named(found) == [name]
+    assert value_of(found, name) == pytest.approx(truth, rel=0.1)
+
+
+def test_of_a_quarter_of_a_second_nothing_is_said_but_that_it_is_too_short():
+    found = quick(joint_recordings(Plant(friction=0.3), [0], runs=1, duration=0.25)[0], joint_simulator())
+    assert named(found) == []
+    assert any("s could be fitted" in warning for warning in found.warnings)
+
+
+def test_nothing_is_named_in_six_seconds_of_nothing():
+    """Twelve recordings: none is wrong here, where one in a thousand may be."""
+    for recording in joint_recordings(Plant(), list(range(12)), runs=1, duration=6.0):
+        assert quick(recording, joint_simulator()).verdict == "none"
+
+
 @pytest.mark.parametrize(
     ("plant", "truth"),
     [

@@ -4,11 +4,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.effects import effect_by_key
 from pipeline.errors import InputError
 from pipeline.gap.diagnosis import diagnose
-from pipeline.gap.prove import gap_closed
+from pipeline.gap.prove import gap_closed, prove
+from pipeline.gap.residuals import channels_on, noise_of_rows
 from pipeline.gap.settings import Gap
-from tests.pipeline.gap.problems import diagnosed, quick
+from pipeline.simulation import FittedEffect
+from tests.pipeline.gap.problems import diagnosed, problem_of, quick
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
 errors = st.floats(1e-6, 1e6)
@@ -108,3 +111,15 @@ def test_a_time_in_milliseconds_is_refused_in_one_line():
     with pytest.raises(InputError, match="milliseconds where seconds belong") as caught:
         quick(replace(recording, frame=frame), joint_simulator())
     assert "\n" not in str(caught.value)
+
+
+def test_a_simulator_whose_forces_jump_does_not_raise_the_floor():
+    play = FittedEffect(effect_by_key("joint", "backlash"), {"gap": 0.05, "motor_inertia_share": 0.97})
+    nominal, jumping = joint_simulator(), joint_simulator(play)
+    problem = problem_of(joint_recording(Plant()), nominal)
+    blocks, functions = problem.blocks, problem.functions
+    quiet, loud = (noise_of_rows(each, blocks, functions) for each in (nominal, jumping))
+    assert (loud > 2.0 * quiet).all()
+    for pair in ((nominal, jumping), (jumping, nominal)):
+        proof = prove(*pair, blocks, functions, list(channels_on(nominal, blocks)), True, resamples=10)
+        assert proof.noise_floor == pytest.approx(float(quiet))

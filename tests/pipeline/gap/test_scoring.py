@@ -4,7 +4,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.gap.fit import Fit, clustered_covariance, inverse_of
-from pipeline.gap.scoring import clusters_of, cross_validated, folds_of, log_score, significance_of
+from pipeline.gap.scoring import (
+    ENOUGH_CLUSTERS,
+    clusters_of,
+    cross_validated,
+    folds_of,
+    independent_clusters,
+    log_score,
+    significance_of,
+)
 from pipeline.simulation.blocks import Blocks
 from tests.pipeline.gap.problems import random_like
 from tests.pipeline.gap.recordings import joint_simulator
@@ -21,14 +29,15 @@ runs = st.lists(st.integers(0, 7), min_size=1, max_size=60)
 @given(runs, st.integers(2, 6))
 def test_a_run_is_never_divided_between_folds(run, count):
     fold = folds_of(_blocks(run, list(range(len(run)))), count)
-    if len(set(run)) > 1:
+    if len(set(run)) > 2:
         for name in set(run):
             assert len(set(fold[torch.tensor(run) == name].tolist())) == 1
         assert len(fold.unique()) == min(count, len(set(run)))
 
 
-def test_one_run_alone_is_cut_into_stretches_of_time():
-    fold = folds_of(_blocks([0] * 10, list(range(10))), 5)
+@pytest.mark.parametrize("run", [[0] * 10, [0] * 8 + [1] * 2])
+def test_one_run_or_two_are_cut_into_stretches_of_time(run):
+    fold = folds_of(_blocks(run, list(range(10))), 5)
     assert fold.tolist() == [0, 0, 1, 1, 2, 2, 3, 3, 4, 4]
 
 
@@ -42,6 +51,13 @@ def test_a_cluster_never_crosses_runs_nor_outlasts_its_duration(run, duration):
         mine = cluster == number
         assert len(blocks.run[mine].unique()) == 1
         assert float(blocks.start[mine].max() - blocks.start[mine].min()) < duration
+
+
+@given(st.integers(1, 400), st.integers(1, 6))
+def test_short_recordings_have_as_many_clusters_as_their_blocks_allow(count, run_count):
+    run = [index * run_count // count for index in range(count)]
+    clusters = int(independent_clusters(_blocks(run, [float(index) for index in range(count)])).max()) + 1
+    assert min(count, ENOUGH_CLUSTERS) <= clusters <= max(ENOUGH_CLUSTERS, count / 3) + len(set(run)) + 1
 
 
 def _linear(seed: int) -> tuple[Fit, torch.Tensor]:

@@ -96,7 +96,8 @@ def test_no_process_of_a_killed_run_goes_on(tmp_path, sign):
     )
     script = tmp_path / "waits.py"
     script.write_text(waits)
-    run = subprocess.Popen([sys.executable, str(script)], env={**os.environ, "PYTHONPATH": os.getcwd()})
+    root = str(Path(__file__).parents[3])
+    run = subprocess.Popen([sys.executable, str(script)], env={**os.environ, "PYTHONPATH": root})
     processes = [tmp_path / name / "process" for name in "ab"]
     assert eventually(lambda: all(each.exists() and each.read_text() for each in processes))
     run.send_signal(sign)

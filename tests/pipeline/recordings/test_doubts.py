@@ -76,7 +76,10 @@ def test_joint_wholly_in_degrees(doubted):
         return frame.assign(position=np.degrees(frame["position"]), velocity=np.degrees(frame["velocity"]))
 
     said = doubted(change, samples=400)
-    assert said == "Channel 'position' swings over more than two turns: degrees where radians belong?"
+    assert said == (
+        "Channel 'position' swings over more than two turns: degrees where radians belong? "
+        "Convert it, or declare its unit in Parquet."
+    )
 
 
 def test_a_wheel_that_turns_on_raises_no_doubt(doubted):
@@ -153,3 +156,8 @@ def test_commands_beyond_one(doubted):
         return frame.assign(**{f"motor_command_{rotor}": 40000 + frame["t"] for rotor in "1234"})
 
     assert "'motor_command_1' exceeds 1" in doubted(change, "quadrotor")
+
+
+def test_voltages_in_millivolts(doubted):
+    said = doubted(lambda frame: frame.assign(voltage=9000.0), samples=400)
+    assert "Channel 'voltage' exceeds 1000 V: millivolts where volts belong?" in said

@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.policies.racing.entry import described_race, race_from, race_in
+from pipeline.policies.racing.entry import described_race, race_from, race_in, trained_race
 from pipeline.policies.racing.flying import state_of
 from pipeline.policies.racing.randomisation import drawn_episode, drawn_wrench
 from pipeline.policies.racing.settings import RacingSettings, Randomisation
@@ -62,3 +62,8 @@ def test_a_policy_is_evaluated_without_what_was_drawn_in_its_training():
     assert track == track_settings("tiny")
     assert settings == RacingSettings(flying=COARSE)
     assert race_from(described, powertrain=False)[1].flying == replace(COARSE, powertrain=False)
+
+
+def test_it_can_be_trained_further_with_it():
+    described = described_race(track_settings("tiny"), DRAWING)
+    assert trained_race(described) == (track_settings("tiny"), DRAWING)

@@ -1,11 +1,10 @@
 """The course of a competition, where its parts play no role."""
 
 from pipeline.gap.competition import Competition
-from pipeline.gap.name import _disown
 
 
 class Crowded(Competition):
-    """A competition in which so many effects fit, of which some are disowned once they are in."""
+    """A competition with room for so many effects, some of which are disowned; x may stay only beside b."""
 
     def __init__(self, room: int, contestants: str, doubtful: str) -> None:
         self.room, self.catalogue, self.doubtful = room, contestants, set(doubtful)
@@ -25,31 +24,32 @@ class Crowded(Competition):
         self.inside = [each for each in self.inside if each not in self.dropped]
 
     def prune(self) -> None:
-        if not set("ac") & set(self.inside):
-            self.inside = [each for each in self.inside if each != "x"]
+        if "b" not in self.inside and "x" in self.inside:
+            self.dropped.add("x")
+            self.inside.remove("x")
 
 
 def test_what_cannot_stay_without_the_disowned_goes_too():
     competition = Crowded(3, "bx", "b")
     competition.catalogue = "bx"
-    _disown(competition)
+    competition.conclude()
     assert competition.inside == []
 
 
 def test_what_is_disowned_makes_room_for_what_it_kept_out():
     competition = Crowded(3, "abcdef", "bd")
-    _disown(competition)
+    competition.conclude()
     assert competition.inside == ["a", "c", "e"]
 
 
 def test_where_there_was_room_nothing_enters_again():
     competition = Crowded(4, "abc", "b")
     competition.catalogue = "abcz"
-    _disown(competition)
+    competition.conclude()
     assert competition.inside == ["a", "c"]
 
 
 def test_it_ends_where_all_are_disowned():
     competition = Crowded(1, "abc", "abc")
-    _disown(competition)
+    competition.conclude()
     assert competition.inside == []

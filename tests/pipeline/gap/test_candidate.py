@@ -1,0 +1,80 @@
+"""What a candidate is refused for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from pipeline.effects import effect_by_key
+from pipeline.gap.candidate import Judge
+from pipeline.gap.fit import Fit, excess_of, fit
+from pipeline.gap.preparation import prepare
+from pipeline.gap.refit import extend
+from pipeline.gap.settings import Gap
+from tests.pipeline.gap.problems import at_start, problem_of
+from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator, recording_of
+
+FRICTION = effect_by_key("joint", "viscous_friction")
+
+
+@pytest.fixture(scope="module")
+def judged():
+    """What a judge says of a fit of viscous friction that was altered."""
+    problem = problem_of(joint_recording(Plant(viscous=0.05)), joint_simulator())
+    base = fit(joint_simulator(), problem)
+    fitted = fit(joint_simulator(at_start(FRICTION)), problem)
+    judge = Judge(problem, Gap(), base, 20, {})
+    return lambda altered: judge(FRICTION, base, replace(fitted, **altered(fitted))).refusal
+
+
+def _unmoved(fitted: Fit) -> dict[str, Tensor]:
+    return {"jacobian": 0.0 * fitted.jacobian}
+
+
+def _unknown(fitted: Fit) -> dict[str, Tensor]:
+    width = FRICTION.parameters[0].high - FRICTION.parameters[0].low
+    return {"covariance": 0.0 * fitted.covariance + (1.01 * width) ** 2}
+
+
+@pytest.mark.parametrize("altered", [_unmoved, _unknown])
+def test_a_parameter_that_leaves_no_trace_is_refused(judged, altered):
+    assert judged(altered) == "coefficient makes no difference here"
+
+
+def test_one_that_does_is_not(judged):
+    assert judged(lambda fitted: {}) == ""
+
+
+def test_to_listen_less_to_a_noisy_input_is_no_merit():
+    """A joint at rest with noise on the voltage that was measured there, and a winding that would filter it."""
+    random, shape = np.random.default_rng(0), (4, 1600)
+    voltage, position, velocity = (size * random.standard_normal(shape) for size in (0.3, 2e-4, 2e-3))
+    simulator = joint_simulator()
+    problem = prepare(recording_of(voltage, position, velocity), simulator, Gap(), held=False).problem
+    base = fit(simulator, problem)
+    winding = effect_by_key("joint", "motor_inductance")
+    filtered = extend(base, winding, problem)
+    assert excess_of(filtered, problem.noise) < 0.5 * excess_of(base, problem.noise)
+    judge = Judge(problem, Gap(), base, 20, {})
+    assert judge(winding, base, filtered).refusal == "does not predict runs it was not fitted on"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "spoilt"),
+    [
+        ((10.0, 1000.0), (12.0, 10.0), False),
+        ((10.0, 1000.0), (12.0, 900.0), True),
+        ((0.5, 1000.0), (1.9, 900.0), False),
+    ],
+    ids=["a little for much", "much for a little", "within what noise may"],
+)
+def test_what_another_equation_pays_is_held_against_what_is_won(before, after, spoilt):
+    """Residuals of two equations, times the noise."""
+    problem = problem_of(joint_recording(Plant(viscous=0.05)), joint_simulator())
+    judge = Judge(problem, Gap(), fit(joint_simulator(), problem), 20, {})
+    rows = [
+        (problem.noise * torch.tensor(each, dtype=torch.float64)).reshape(1, 1, 2) for each in (before, after)
+    ]
+    assert judge.spoilt(*rows) == ("makes torque worse" if spoilt else "")
