@@ -12,13 +12,7 @@ Value = Tensor | float
 
 _FASTEST = 0.99  # quantile of recorded speeds: the very greatest may be a spike
 _FADED = 0.5  # of the level at rest, beyond which nothing shows that friction fades at all
-
-
-def fades(velocity: Tensor, fading_velocity: Value) -> bool:
-    """Whether friction of a level · exp(−(v / fading_velocity)²) fades within recorded velocities (...,)."""
-    place = int(_FASTEST * (velocity.numel() - 1)) + 1
-    fastest = velocity.abs().flatten().kthvalue(place).values
-    return bool(torch.exp(-((fastest / fading_velocity) ** 2)) < _FADED)
+_LEAST_KNOWN = 0.2  # of what fades, in motion one way: less is how an axis turns round within a sample
 
 
 class Sliding(NamedTuple):
@@ -43,6 +37,19 @@ def sliding_of(signals: Signals, constants: Values, group: str = "") -> Sliding:
     """
     name = f"{group}sliding_velocity"
     return Sliding(signals[name], True) if name in signals else Sliding(constants[name], False)
+
+
+def fades(velocity: Tensor, fading_velocity: Value, slides: Sliding) -> bool:
+    """Whether recorded velocities (...,) show friction of a level · exp(−(v / fading_velocity)²) fade.
+
+    It has to be less at the fastest, and to be felt at velocities of which samples tell the direction.
+    """
+    fading = torch.exp(-((velocity / fading_velocity) ** 2))
+    place = int(_FASTEST * (velocity.numel() - 1)) + 1
+    fastest = velocity.abs().flatten().kthvalue(place).indices
+    known = fading * (velocity.abs() > slides.velocity)
+    told = not slides.within_samples or bool(known.sum() > _LEAST_KNOWN * fading.sum())
+    return told and bool(fading.flatten()[fastest] < _FADED)
 
 
 def dry_friction(

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-import torch
 from torch import Tensor
 
 from pipeline.effects import Effect, ParameterError
@@ -19,6 +18,7 @@ _Z95 = 1.96
 _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
+_IMITATED = "smaller than the quadrature of the equations can tell"
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 BEYOND_NOISE = 4.0
 """Times the noise's energy: coloured noise may pass for more than the white noise it is measured by."""
@@ -180,13 +180,12 @@ class Judge:
         values = dict(zip(names, fit.values[columns_of(fit, effect)].tolist(), strict=True))
         constants = fit.simulator.constants()
         refusal = (
-            self.bound(effect, values)
-            or _unseen(candidate)
-            or self.unresolved(effect, values, constants, energies)
+            self.bound(effect, values) or _unseen(candidate) or self.unresolved(effect, values, constants)
         )
         if refusal:
             return refusal
-        if limit := effect.limit(values, self.problem.blocks.signals, constants):
+        blocks = self.problem.blocks
+        if limit := effect.limit(values, blocks.signals | blocks.resolution, constants):
             return f"comes down to {limit} here"
         if self.clusters < fit.jacobian.shape[-1] + FEWEST_MORE:
             return "too little was recorded to tell"
@@ -194,8 +193,10 @@ class Judge:
             return "not significant"
         if candidate.gain <= 0:
             return "does not predict runs it was not fitted on"
-        seen = bool((energies > _LEAST_ENERGY * self.problem.noise.square()).any())
-        return "" if seen and self.matters(candidate) else "explains too little to matter"
+        seen = energies > _LEAST_ENERGY * self.problem.noise.square()
+        if not seen.any() or not self.matters(candidate):
+            return "explains too little to matter"
+        return "" if (seen & (energies > self.problem.quadrature.square())).any() else _IMITATED
 
     def spoilt(self, before: Tensor, after: Tensor) -> str:
         """Return which channel an effect makes worse on folds left out, if any, by more than noise may."""
@@ -219,24 +220,20 @@ class Judge:
                 return f"{parameter.name} rests on its upper bound"
         return ""
 
-    def unresolved(
-        self, effect: Effect, values: dict[str, float], constants: dict[str, Any], energies: Tensor
-    ) -> str:
+    def unresolved(self, effect: Effect, values: dict[str, float], constants: dict[str, Any]) -> str:
         """Return what resolves no value as small as an effect's, if that is so.
 
         Args:
             effect: of the candidate.
             values: its parameters.
             constants: of the fitted simulator.
-            energies: that it explains in each channel, (channels,).
         """
         resting = self.rest(effect)
         if effect.key in self.resting and self.is_short(effect, values, constants):
             return "changes by less than samples can tell"
-        seen, missed = _LEAST_ENERGY * self.problem.noise.square(), self.problem.quadrature.square()
-        imitated = bool((energies < torch.maximum(seen, missed)).all() and (energies < missed).any())
-        small = isinstance(effect, ParameterError) and abs(values["ratio"] - resting["ratio"]) < _LEAST_ERROR
-        return "smaller than the quadrature of the equations can tell" if imitated or small else ""
+        if isinstance(effect, ParameterError) and abs(values["ratio"] - resting["ratio"]) < _LEAST_ERROR:
+            return _IMITATED
+        return ""
 
     def is_short(self, effect: Effect, values: Mapping[str, float], constants: dict[str, Any]) -> bool:
         """Whether an effect makes something late by less than samples can tell, beside what was known before."""

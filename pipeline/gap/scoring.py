@@ -12,17 +12,16 @@ from pipeline.simulation.blocks import Blocks
 _CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
 ENOUGH_CLUSTERS = 20
 """So many a test needs: errors that are robust to correlation inside clusters are too small with fewer."""
-_ENOUGH_RUNS = 3  # to leave out one at a time
+_ENOUGH_RUNS = 3  # to leave out one at a time, however long they are
+_UNEVEN = 2  # times as long as the other of two runs: it would have to be foretold by too little
 _ROUNDING = 1e-6  # of a cluster
 
 
 def folds_of(blocks: Blocks, count: int) -> Tensor:
-    """Return the fold of each block: whole runs where there are enough, else stretches of time; (blocks,).
-
-    Of two runs the shorter one would have to foretell the longer one.
-    """
-    present = torch.unique(blocks.run)
-    if len(present) >= _ENOUGH_RUNS:
+    """Return the fold of each block: whole runs where there are enough, else stretches of time; (blocks,)."""
+    present, lengths = torch.unique(blocks.run, return_counts=True)
+    even = len(present) > 1 and int(lengths.max()) < _UNEVEN * int(lengths.min())
+    if len(present) >= _ENOUGH_RUNS or even:
         fold_of_run = torch.zeros(len(blocks.runs), dtype=torch.long)
         fold_of_run[present] = torch.arange(len(present)) % min(count, len(present))
         return fold_of_run[blocks.run]

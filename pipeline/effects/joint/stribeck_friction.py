@@ -37,8 +37,9 @@ class StribeckFriction(WrenchEffect):
         return scan(extra_level=(0.01, 0.1, 1.0, 10.0), velocity=(0.03, 0.3, 3.0))
 
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Friction that does not fade within the recorded speeds is Coulomb's."""
-        return "" if fades(signals["velocity"], values["velocity"]) else "coulomb_friction"
+        """Friction that does not fade within the recorded speeds, or only where their sign is open, is Coulomb's."""
+        slides = sliding_of(signals, constants)
+        return "" if fades(signals["velocity"], values["velocity"], slides) else "coulomb_friction"
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the friction on the axis, N·m or N."""

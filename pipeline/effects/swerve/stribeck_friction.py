@@ -32,8 +32,9 @@ class _SwerveStribeckFriction(WrenchEffect):
         """Return the speed at which it slides, (..., 4) rad/s."""
 
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Friction that does not fade within the recorded speeds is Coulomb's."""
-        return "" if fades(self.speed(signals, constants), values["velocity"]) else "coulomb_friction"
+        """Friction that does not fade within the recorded speeds, or only where their sign is open, is Coulomb's."""
+        speed, slides = self.speed(signals, constants), sliding_of(signals, constants, f"{self.acts_on}_")
+        return "" if fades(speed, values["velocity"], slides) else "coulomb_friction"
 
 
 class DriveStribeckFriction(_SwerveStribeckFriction):

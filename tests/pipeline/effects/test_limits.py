@@ -63,6 +63,17 @@ def test_friction_of_a_swerve_drive_that_never_fades_is_coulombs(group):
         assert effect.limit(values, signals, constants("swerve")) == expected
 
 
+@pytest.mark.parametrize("kind", ["joint", "swerve"])
+def test_friction_that_fades_where_no_sample_tells_the_direction_is_coulombs(kind):
+    """Bells a sixth as wide as the sliding velocity, and half as wide again as it."""
+    name, group = ("stribeck_friction", "") if kind == "joint" else ("stribeck_friction@steer", "steer_")
+    speeds = torch.linspace(-6.0, 6.0, 4801, dtype=torch.float64)[None]
+    signals = {f"{group}velocity": speeds, f"{group}sliding_velocity": torch.ones_like(speeds)}
+    for velocity, expected in ((1.0 / 6.0, "coulomb_friction"), (1.5, "")):
+        values = {"extra_level": 0.3, "velocity": velocity}
+        assert effect_by_key(kind, name).limit(values, signals, constants(kind)) == expected
+
+
 @pytest.mark.parametrize("kind", list(MACHINES))
 def test_with_usual_values_a_limit_is_none_or_an_effect_of_the_same_catalogue(kind):
     signals, names = some_signals(kind, (2, 50), seed=1), {effect.name for effect in effects_of(kind)}

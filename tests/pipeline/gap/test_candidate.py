@@ -16,6 +16,7 @@ from pipeline.gap.settings import Gap
 from tests.pipeline.gap.problems import at_start, problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator, recording_of
 
+IMITATED = "smaller than the quadrature of the equations can tell"
 FRICTION = effect_by_key("joint", "viscous_friction")
 
 
@@ -45,6 +46,17 @@ def test_a_parameter_that_leaves_no_trace_is_refused(judged, altered):
 
 def test_one_that_does_is_not(judged):
     assert judged(lambda fitted: {}) == ""
+
+
+@pytest.mark.parametrize(("times", "refusal"), [(0.5, ""), (1.5, IMITATED)])
+def test_what_the_quadrature_may_make_up_is_refused(times, refusal):
+    """Quadrature in one channel of so many times what the effect explains there; the other has neither."""
+    problem = problem_of(joint_recording(Plant(viscous=0.05)), joint_simulator())
+    base = fit(joint_simulator(), problem)
+    fitted = fit(joint_simulator(at_start(FRICTION)), problem)
+    explained = (base.residual.square() - fitted.residual.square()).mean((0, 1)).clamp_min(0.0)
+    missed = replace(problem, quadrature=(times * explained).sqrt())
+    assert Judge(missed, Gap(), base, 20, {})(FRICTION, base, fitted).refusal == refusal
 
 
 def test_to_listen_less_to_a_noisy_input_is_no_merit():

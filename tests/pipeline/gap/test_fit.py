@@ -181,6 +181,17 @@ def test_play_that_no_start_comes_near_is_found(gap, share):
     assert found.values["motor_inertia_share"] == pytest.approx(share, rel=0.01)
 
 
+@pytest.mark.parametrize(("gap", "share"), [(0.35, 0.2), (0.6, 0.2), (0.8, 0.1)])
+def test_a_winner_reaches_the_play_that_its_candidate_came_near(gap, share):
+    effect = effect_by_key("joint", "backlash")
+    problem = _replayed(FittedEffect(effect, {"gap": gap, "motor_inertia_share": share}))
+    near = extend(fit(joint_simulator(), problem), effect, problem)
+    assert near.simulator.effects[-1].values["gap"] == pytest.approx(gap, rel=0.15)
+    assert fit(near.simulator, problem).simulator.effects[-1].values == pytest.approx(
+        {"gap": gap, "motor_inertia_share": share}, rel=1e-3
+    )
+
+
 def _replayed(*effects: FittedEffect, machines: int = 24, step: float = 0.005) -> Problem:
     """Return what is to be fitted where a joint's simulator moved for a second under sines of held voltages."""
     time, random = step * torch.arange(201, dtype=torch.float64), torch.Generator().manual_seed(0)
