@@ -20,6 +20,7 @@ from pipeline.simulation import FittedEffect, Simulator
 
 _REDUNDANT = 0.2
 _INCREDIBLE = 0.1  # a probability below which an effect carries no other
+_SERIOUS = 0.5  # of a winner's share, with which a simpler effect may be a part of what that one explains
 _EXCHANGES = 3  # each costs a round for every named effect
 
 
@@ -33,6 +34,12 @@ class Round:
 
 def _is_preferred(effect: Effect, other: Effect) -> bool:
     return effect.name in other.yields_to or len(effect.parameters) < len(other.parameters)
+
+
+def _is_part(simpler: Candidate, winner: Candidate) -> bool:
+    """Whether a simpler effect alone explains at least half of what the winner explains, and where it does."""
+    same = simpler.channel == winner.channel and simpler.share > _SERIOUS * winner.share
+    return same and len(simpler.effect.parameters) < len(winner.effect.parameters)
 
 
 class Competition:
@@ -57,7 +64,8 @@ class Competition:
         while len(self.current.simulator.free) < self.settings.most_effects:
             present = self.names() | self.dropped
             candidates = [self.candidate(e) for e in contestants if e.key not in present]
-            winner = self.likeliest([candidate for candidate in candidates if not candidate.refusal])
+            admitted = [candidate for candidate in candidates if not candidate.refusal]
+            winner = self.first_of(self.likeliest(admitted), admitted)
             self.rounds.append(Round(tuple(candidates), winner))
             if winner is None:
                 return
@@ -78,9 +86,9 @@ class Competition:
             self.run(self.catalogue)
             self.conclude()
 
-    def leaves_more_than_noise(self) -> bool:
-        """Whether some channel still holds more than the sensors' noise can account for."""
-        return float(excess_of(self.current, self.problem.noise).max()) > BEYOND_NOISE
+    def leaves_more_than_noise(self, fitted: Fit | None = None) -> bool:
+        """Whether some channel of a fit, or of the current one, holds more than the sensors' noise can account for."""
+        return float(excess_of(fitted or self.current, self.problem.noise).max()) > BEYOND_NOISE
 
     def short_times(self) -> tuple[FittedEffect, ...]:
         """Return the named effects that make something late by less than samples can tell."""
@@ -114,6 +122,22 @@ class Competition:
         """Return the simpler or likelier causes that nothing tells from the best."""
         usual = [c for c in others if _is_preferred(c.effect, best.effect)]
         return [c for c in usual if not predicts_better(best, c, self.problem.cluster)]
+
+    def first_of(self, winner: Candidate | None, admitted: list[Candidate]) -> Candidate | None:
+        """Return the winner, or a simpler effect beside which it predicts better than in that one's place.
+
+        An effect with several valleys that had to explain another one, too, may lie in a valley that no step leads out
+        of: Stribeck friction wide enough for Coulomb's. Whether both stay is decided when both are in.
+        """
+        if winner is None or len(winner.effect.starts()) == 1 or not self.leaves_more_than_noise(winner.fit):
+            return winner
+        for simpler in sorted(admitted, key=total_score, reverse=True):
+            if _is_part(simpler, winner):
+                both = extend(simpler.fit, winner.effect, self.problem)
+                beside = self.judge(winner.effect, simpler.fit, both)
+                if not beside.refusal and total_score(beside) > total_score(winner):
+                    return simpler
+        return winner
 
     def become(self, current: Fit) -> None:
         """Go on with another fit; what it would be without each effect is worked out once."""

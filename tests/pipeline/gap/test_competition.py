@@ -1,6 +1,15 @@
 """The course of a competition, where its parts play no role."""
 
+import pytest
+import torch
+
+from pipeline.effects import effect_by_key
+from pipeline.gap import competition
+from pipeline.gap.candidate import Candidate
 from pipeline.gap.competition import Competition
+from pipeline.gap.fit import Fit, fit
+from tests.pipeline.gap.problems import problem_of
+from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
 
 class Crowded(Competition):
@@ -53,3 +62,47 @@ def test_it_ends_where_all_are_disowned():
     competition = Crowded(1, "abc", "abc")
     competition.conclude()
     assert competition.inside == []
+
+
+class Contested(Competition):
+    """A competition in which two effects together predict so well, and the winner alone leaves more than noise."""
+
+    def __init__(self, together: float, refusal: str = "", noisy: bool = False) -> None:
+        self.problem, self.noisy = problem_of(joint_recording(Plant()), joint_simulator()), noisy
+        self.judge = lambda effect, without, both: entry(effect.name, together, refusal=refusal)
+
+    def leaves_more_than_noise(self, fitted: Fit | None = None) -> bool:
+        return not self.noisy
+
+
+def entry(name: str, score: float, share: float = 0.9, channel: int = 0, refusal: str = "") -> Candidate:
+    fitted = fit(joint_simulator(), problem_of(joint_recording(Plant()), joint_simulator()))
+    scores, no_interval = torch.tensor([score], dtype=torch.float64), (0.0, 0.0)
+    numbers = (score, channel, share, share, 1.0, no_interval, 0.0, 1.0)
+    return Candidate(effect_by_key("joint", name), fitted, scores, *numbers, refusal=refusal)
+
+
+@pytest.mark.parametrize(
+    ("together", "contest", "simpler", "first"),
+    [
+        (12.0, {}, {}, "coulomb_friction"),
+        (9.0, {}, {}, "stribeck_friction"),
+        (12.0, {"refusal": "not significant"}, {}, "stribeck_friction"),
+        (12.0, {"noisy": True}, {}, "stribeck_friction"),
+        (12.0, {}, {"share": 0.4}, "stribeck_friction"),
+        (12.0, {}, {"channel": 1}, "stribeck_friction"),
+    ],
+    ids=["better together", "no better", "one is refused", "only noise is left", "too little", "elsewhere"],
+)
+def test_what_a_winner_had_to_explain_as_well_enters_before_it(
+    together, contest, simpler, first, monkeypatch
+):
+    monkeypatch.setattr(competition, "extend", lambda fitted, effect, problem: fitted)
+    winner, other = entry("stribeck_friction", 10.0), entry("coulomb_friction", 8.0, **simpler)
+    assert Contested(together, **contest).first_of(winner, [winner, other]).effect.name == first
+
+
+def test_what_is_found_wherever_a_fit_starts_is_not_asked():
+    winner, other = entry("viscous_friction", 10.0), entry("coulomb_friction", 8.0)
+    assert Contested(12.0).first_of(winner, [winner, other]) is winner
+    assert Contested(12.0).first_of(None, []) is None
