@@ -142,7 +142,7 @@ class Judge:
             p_value=significance.p_value,
             design_effect=significance.design_effect,
         )
-        spoilt = self.spoilt(before, after)
+        spoilt = self.spoilt(before, after, self.acts_in(fitted, columns, neutral))
         return replace(candidate, refusal=self.refusal(candidate, energies) or spoilt)
 
     def left_out(self, fit: Fit) -> Tensor:
@@ -198,14 +198,28 @@ class Judge:
             return "explains too little to matter"
         return "" if (seen & (energies > self.problem.quadrature.square())).any() else _IMITATED
 
-    def spoilt(self, before: Tensor, after: Tensor) -> str:
-        """Return which channel an effect makes worse on folds left out, if any, by more than noise may."""
+    def acts_in(self, fitted: Fit, columns: list[int], neutral: list[float]) -> Tensor:
+        """Return in which channels an effect itself, not what is fitted beside it, makes a difference, (channels,)."""
+        change = fitted.values[columns] - fitted.values.new_tensor(neutral)
+        own = (fitted.jacobian[..., columns] @ change).square().mean((0, 1))
+        return own > _LEAST_ENERGY * self.problem.noise.square()
+
+    def spoilt(self, before: Tensor, after: Tensor, acts: Tensor) -> str:
+        """Return which channel an effect makes worse on folds left out, if any, by more than noise may.
+
+        Where it does not act itself, another effect had made up for something else before, and now may not any more.
+
+        Args:
+            before: residuals without it, (blocks, rows, channels).
+            after: with it.
+            acts: in which channels it makes a difference, (channels,).
+        """
         least = BEYOND_NOISE * self.problem.noise.square()
         energies = [residual.square().mean((0, 1)).maximum(least) for residual in (before, after)]
         growth = (energies[1] / energies[0]).log()
-        lost, won = growth.clamp_min(0.0), -growth.clamp_max(0.0)
-        worst = int(growth.argmax())
-        if growth[worst] <= math.log(_WORSE) or lost.sum() <= _PRICE * won.sum():
+        lost, won = growth.clamp_min(0.0) * acts, -growth.clamp_max(0.0)
+        worst = int(lost.argmax())
+        if lost[worst] <= math.log(_WORSE) or lost.sum() <= _PRICE * won.sum():
             return ""
         return f"makes {channels_on(self.base.simulator, self.problem.blocks)[worst].name} worse"
 

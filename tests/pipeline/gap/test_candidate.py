@@ -74,19 +74,20 @@ def test_to_listen_less_to_a_noisy_input_is_no_merit():
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "spoilt"),
+    ("before", "after", "acts", "spoilt"),
     [
-        ((10.0, 1000.0), (12.0, 10.0), False),
-        ((10.0, 1000.0), (12.0, 900.0), True),
-        ((0.5, 1000.0), (1.9, 900.0), False),
+        ((10.0, 1000.0), (12.0, 10.0), True, False),
+        ((10.0, 1000.0), (12.0, 900.0), True, True),
+        ((10.0, 1000.0), (12.0, 900.0), False, False),
+        ((0.5, 1000.0), (1.9, 900.0), True, False),
     ],
-    ids=["a little for much", "much for a little", "within what noise may"],
+    ids=["a little for much", "much for a little", "by what is fitted beside it", "within what noise may"],
 )
-def test_what_another_equation_pays_is_held_against_what_is_won(before, after, spoilt):
+def test_what_another_equation_pays_is_held_against_what_is_won(before, after, acts, spoilt):
     """Residuals of two equations, times the noise."""
     problem = problem_of(joint_recording(Plant(viscous=0.05)), joint_simulator())
     judge = Judge(problem, Gap(), fit(joint_simulator(), problem), 20, {})
     rows = [
         (problem.noise * torch.tensor(each, dtype=torch.float64)).reshape(1, 1, 2) for each in (before, after)
     ]
-    assert judge.spoilt(*rows) == ("makes torque worse" if spoilt else "")
+    assert judge.spoilt(*rows, torch.tensor([acts, True])) == ("makes torque worse" if spoilt else "")
