@@ -4,7 +4,7 @@ import math
 
 import pytest
 import torch
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from pipeline.platforms.swerve_constraint import rolling_projection
@@ -70,14 +70,17 @@ def test_speed_stays_along_the_wheels_while_all_modules_turn_together(turning):
 
 
 @given(seed=st.integers(0, 10**6))
+@example(seed=126)
 @settings(max_examples=10)
 def test_a_coasting_robot_follows_the_circle_of_its_wheels(seed):
     twist = some_signals("swerve", (), seed)["chassis_velocity"]
     angle, _ = module_states(twist, POSITIONS, torch.zeros(4).double())
     states = coasting(state(twist.tolist(), angle), 0.02, 50)
-    torch.testing.assert_close(states[:, :3], twist.expand(51, 3), rtol=0.0, atol=5.0 * LEAK)
+    turning = float(twist[:2].norm() * twist[2].abs())  # m/s² that the wheels have to hold, for one second
+    leaked = 3.0 * LEAK * turning
+    torch.testing.assert_close(states[:, :3], twist.expand(51, 3), rtol=0.0, atol=leaked)
     time = torch.arange(51, dtype=torch.float64) * 0.02
-    torch.testing.assert_close(states[:, 11], twist[2] * time, rtol=0.0, atol=5.0 * LEAK)
+    torch.testing.assert_close(states[:, 11], twist[2] * time, rtol=0.0, atol=leaked)
 
 
 def test_wheels_that_stand_in_a_cross_lock_the_robot():

@@ -52,7 +52,8 @@ def test_the_compiled_racer_flies_as_the_eager_one():
     few = fused(rows[:, :3].contiguous(), action[:3].T.contiguous())
     torch.testing.assert_close(few, fused(rows, action.T.contiguous())[:, :3], rtol=1e-6, atol=1e-6)
     (regulating, (drive, *_)), (regulated, (driven, *_)) = memory, kept
-    torch.testing.assert_close(driven["speed"], drive["speed"], rtol=1e-5, atol=0.0)
+    fastest = drive["speed"].max()
+    torch.testing.assert_close(driven["speed"] / fastest, drive["speed"] / fastest, rtol=0.0, atol=1e-5)
     torch.testing.assert_close(driven["charge"], drive["charge"], rtol=1e-5, atol=0.0)
     torch.testing.assert_close(regulated["integral"], regulating["integral"], rtol=1e-5, atol=1e-5)
 
