@@ -13,6 +13,7 @@ from pipeline.gap.short_times import name_settled
 from pipeline.gap.timing import HELD_KINDS
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
+from pipeline.simulation.signals import COMMANDS
 
 _NEARLY = 0.3  # of half a sample
 _MUCH = 10.0  # times the energy of the noise
@@ -22,14 +23,14 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
     """Name what is missing, with the commands where they act.
 
     Which of the two readings of a command is right, held or measured, may not show before the physics is known. The
-    other one is tried where it may cost less, where much has no name in this one, and where a delay or an offset of
-    half a sample was needed, which is no physics.
+    other one is tried where a delay or an offset of half a sample was needed, which is no physics; on machines whose
+    controllers are about as fast as their logs also where it may cost less, and where much has no name in this one.
     """
     prepared = prepare(recording, nominal, settings)
     prepared, naming = name_settled(prepared, settings)
-    if recording.kind not in HELD_KINDS:
-        return prepared, naming
     late = _is_late_by_half_a_sample(naming, prepared)
+    if not (_has_commands(prepared) and (late or recording.kind in HELD_KINDS)):
+        return prepared, naming
     other = prepare(recording, nominal, settings, held=not prepared.problem.blocks.held)
     if not (late or _much_is_left(naming, prepared) or _may_cost_less(other, prepared, naming)):
         return prepared, naming
@@ -39,6 +40,11 @@ def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tup
         return (other, renamed) if late and not later else (prepared, naming)
     noise = _greater_noise(prepared, other)
     return (other, renamed) if cost_of(renamed, noise) < cost_of(naming, noise) else (prepared, naming)
+
+
+def _has_commands(prepared: Prepared) -> bool:
+    """Whether anything was recorded that a controller may hold."""
+    return not COMMANDS.isdisjoint(prepared.problem.blocks.signals)
 
 
 def _much_is_left(naming: Naming, prepared: Prepared) -> bool:

@@ -26,7 +26,8 @@ def cut_settled_blocks(
     The controller of a joint or of a drive holds each command until its next sample; a measured effort or voltage
     belongs to its own instant. Which of the two was recorded shows in how well command, velocity, its sign and position
     together explain the acceleration, whatever the physics; commands are taken as held unless the other is clearly
-    better. The controller of a multirotor is many times faster than its log: its commands belong to their instants.
+    better. The controller of a multirotor is usually many times faster than its log: its commands are taken to belong
+    to their instants until names say otherwise (`pipeline.gap.reading`).
 
     Args:
         recording: cleaned.

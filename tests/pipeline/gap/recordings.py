@@ -7,8 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import torch
 import yaml
 
+from pipeline.effects import effect_by_key
 from pipeline.platforms import Joint, Quadrotor, platform_from_config
 from pipeline.platforms.joint import JointMotor
 from pipeline.reality.case import PlantCase
@@ -16,12 +18,19 @@ from pipeline.reality.fly import fly
 from pipeline.recordings.excerpt import of_runs
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import FittedEffect, Simulator
+from pipeline.simulation.rollout import step
 
 ROOT = Path(__file__).parents[3]
 JOINT = Joint(inertia=0.05, motor=JointMotor(resistance=1.0, torque_constant=0.05, gear_ratio=10.0))
 GAIN = 0.5  # N·m/A and V/(rad/s) at the joint
 TIME_STEP = 5e-3  # s
 SUBSTEPS = 5
+_QUADROTOR_STATE = [
+    *(f"position_{axis}" for axis in "xyz"),
+    *(f"attitude_{part}" for part in "wxyz"),
+    *(f"velocity_{axis}" for axis in "xyz"),
+    *(f"body_rate_{axis}" for axis in "xyz"),
+]
 
 
 @dataclass(frozen=True)
@@ -179,6 +188,44 @@ def late(recording: Recording, samples: int) -> Recording:
     motors = [column for column in frame if str(column).startswith("motor_")]
     frame[motors] = frame.groupby("run", sort=False)[motors].shift(-samples)
     return replace(recording, frame=frame.dropna(subset=motors).reset_index(drop=True))
+
+
+@functools.cache
+def held_flights(time_constant: float) -> Recording:
+    """Return flights of a controller that is as slow as its log, whose commands rotors follow with a lag, s."""
+    runs, steps, time_step = 6, 400, 0.01
+    random, platform = np.random.default_rng(0), racer()
+    lag = FittedEffect(effect_by_key("quadrotor", "motor_lag"), {"time_constant": time_constant})
+    simulator = Simulator(platform, (lag,))
+    position, turn = np.array(platform.rotor_positions), np.array(platform.rotor_directions)
+    torque_per_thrust = platform.torque_coefficient / platform.thrust_coefficient
+    allocation = np.linalg.inv(
+        np.stack([np.ones(4), position[:, 1], -position[:, 0], torque_per_thrust * turn])
+    )
+    waves = random.uniform(2.0, 14.0, (runs, 4, 3)), random.uniform(0.0, 2.0 * np.pi, (runs, 4, 3))
+    state = torch.zeros(runs, 13, dtype=torch.float64)
+    state[:, 3] = 1.0
+    memory, kept = (), []
+    for index in range(steps):
+        dither = np.sin(waves[0] * index * time_step + waves[1]).sum(-1)
+        now = state.numpy()
+        wanted = -100.0 * 2.0 * now[:, 4:7] - 20.0 * now[:, 10:13] + 12.0 * dither[:, 1:]
+        torque = np.array(platform.inertia) * wanted
+        thrust = platform.mass * (platform.gravity + 1.5 * dither[:, :1])
+        each = (np.concatenate([thrust, torque], axis=1) @ allocation.T).clip(0.05, 8.0)
+        command = np.sqrt(each / platform.thrust_coefficient) / platform.motor_speed_max
+        kept.append(np.concatenate([now, command], axis=1))
+        commands = {"motor_command": torch.from_numpy(command)}
+        state, memory = step(simulator, state, commands, time_step, memory, 4)
+    rows = np.stack(kept, axis=1).reshape(runs * steps, 17)
+    names = [f"flight_{run}" for run in range(runs)]
+    frame = pd.DataFrame(rows, columns=[*_QUADROTOR_STATE, *(f"motor_command_{i}" for i in range(1, 5))])
+    noise = {"position": 1e-3, "attitude": 1e-3, "velocity": 0.02, "body_rate": 0.01}
+    for column in _QUADROTOR_STATE:
+        frame[column] += noise[column.rsplit("_", 1)[0]] * random.standard_normal(len(frame))
+    frame.insert(0, "t", np.tile(np.arange(steps) * time_step, runs))
+    frame.insert(0, "run", np.repeat(names, steps))
+    return _with_holdout(Recording(frame, "quadrotor", {}, source="the test's own flights", cleaned=True))
 
 
 def _with_holdout(recording: Recording) -> Recording:

@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.simulation import Simulator
 from tests.pipeline.gap.problems import named, quick, value_of
-from tests.pipeline.gap.recordings import flight, late, racer, uneventful_flights
+from tests.pipeline.gap.recordings import flight, held_flights, late, racer, uneventful_flights
 
 PLANTED = {"rotor_drag": 0.35, "body_drag": 0.03, "axial_inflow": 0.3, "translational_lift": 0.02}
 
@@ -45,6 +45,15 @@ def test_a_late_or_early_state_is_named(samples):
     found = quick(late(uneventful_flights()[0], samples), Simulator(racer()))
     assert named(found) == ["sensor_time_offset"]
     assert value_of(found, "sensor_time_offset") == pytest.approx(0.01 * samples, rel=0.1)
+
+
+def test_commands_that_are_held_to_the_next_sample_are_not_called_late():
+    """Read at their instants, they act half a sample too late: that was a command delay of 6 ms, probability 0.99."""
+    contestants = ["motor_lag", "command_delay", "sensor_time_offset", "thrust_coefficient_error"]
+    found = quick(held_flights(0.03), Simulator(racer()), contestants)
+    assert named(found) == ["motor_lag"]
+    assert value_of(found, "motor_lag") == pytest.approx(0.03, rel=0.03)
+    assert found.fitting.blocks.held
 
 
 @pytest.mark.parametrize(
