@@ -186,8 +186,6 @@ def _check_verdict(document: dict[str, Any]) -> None:
     if verdict == "none":
         assert not names
         assert not document["unnamed"]
-    if verdict == "unexplained":
-        assert not names
     if verdict == "parameter_mismatch":
         assert names
         assert all(name.endswith("_error") for name in names)

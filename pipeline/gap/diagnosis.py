@@ -1,6 +1,6 @@
 """From a cleaned recording and a nominal simulator to a diagnosis."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from pipeline.effects import MeasurementEffect, ParameterError
@@ -12,7 +12,7 @@ from pipeline.gap.learned import LearnedResidual, learn, learned_rows
 from pipeline.gap.locate import Mismatch, locate
 from pipeline.gap.model import Drift, drifts_of
 from pipeline.gap.name import Naming
-from pipeline.gap.probability import Signs, probability_of
+from pipeline.gap.probability import Signs, presence_of, probability_of
 from pipeline.gap.prove import Proof, prove
 from pipeline.gap.reading import name_as_read
 from pipeline.gap.regimes import Regime, regimes_of
@@ -29,6 +29,8 @@ from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
 
 _FEW_CLUSTERS = 10  # so few that a person should know
+_BELIEVED = 0.5  # a probability from which on an effect says what kind of gap there is
+_MUCH = 0.1  # of the energy that was left before
 
 
 @dataclass(frozen=True)
@@ -130,7 +132,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         *unseen,
     )
     return Diagnosis(
-        verdict=_verdict(naming, gap),
+        verdict=_verdict(naming, signs, gap, _remains(naming, problem, proof)),
         warnings=(*recording.warnings, *prepared.remarks, *doubts),
         mismatches=mismatches,
         naming=naming,
@@ -163,13 +165,29 @@ def _counted(naming: Naming, mismatches: Sequence[Mismatch], channels: Sequence[
     return [channel for channel in counted if channel.name in failing] or counted
 
 
-def _verdict(naming: Naming, gap: bool) -> str:
-    """Say it in a word; a gap without any name for it, whether a formula was found or not, is unexplained."""
-    if any(not isinstance(candidate.effect, ParameterError) for candidate in naming.named):
-        return "missing_physics"
-    if naming.named:
-        return "parameter_mismatch"
-    return "unexplained" if gap else "none"
+def _verdict(naming: Naming, signs: Mapping[str, Signs], gap: bool, remains: bool) -> str:
+    """Say it in a word; a gap for which there is no name, or none that is believed and accounts for it, is unexplained.
+
+    Args:
+        naming: what was named.
+        signs: of each, by key.
+        gap: whether there is one, however small and whatever its name.
+        remains: whether much of one is left beside the names.
+    """
+    if not naming.named:
+        return "unexplained" if gap else "none"
+    physics = [c.effect.key for c in naming.named if not isinstance(c.effect, ParameterError)]
+    if not remains:
+        return "missing_physics" if physics else "parameter_mismatch"
+    believed = any(presence_of(signs[key]) >= _BELIEVED for key in physics)
+    return "missing_physics" if believed else "unexplained"
+
+
+def _remains(naming: Naming, problem: Problem, proof: Proof) -> bool:
+    """Whether some equation leaves more than noise and much of what it left before, or held-out runs are no better."""
+    before, after = (excess_of(each, problem.noise) for each in (naming.base, naming.fit))
+    much = (after > BEYOND_NOISE) & (after > _MUCH * before)
+    return bool(much.any()) or bool(_disproved(naming, proof))
 
 
 def _unseen(proof: Proof, naming: Naming, problem: Problem, channels: Sequence[Channel]) -> list[str]:

@@ -33,8 +33,9 @@ def _documents(plant, runs=6):
         (Plant(friction=0.3, delay=0.02), "missing_physics"),
         (Plant(inertia=1.3), "parameter_mismatch"),
         (Plant(other=lambda q, v: 0.05 * np.sin(3.0 * q) * v), "unexplained"),
+        (Plant(inertia=1.3, other=lambda q, v: 0.05 * np.sin(3.0 * q) * v), "unexplained"),
     ],
-    ids=["none", "missing_physics", "parameter_mismatch", "unexplained"],
+    ids=["none", "missing_physics", "parameter_mismatch", "unexplained", "unexplained_beside_a_number"],
 )
 def test_every_verdict_is_written_as_the_contract_says(plant, verdict, tmp_path):
     document = _documents(plant)
