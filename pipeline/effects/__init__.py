@@ -1,6 +1,7 @@
 """Floor 3: the catalogue of physics that the tool can name, one file per effect."""
 
 from pipeline.effects.catalogue import effect_by_key, effects_of, kinds
+from pipeline.effects.dry_friction import DryFriction
 from pipeline.effects.effect import (
     ActuatorEffect,
     CommandEffect,
@@ -16,6 +17,7 @@ __all__ = [
     "ActuatorEffect",
     "CommandEffect",
     "ConstantEffect",
+    "DryFriction",
     "Effect",
     "MeasurementEffect",
     "Parameter",

@@ -1,18 +1,48 @@
 """Dry friction that also holds still, shared by joints, wheels and steered modules."""
 
-from typing import NamedTuple
+from abc import abstractmethod
+from typing import ClassVar, NamedTuple
 
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import Signals, Values
+from pipeline.effects.effect import Signals, Values, WrenchEffect
 
 Value = Tensor | float
 
 
 _FASTEST = 0.99  # quantile of recorded speeds: the very greatest may be a spike
 _FADED = 0.5  # of the level at rest, beyond which nothing shows that friction fades at all
-_LEAST_KNOWN = 0.2  # of what fades, in motion one way: less is how an axis turns round within a sample
+_NOISY = (
+    8  # power of a share of the resolution: a third, which is the sensor's noise, must be none of a motion
+)
+_LEAST_KNOWN = 0.2  # of what fades, in motion one way: less is the sensor's noise, or how an axis turns round
+
+
+class DryFriction(WrenchEffect):
+    """Friction that at standstill holds whatever else acts on what it rubs, up to its level.
+
+    It comes after all else that acts. What one holds no other has to hold: of several, each is told what those before
+    it have left (`Mechanism.loads`).
+
+    Attributes:
+        holds: the signal that says what is left to be held.
+    """
+
+    linear = False
+    holds: ClassVar[str]
+
+    @abstractmethod
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+        """Return the friction on the axis (...,), or on each wheel or module (..., 4), N·m or N."""
+
+    @abstractmethod
+    def on_channels(self, friction: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:
+        """Return what a friction adds to each channel."""
+
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+        """Return the friction on each channel, N·m or N."""
+        return self.on_channels(self.friction(signals, values, constants), signals, constants)
 
 
 class Sliding(NamedTuple):
@@ -42,14 +72,26 @@ def sliding_of(signals: Signals, constants: Values, group: str = "") -> Sliding:
 def fades(velocity: Tensor, fading_velocity: Value, slides: Sliding) -> bool:
     """Whether recorded velocities (...,) show friction of a level · exp(−(v / fading_velocity)²) fade.
 
-    It has to be less at the fastest, and to be felt at velocities of which samples tell the direction.
+    It has to be less at the fastest, and to be felt where samples tell the direction of motion, not only where an axis
+    turns round within a sample. While it rests it says nothing of either.
     """
     fading = torch.exp(-((velocity / fading_velocity) ** 2))
     place = int(_FASTEST * (velocity.numel() - 1)) + 1
     fastest = velocity.abs().flatten().kthvalue(place).indices
-    known = fading * (velocity.abs() > slides.velocity)
-    told = not slides.within_samples or bool(known.sum() > _LEAST_KNOWN * fading.sum())
-    return told and bool(fading.flatten()[fastest] < _FADED)
+    if slides.within_samples:
+        resolution = torch.as_tensor(slides.velocity)
+        slowest = torch.exp(-((resolution.min() / fading_velocity) ** 2))
+        if slowest < _LEAST_KNOWN or not _is_told(velocity, fading, resolution):
+            return False
+    return bool(fading.flatten()[fastest] < _FADED)
+
+
+def _is_told(velocity: Tensor, fading: Tensor, resolution: Tensor) -> bool:
+    """Whether enough of what fades is felt in motion one way, beside what is where an axis turns round."""
+    one_way = velocity.abs() > resolution
+    turning = ~one_way & (resolution > resolution.min())  # what the sensor alone leaves open rests
+    known = (fading * one_way).sum()
+    return bool(known > _LEAST_KNOWN * (known + (fading * turning).sum()))
 
 
 def dry_friction(
@@ -95,5 +137,5 @@ def _over_samples(forward: Tensor, backward: Tensor, speed: Tensor, held: Tensor
     sliding = 0.5 * ((forward + backward) * direction + (forward - backward))
     share = held / torch.where(applied == 0.0, 1.0, applied)
     share = torch.where(applied == held, 1.0, share)
-    resting = (1.0 - direction.square()) * share
+    resting = (1.0 - direction**_NOISY) * share
     return -(1.0 - resting) * sliding - resting * held

@@ -39,8 +39,9 @@ class Problem:
         return residual_rows(simulator, self.blocks, self.functions)
 
     def regressors(self, simulator: Simulator, effect: Effect) -> Tensor | None:
-        """Return the columns of an effect that is linear, (blocks, rows, channels, parameters), else None."""
-        if isinstance(effect, WrenchEffect) and effect.linear:
+        """Return the columns of an effect that is linear here, (blocks, rows, channels, parameters), else None."""
+        if simulator.is_linear_in(effect):
+            assert isinstance(effect, WrenchEffect)
             return _regressor_columns(simulator, effect, self)
         return None
 

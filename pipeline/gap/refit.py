@@ -6,7 +6,7 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from pipeline.effects import Effect, WrenchEffect
+from pipeline.effects import Effect
 from pipeline.gap.fit import (
     Fit,
     Problem,
@@ -83,7 +83,8 @@ def _best(fits: Sequence[Fit], current: Fit) -> Fit:
 
 def _rests_on_a_bound(found: Fit, effect: Effect) -> bool:
     """Whether one of several values lies on a bound: it may have made up for others that were still far off."""
-    return len(effect.parameters) > 1 and not _is_linear(effect) and bool(_on_bounds(found, effect))
+    linear = found.simulator.is_linear_in(effect)
+    return len(effect.parameters) > 1 and not linear and bool(_on_bounds(found, effect))
 
 
 def _on_bounds(found: Fit, effect: Effect) -> dict[str, float]:
@@ -101,11 +102,11 @@ def _freed(found: Fit, effect: Effect) -> Simulator:
 
 def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) -> Fit:
     simulator, residual = start, _residual_at(start, current, effect, problem)
-    costs = [_cost(residual, current)]
-    for _ in range(1 if _is_linear(effect) else _MOST_STEPS):
+    costs, linear = [_cost(residual, current)], start.is_linear_in(effect)
+    for _ in range(1 if linear else _MOST_STEPS):
         added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
-        simulator, residual = _stepped(simulator, residual, jacobian, problem, _is_linear(effect))
+        simulator, residual = _stepped(simulator, residual, jacobian, problem, linear)
         costs.append(_cost(residual, current))
         if costs[-2] - costs[-1] <= _PROGRESS * (costs[0] - costs[-1]):
             break
@@ -133,7 +134,7 @@ def shrink(current: Fit, effect: Effect, problem: Problem, known: FittedEffect |
     simulator = _without(current, effect, known)
     mine = columns_of(current, effect)
     others = [column for column in range(current.jacobian.shape[-1]) if column not in mine]
-    if not _is_linear(effect):
+    if not current.simulator.is_linear_in(effect):
         return _eased(simulator, current.jacobian[..., others], problem) or fit(simulator, problem)
     rest = torch.tensor(list((known.values if known else effect.neutral()).values()), dtype=torch.float64)
     residual = current.residual + current.jacobian[..., mine] @ (current.values[mine] - rest)
@@ -159,10 +160,6 @@ def _eased(simulator: Simulator, jacobian: Tensor, problem: Problem) -> Fit | No
             break
         simulator, residual = moved, rows
     return _finished(simulator, residual, jacobian, problem)
-
-
-def _is_linear(effect: Effect) -> bool:
-    return isinstance(effect, WrenchEffect) and effect.linear
 
 
 def _most_promising_first(

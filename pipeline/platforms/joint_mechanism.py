@@ -1,5 +1,6 @@
 """The nominal joint: inertia, gravity, a spring and a motor without losses of its own."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import torch
@@ -53,6 +54,10 @@ class JointMechanism(Mechanism):
         position = signals["position"]
         load = constants["gravity_torque"] * torch.sin(position) + constants["stiffness"] * position
         return {self.channels[0].name: signals["effort"] - load}
+
+    def loads(self, wrench: Mapping[str, Tensor], signals: Signals) -> dict[str, Tensor]:
+        """All that acts on the axis."""
+        return {"axis_load": wrench[self.channels[0].name]}
 
     def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Nothing: the frame of an axis does not turn."""

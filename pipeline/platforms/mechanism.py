@@ -69,6 +69,10 @@ class Mechanism(ABC):
     def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Return what the actuators and the nominal environment do, per channel."""
 
+    def loads(self, wrench: Mapping[str, Tensor], signals: Signals) -> dict[str, Tensor]:
+        """Return what acts on each thing that dry friction may hold, as signals; none where nothing rubs."""
+        return {}
+
     def derived(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Return what several of the equations need of the signals, as further signals, lest each work it out again."""
         return {}

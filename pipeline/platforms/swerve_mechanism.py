@@ -129,6 +129,11 @@ class SwerveMechanism(Mechanism):
         drive = sum_on_chassis(signals["drive_torque"], signals["steer_angle"], constants)
         return drive | per_module(steering_torque(signals, constants))
 
+    def loads(self, wrench: Mapping[str, Tensor], signals: Signals) -> dict[str, Tensor]:
+        """All that acts on each module about its axis, and each motor's torque about its wheel's axle, (..., 4) N·m."""
+        modules = torch.stack([wrench[name] for name in per_module(signals["drive_torque"])], dim=-1)
+        return {"wheel_load": signals["drive_torque"], "module_load": modules}
+
     def derived(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
         """Return the projection onto the motion that the wheels allow, and its rate."""
         angle = wheel_angle(signals["steer_angle"], constants)

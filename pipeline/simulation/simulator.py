@@ -10,6 +10,7 @@ from pipeline.effects import (
     ActuatorEffect,
     CommandEffect,
     ConstantEffect,
+    DryFriction,
     Effect,
     MeasurementEffect,
     WrenchEffect,
@@ -142,9 +143,29 @@ class Simulator:
         """Return what acts, per channel, before constraints answer it, for signals that went through the actuator."""
         wrench = self.mechanism.wrench(signals, constants)
         for fitted in self.of_type(WrenchEffect):
-            added = fitted.effect.wrench(signals, fitted.values, constants)  # type: ignore[attr-defined]
-            wrench = {**wrench, **{name: wrench[name] + value for name, value in added.items()}}
+            if not isinstance(fitted.effect, DryFriction):
+                added = fitted.effect.wrench(signals, fitted.values, constants)  # type: ignore[attr-defined]
+                wrench = _sum(wrench, added)
+        return self._rubbed(wrench, signals, constants)
+
+    def _rubbed(
+        self, wrench: dict[str, Tensor], signals: Signals, constants: Mapping[str, Any]
+    ) -> dict[str, Tensor]:
+        """Add dry friction, each of what is left to be held once all else and the ones before it have acted."""
+        rubbing = self.of_type(DryFriction)
+        loads = self.mechanism.loads(wrench, signals) if rubbing else {}
+        for fitted in rubbing:
+            effect = fitted.effect
+            assert isinstance(effect, DryFriction)
+            friction = effect.friction({**signals, **loads}, fitted.values, constants)
+            loads = {**loads, effect.holds: loads[effect.holds] + friction}
+            wrench = _sum(wrench, effect.on_channels(friction, signals, constants))
         return wrench
+
+    def is_linear_in(self, effect: Effect) -> bool:
+        """Whether what acts is linear in an effect's parameters: no dry friction holds against what it does."""
+        held = any(f.effect.acts_on == effect.acts_on for f in self.of_type(DryFriction))
+        return isinstance(effect, WrenchEffect) and effect.linear and not held
 
     def balance(self, signals: Signals) -> Balance:
         """Return both sides of the equations of motion for signals that went through the actuator."""
@@ -154,6 +175,10 @@ class Simulator:
         inertial = mechanism.inertial(signals, constants)
         rate = {name: value + inertial[name] if name in inertial else value for name, value in wrench.items()}
         return Balance(mechanism.momentum(signals, constants), wrench, rate)
+
+
+def _sum(wrench: Mapping[str, Tensor], added: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    return {**wrench, **{name: wrench[name] + value for name, value in added.items()}}
 
 
 def _follows_motion(fitted: FittedEffect) -> bool:

@@ -8,17 +8,14 @@ import torch
 from torch import Tensor
 
 from pipeline.effects.dry_friction import dry_friction, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.joint.common import applied, on_axis
+from pipeline.effects.effect import Parameter, Signals, Values
+from pipeline.effects.joint.common import AxisFriction, applied
 
 
-class AsymmetricFriction(WrenchEffect):
+class AsymmetricFriction(AxisFriction):
     """What dry friction is greater by in one direction of motion: in the direction of its sign."""
 
-    linear = False
     name = "asymmetric_friction"
-    kind = "joint"
-    acts_on = "torque"
     parameters = (Parameter("difference", "N·m", 0.05, -1e4, 1e4),)
     needs = ("velocity", "effort")
     yields_to = ("coulomb_friction", "constant_load")
@@ -36,10 +33,9 @@ class AsymmetricFriction(WrenchEffect):
         """Start on either side of none: which direction it is slowed in has no slope at zero."""
         return [{"difference": -1e-3}, {"difference": 1e-3}]
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
         """Return the friction on the axis, N·m or N."""
         velocity, load = signals["velocity"], applied(signals, constants)
         difference = torch.as_tensor(values["difference"], dtype=velocity.dtype)
         forward, backward = difference.clamp_min(0.0), (-difference).clamp_min(0.0)
-        friction = dry_friction(forward, velocity, load, sliding_of(signals, constants), backward)
-        return on_axis(constants, friction)
+        return dry_friction(forward, velocity, load, sliding_of(signals, constants), backward)

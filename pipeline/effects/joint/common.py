@@ -3,11 +3,26 @@
 import torch
 from torch import Tensor
 
+from pipeline.effects.dry_friction import DryFriction
 from pipeline.effects.effect import Signals, Values
 
 
+class AxisFriction(DryFriction):
+    """Dry friction of a joint's axis."""
+
+    kind = "joint"
+    acts_on = "torque"
+    holds = "axis_load"
+
+    def on_channels(self, friction: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:
+        """Return the friction on the axis, N·m or N."""
+        return on_axis(constants, friction)
+
+
 def applied(signals: Signals, constants: Values) -> Tensor:
-    """Effort less gravity and spring: what friction holds against at standstill (...,), N·m or N."""
+    """What friction holds against at standstill (...,), N·m or N: what is left to hold, else effort less its load."""
+    if AxisFriction.holds in signals:
+        return signals[AxisFriction.holds]
     position = signals["position"]
     return (
         signals["effort"]

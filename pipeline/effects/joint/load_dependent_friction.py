@@ -3,17 +3,14 @@
 from torch import Tensor
 
 from pipeline.effects.dry_friction import dry_friction, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.joint.common import applied, on_axis
+from pipeline.effects.effect import Parameter, Signals, Values
+from pipeline.effects.joint.common import AxisFriction, applied
 
 
-class LoadDependentFriction(WrenchEffect):
+class LoadDependentFriction(AxisFriction):
     """Teeth that are pressed together rub: what the gear loses of what it transmits."""
 
-    linear = False
     name = "load_dependent_friction"
-    kind = "joint"
-    acts_on = "torque"
     parameters = (Parameter("ratio", "1", 0.2, 0.0, 1.0),)
     needs = ("velocity", "effort")
     yields_to = ("coulomb_friction",)
@@ -27,9 +24,8 @@ class LoadDependentFriction(WrenchEffect):
     )
     excitation = "the same slow motion under several loads, lifting and lowering"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
         """Return the friction on the axis, N·m or N."""
         level = values["ratio"] * signals["effort"].abs()
         load = applied(signals, constants)
-        friction = dry_friction(level, signals["velocity"], load, sliding_of(signals, constants))
-        return on_axis(constants, friction)
+        return dry_friction(level, signals["velocity"], load, sliding_of(signals, constants))

@@ -4,18 +4,15 @@ import torch
 from torch import Tensor
 
 from pipeline.effects.dry_friction import dry_friction, fades, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.joint.common import applied, on_axis
+from pipeline.effects.effect import Parameter, Signals, Values
+from pipeline.effects.joint.common import AxisFriction, applied
 from pipeline.effects.scan import scan
 
 
-class StribeckFriction(WrenchEffect):
+class StribeckFriction(AxisFriction):
     """What breaking away takes beyond Coulomb friction, and how fast it fades with speed."""
 
-    linear = False
     name = "stribeck_friction"
-    kind = "joint"
-    acts_on = "torque"
     parameters = (
         Parameter("extra_level", "N·m", 0.1, 0.0, 1e4),
         Parameter("velocity", "rad/s", 0.5, 1e-4, 1e3, neutral=1.0),
@@ -41,9 +38,9 @@ class StribeckFriction(WrenchEffect):
         slides = sliding_of(signals, constants)
         return "" if fades(signals["velocity"], values["velocity"], slides) else "coulomb_friction"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
         """Return the friction on the axis, N·m or N."""
         velocity = signals["velocity"]
         level = values["extra_level"] * torch.exp(-(velocity / values["velocity"]).square())
         load = applied(signals, constants)
-        return on_axis(constants, dry_friction(level, velocity, load, sliding_of(signals, constants)))
+        return dry_friction(level, velocity, load, sliding_of(signals, constants))

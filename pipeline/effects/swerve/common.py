@@ -2,6 +2,7 @@
 
 from torch import Tensor
 
+from pipeline.effects.dry_friction import DryFriction
 from pipeline.effects.effect import Signals, Values
 from pipeline.platforms.swerve_mechanism import (
     on_chassis,
@@ -11,7 +12,54 @@ from pipeline.platforms.swerve_mechanism import (
     wheel_angle,
 )
 
-__all__ = ["on_chassis", "on_modules", "on_wheels", "steering_torque", "wheel_angle", "wheel_speed"]
+__all__ = [
+    "ModuleFriction",
+    "WheelFriction",
+    "module_load",
+    "on_chassis",
+    "on_modules",
+    "on_wheels",
+    "steering_torque",
+    "wheel_angle",
+    "wheel_load",
+    "wheel_speed",
+]
+
+
+class WheelFriction(DryFriction):
+    """Dry friction about the axle of each wheel."""
+
+    kind = "swerve"
+    acts_on = "drive"
+    holds = "wheel_load"
+
+    def on_channels(self, friction: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:
+        """Return the friction summed on the chassis."""
+        return on_wheels(friction, signals, constants)
+
+
+class ModuleFriction(DryFriction):
+    """Dry friction about the vertical axis of each module."""
+
+    kind = "swerve"
+    acts_on = "steer"
+    holds = "module_load"
+
+    def on_channels(self, friction: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:
+        """Return the friction on each module, N·m."""
+        return on_modules(friction)
+
+
+def wheel_load(signals: Signals) -> Tensor:
+    """What friction holds at each standing wheel, (..., 4) N·m: what is left to hold, else the motor's torque."""
+    return signals.get(WheelFriction.holds, signals["drive_torque"])
+
+
+def module_load(signals: Signals, constants: Values) -> Tensor:
+    """What friction holds at each standing module, (..., 4) N·m: what is left to hold, else the motor's torque."""
+    if ModuleFriction.holds in signals:
+        return signals[ModuleFriction.holds]
+    return steering_torque(signals, constants)
 
 
 def wheel_speed(signals: Signals, constants: Values) -> Tensor:

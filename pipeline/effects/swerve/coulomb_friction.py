@@ -3,17 +3,14 @@
 from torch import Tensor
 
 from pipeline.effects.dry_friction import dry_friction, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.swerve.common import on_modules, on_wheels, steering_torque, wheel_speed
+from pipeline.effects.effect import Parameter, Signals, Values
+from pipeline.effects.swerve.common import ModuleFriction, WheelFriction, module_load, wheel_load, wheel_speed
 
 
-class DriveCoulombFriction(WrenchEffect):
+class DriveCoulombFriction(WheelFriction):
     """Constant friction against each wheel's rotation."""
 
-    linear = False
     name = "coulomb_friction"
-    kind = "swerve"
-    acts_on = "drive"
     parameters = (Parameter("level", "N·m", 0.5, 0.0, 1e3),)
     formula = "wheel torque = −level · sign(wheel speed); at standstill it holds the motor's torque, up to its level"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
@@ -22,21 +19,16 @@ class DriveCoulombFriction(WrenchEffect):
     )
     excitation = "slow voltage ramps forward and backward, through standstill"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
-        """Return the friction summed on the chassis."""
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+        """Return the friction about each axle, (..., 4) N·m."""
         speed, sliding = wheel_speed(signals, constants), sliding_of(signals, constants, "drive_")
-        return on_wheels(
-            dry_friction(values["level"], speed, signals["drive_torque"], sliding), signals, constants
-        )
+        return dry_friction(values["level"], speed, wheel_load(signals), sliding)
 
 
-class SteerCoulombFriction(WrenchEffect):
+class SteerCoulombFriction(ModuleFriction):
     """Constant friction against each module's turning."""
 
-    linear = False
     name = "coulomb_friction"
-    kind = "swerve"
-    acts_on = "steer"
     parameters = (Parameter("level", "N·m", 0.5, 0.0, 1e3),)
     formula = "module torque = −level · sign(module speed); at standstill it holds the motor's torque, up to its level"
     source = DriveCoulombFriction.source
@@ -45,8 +37,7 @@ class SteerCoulombFriction(WrenchEffect):
     )
     excitation = "turn the modules slowly to and fro, through standstill"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
-        """Return the friction on each module, N·m."""
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+        """Return the friction on each module, (..., 4) N·m."""
         speed, sliding = signals["steer_velocity"], sliding_of(signals, constants, "steer_")
-        applied = steering_torque(signals, constants)
-        return on_modules(dry_friction(values["level"], speed, applied, sliding))
+        return dry_friction(values["level"], speed, module_load(signals, constants), sliding)

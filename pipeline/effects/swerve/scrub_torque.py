@@ -4,18 +4,15 @@ import torch
 from torch import Tensor
 
 from pipeline.effects.dry_friction import dry_friction, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.effect import Parameter, Signals, Values
 from pipeline.effects.scan import scan
-from pipeline.effects.swerve.common import on_modules, steering_torque, wheel_speed
+from pipeline.effects.swerve.common import ModuleFriction, module_load, wheel_speed
 
 
-class ScrubTorque(WrenchEffect):
+class ScrubTorque(ModuleFriction):
     """Each tyre's patch rubs as its module turns, at full strength at rest and the less the faster the wheel rolls."""
 
-    linear = False
     name = "scrub_torque"
-    kind = "swerve"
-    acts_on = "steer"
     parameters = (
         Parameter("level", "N·m", 1.0, 0.0, 1e3),
         Parameter("patch_radius", "m", 0.02, 1e-3, 0.5, neutral=0.01),
@@ -35,10 +32,10 @@ class ScrubTorque(WrenchEffect):
         """Start from a scan: the radius has no slope where nothing rubs."""
         return scan(level=(0.1, 1.0, 10.0), patch_radius=(0.005, 0.02, 0.1))
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
-        """Return the torque on each module, N·m."""
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+        """Return the torque on each module, (..., 4) N·m."""
         turning, sliding = signals["steer_velocity"], sliding_of(signals, constants, "steer_")
         rolling = wheel_speed(signals, constants) * constants["wheel_radius"]
         rubbing = values["patch_radius"] ** 2 * (turning.square() + sliding.velocity**2)
         level = values["level"] * torch.sqrt(rubbing / (rubbing + rolling.square()))
-        return on_modules(dry_friction(level, turning, steering_torque(signals, constants), sliding))
+        return dry_friction(level, turning, module_load(signals, constants), sliding)

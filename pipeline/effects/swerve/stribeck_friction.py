@@ -5,16 +5,15 @@ from abc import abstractmethod
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import Sliding, dry_friction, fades, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from pipeline.effects.dry_friction import DryFriction, Sliding, dry_friction, fades, sliding_of
+from pipeline.effects.effect import Parameter, Signals, Values
 from pipeline.effects.scan import scan
-from pipeline.effects.swerve.common import on_modules, on_wheels, steering_torque, wheel_speed
+from pipeline.effects.swerve.common import ModuleFriction, WheelFriction, module_load, wheel_load, wheel_speed
 
 
-class _SwerveStribeckFriction(WrenchEffect):
+class _SwerveStribeckFriction(DryFriction):
     """What breaking away takes beyond Coulomb friction, and how fast it fades with speed."""
 
-    linear = False
     name = "stribeck_friction"
     kind = "swerve"
     parameters = (
@@ -37,10 +36,9 @@ class _SwerveStribeckFriction(WrenchEffect):
         return "" if fades(speed, values["velocity"], slides) else "coulomb_friction"
 
 
-class DriveStribeckFriction(_SwerveStribeckFriction):
+class DriveStribeckFriction(_SwerveStribeckFriction, WheelFriction):
     """A driven wheel breaks away harder than it rolls."""
 
-    acts_on = "drive"
     formula = (
         "wheel torque = −extra_level · exp(−(ω / velocity)²) · sign(ω), ω of the wheel; at standstill it holds, up to "
         "extra_level"
@@ -57,20 +55,15 @@ class DriveStribeckFriction(_SwerveStribeckFriction):
         """Return the speed of each wheel about its axle, (..., 4) rad/s."""
         return wheel_speed(signals, constants)
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
-        """Return the friction summed on the chassis."""
-        speed = self.speed(signals, constants)
-        return on_wheels(
-            _friction(speed, signals["drive_torque"], values, sliding_of(signals, constants, "drive_")),
-            signals,
-            constants,
-        )
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+        """Return the friction about each axle, (..., 4) N·m."""
+        sliding = sliding_of(signals, constants, "drive_")
+        return _friction(self.speed(signals, constants), wheel_load(signals), values, sliding)
 
 
-class SteerStribeckFriction(_SwerveStribeckFriction):
+class SteerStribeckFriction(_SwerveStribeckFriction, ModuleFriction):
     """A module breaks away harder than it turns."""
 
-    acts_on = "steer"
     formula = (
         "module torque = −extra_level · exp(−(ω / velocity)²) · sign(ω), ω of the module; at standstill it holds, up "
         "to extra_level"
@@ -85,14 +78,10 @@ class SteerStribeckFriction(_SwerveStribeckFriction):
         """Return the speed of each module about its axis, (..., 4) rad/s."""
         return signals["steer_velocity"]
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
-        """Return the friction on each module, N·m."""
-        applied = steering_torque(signals, constants)
-        return on_modules(
-            _friction(
-                self.speed(signals, constants), applied, values, sliding_of(signals, constants, "steer_")
-            )
-        )
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+        """Return the friction on each module, (..., 4) N·m."""
+        sliding = sliding_of(signals, constants, "steer_")
+        return _friction(self.speed(signals, constants), module_load(signals, constants), values, sliding)
 
 
 def _friction(speed: Tensor, applied: Tensor, values: Values, slides: Sliding) -> Tensor:
