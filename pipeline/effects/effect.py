@@ -70,6 +70,8 @@ class Effect(ABC):
     """Names that are the likelier cause wherever a recording cannot tell this effect from them."""
     twins: ClassVar[tuple[str, ...]] = ()
     """Names that say the same in other words beside what else is named, however well either predicts."""
+    usual: ClassVar[bool] = False
+    """Whether any machine of the kind has it, so that a platform's wrong numbers may show only beside it."""
     kinked: ClassVar[bool] = False
     """Whether its law has a kink between the values that `starts` returns: a fit does not cross it by its slopes."""
     formula: ClassVar[str]

@@ -71,6 +71,15 @@ class Competition:
                 return
             self.take(winner)
 
+    def begin_with(self, effects: list[Effect]) -> None:
+        """Put effects in together, and drop those that are needless beside the others."""
+        together = tuple(FittedEffect(effect, effect.starts()[0]) for effect in effects)
+        taken = {effect.key for effect in effects}
+        others = tuple(f for f in self.current.simulator.effects if f.effect.key not in taken)
+        self.become(fit(self.current.simulator.with_effects((*others, *together)), self.problem))
+        self.rounds.append(Round(tuple(self.named()), None))
+        self.prune()
+
     def finish(self) -> None:
         """Let everything compete, then what is simpler, then what fits better in another's place."""
         self.run(self.catalogue)
@@ -86,9 +95,9 @@ class Competition:
             self.run(self.catalogue)
             self.conclude()
 
-    def leaves_more_than_noise(self, fitted: Fit | None = None) -> bool:
+    def leaves_more_than_noise(self, fitted: Fit | None = None, times: float = BEYOND_NOISE) -> bool:
         """Whether some channel of a fit, or of the current one, holds more than the sensors' noise can account for."""
-        return float(excess_of(fitted or self.current, self.problem.noise).max()) > BEYOND_NOISE
+        return float(excess_of(fitted or self.current, self.problem.noise).max()) > times
 
     def short_times(self) -> tuple[FittedEffect, ...]:
         """Return the named effects that make something late by less than samples can tell."""

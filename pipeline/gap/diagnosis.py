@@ -184,7 +184,7 @@ def _verdict(naming: Naming, signs: Mapping[str, Signs], gap: bool, remains: boo
 
 
 def _remains(naming: Naming, problem: Problem, proof: Proof) -> bool:
-    """Whether some equation leaves more than noise and much of what it left before, or held-out runs are no better."""
+    """Whether some equation leaves more than noise and much of what it left before, or held-out runs are worse."""
     before, after = (excess_of(each, problem.noise) for each in (naming.base, naming.fit))
     much = (after > BEYOND_NOISE) & (after > _MUCH * before)
     return bool(much.any()) or bool(_disproved(naming, proof))
@@ -204,11 +204,12 @@ def _unseen(proof: Proof, naming: Naming, problem: Problem, channels: Sequence[C
 
 def _disproved(naming: Naming, proof: Proof) -> list[str]:
     """Say that runs which were used for nothing else speak against what was named, where they do."""
-    if not naming.named or proof.gap_closed is None or proof.gap_closed > 0.0:
+    held_out = proof.gap_closed is not None
+    if not (naming.named and held_out and proof.after > max(proof.before, proof.noise_floor)):
         return []
     return [
-        "the held-out runs are predicted no better with what was named than without: do not build on it; record more "
-        "runs that resemble each other"
+        "the held-out runs are predicted worse with what was named than without: do not build on it; record more runs "
+        "that resemble each other"
     ]
 
 

@@ -11,6 +11,7 @@ from pipeline.gap.settings import Gap
 from pipeline.simulation import FittedEffect, Simulator
 
 _OUTDONE = 0.1  # of the weight among rivals, with which a name is none any more
+_MUCH = 10.0  # times the energy of the noise
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,8 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     Clock offsets and the platform's own numbers are settled first: what they explain is no missing physics. Then one
     effect is added at a time; each that stays must earn it again when the others are there. Where something was settled
     and more than noise is left, it may have stood in for physics that explains more: then the competition is held again
-    with everything in it from the start, and counts where it predicts better.
+    with everything in it from the start, and counts where it predicts better. Where very much is still left, numbers
+    and the physics that any such machine has may show only together: a competition that begins with them is held.
     """
     competition = Competition(simulator, problem, settings)
     settled = _settled(competition.catalogue)
@@ -52,6 +54,13 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         again.finish()
         if is_beyond_chance(again.scores() - competition.scores()):
             competition = again
+    usual = usual_of(competition.catalogue)
+    if usual and competition.leaves_more_than_noise(times=_MUCH):
+        together = Competition(simulator, problem, settings)
+        together.begin_with(usual)
+        together.finish()
+        if is_beyond_chance(together.scores() - competition.scores()):
+            competition = together
     competition.conclude()
     rivalries = _rivalries(competition)
     if any(rivalry.weight < _OUTDONE for rivalry in rivalries):
@@ -73,6 +82,13 @@ def _rivalries(competition: Competition) -> tuple[Rivalry, ...]:
     return tuple(
         rivalry for winner in competition.named() if (rivalry := competition.rivalry(winner)) is not None
     )
+
+
+def usual_of(catalogue: list[Effect]) -> list[Effect]:
+    """Return the physics that any machine of the kind has with the numbers of the platform, where there is such."""
+    physics = [effect for effect in catalogue if effect.usual]
+    numbers = [effect for effect in catalogue if isinstance(effect, ParameterError)]
+    return numbers + physics if physics else []
 
 
 def _settled(catalogue: list[Effect]) -> list[Effect]:

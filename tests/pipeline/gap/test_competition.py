@@ -3,13 +3,17 @@
 import pytest
 import torch
 
-from pipeline.effects import effect_by_key
+from pipeline.effects import effect_by_key, effects_of
 from pipeline.gap import competition
 from pipeline.gap.candidate import Candidate
 from pipeline.gap.competition import Competition
 from pipeline.gap.fit import Fit, fit
+from pipeline.gap.name import usual_of
+from pipeline.gap.settings import Gap
 from tests.pipeline.gap.problems import problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
+
+USUAL = {"inertia_error", "motor_constant_error", "coulomb_friction", "viscous_friction"}
 
 
 class Crowded(Competition):
@@ -106,3 +110,18 @@ def test_what_is_found_wherever_a_fit_starts_is_not_asked():
     winner, other = entry("viscous_friction", 10.0), entry("coulomb_friction", 8.0)
     assert Contested(12.0).first_of(winner, [winner, other]) is winner
     assert Contested(12.0).first_of(None, []) is None
+
+
+def test_of_what_begins_together_the_needless_goes():
+    simulator = joint_simulator()
+    problem = problem_of(joint_recording(Plant(friction=0.3)), simulator)
+    competition = Competition(simulator, problem, Gap())
+    competition.begin_with([effect for effect in competition.catalogue if effect.key in USUAL])
+    assert competition.names() == {"coulomb_friction"}
+    assert {candidate.effect.key for candidate in competition.rounds[0].candidates} == USUAL
+    assert competition.dropped == USUAL - {"coulomb_friction"}
+
+
+def test_what_any_joint_has_is_its_numbers_and_friction():
+    assert {effect.key for effect in usual_of(list(effects_of("joint")))} == USUAL
+    assert usual_of(list(effects_of("quadrotor"))) == []
