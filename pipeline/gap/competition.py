@@ -72,8 +72,8 @@ class Competition:
             self.take(winner)
 
     def begin_with(self, effects: list[Effect]) -> None:
-        """Put effects in together, and drop those that are needless beside the others."""
-        together = tuple(FittedEffect(effect, effect.starts()[0]) for effect in effects)
+        """Put effects in together, from what is known of each, and drop those that are needless beside the others."""
+        together = tuple(FittedEffect(effect, self.judge.rest(effect)) for effect in effects)
         taken = {effect.key for effect in effects}
         others = tuple(f for f in self.current.simulator.effects if f.effect.key not in taken)
         self.become(fit(self.current.simulator.with_effects((*others, *together)), self.problem))
