@@ -103,6 +103,10 @@ class Effect(ABC):
         """Return values from which a fit may start; more than one where the cost has several valleys."""
         return [self.neutral()]
 
+    def starts_in(self, signals: Signals, constants: Values) -> list[dict[str, float]]:
+        """Return the same for what was recorded, where that says how wide the valleys are."""
+        return self.starts()
+
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
         """Return the name of the effect that this one comes down to at its values in what was recorded, or ""."""
         return ""

@@ -12,6 +12,7 @@ _LEAST_CYCLES = (
     2  # of a turn: a magnet has two poles, and one wave in a turn is a weight that hangs off the axis
 )
 _MOST_CYCLES = 48
+_FEW_WAVES = 8  # of the finest of them along a travel that is short for it
 _PHASES = 3
 
 
@@ -39,15 +40,27 @@ class Cogging(WrenchEffect):
 
     def starts(self) -> list[dict[str, float]]:
         """Start from every whole number of cycles per turn, in several phases: each number is a valley of its own."""
+        return self._scanned([float(cycles) for cycles in range(_LEAST_CYCLES, _MOST_CYCLES + 1)])
+
+    def starts_in(self, signals: Signals, constants: Values) -> list[dict[str, float]]:
+        """Start on an axis of little travel, as one that slides, from finer waves, too: by halves along the travel."""
+        position = signals["position"]
+        travel = float(position.max() - position.min())
+        if not 0.0 < travel < _FEW_WAVES * 2.0 * math.pi / _MOST_CYCLES:
+            return self.starts()
+        waves = (math.pi * halves / travel for halves in range(1, 2 * _MOST_CYCLES + 1))
+        return self.starts() + self._scanned([cycles for cycles in waves if cycles > _MOST_CYCLES])
+
+    def _scanned(self, scan: list[float]) -> list[dict[str, float]]:
         amplitude = self.defaults()["sine"]
         angles = [0.5 + 2.0 * math.pi * phase / _PHASES for phase in range(_PHASES)]
         return [
             {
                 "sine": amplitude * math.cos(angle),
                 "cosine": amplitude * math.sin(angle),
-                "cycles": float(cycles),
+                "cycles": cycles,
             }
-            for cycles in range(_LEAST_CYCLES, _MOST_CYCLES + 1)
+            for cycles in scan
             for angle in angles
         ]
 

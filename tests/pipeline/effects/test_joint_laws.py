@@ -257,3 +257,20 @@ def test_in_the_gap_the_axis_moves_as_if_the_motor_were_not_there():
     acceleration = (states[:, 80, 1] - states[:, 40, 1]) / 0.04
     expected = torch.full((2,), 0.05 / (0.75 * JOINT.inertia), dtype=torch.float64)
     torch.testing.assert_close(acceleration, expected, rtol=1e-6, atol=0)
+
+
+@pytest.mark.parametrize("pitch", [0.4, 0.1, 0.024, 0.01])
+def test_some_start_of_cogging_is_within_a_quarter_wave_of_any_pitch_along_a_short_travel(pitch):
+    """A stage of 0.4 m: at the ends of its travel the start and the ripple are less than a quarter wave apart."""
+    position = torch.linspace(-0.2, 0.2, 101, dtype=torch.float64)[None]
+    cogging = effect_by_key("joint", "cogging")
+    starts = cogging.starts_in({"position": position}, constants("joint"))
+    apart = min(abs(start["cycles"] - 2.0 * math.pi / pitch) for start in starts)
+    assert apart * 0.2 <= 0.25 * math.pi + 1e-9
+    assert all(p.low <= start[p.name] <= p.high for start in starts for p in cogging.parameters)
+
+
+def test_an_axis_that_turns_far_starts_from_whole_numbers_of_cogs():
+    position = torch.linspace(-1.0, 1.0, 101, dtype=torch.float64)[None]
+    cogging = effect_by_key("joint", "cogging")
+    assert cogging.starts_in({"position": position}, constants("joint")) == cogging.starts()
