@@ -47,7 +47,9 @@ def flight_in(simulator: Simulator, settings: Flying, residual: Residual | None 
         return racing_flight(platform, effects, settings.time_constant, residual=residual, **options)
     controller = Betaflight.tuned(platform, settings.time_constant)
     held = () if residual is None else (FittedEffect(HeldResidual(), {}, known=True),)
-    return Flight(simulator.with_effects((*effects, *held)), controller, residual=residual, **options)
+    # Nothing simulates a battery here: its voltage stays nominal, where what it drives does nothing.
+    undriven = tuple(f for f in effects if not f.effect.driver)
+    return Flight(simulator.with_effects((*undriven, *held)), controller, residual=residual, **options)
 
 
 def _recorded(simulator: Simulator) -> Residual | None:

@@ -1,13 +1,16 @@
+from dataclasses import replace
+
 import pytest
 import torch
 
+from pipeline.effects import effect_by_key
 from pipeline.errors import InputError
 from pipeline.platforms import Joint
 from pipeline.policies.racing.flying import PARTS, Fleet, flight_in, state_of
 from pipeline.policies.racing.observation import seen_state
 from pipeline.policies.racing.racing import commanded
 from pipeline.policies.racing.settings import Flying
-from pipeline.simulation import Simulator
+from pipeline.simulation import FittedEffect, Simulator
 from tests.pipeline.policies.environment_contract import check_contract
 from tests.pipeline.policies.racing.machines import COARSE, racer, racing
 
@@ -140,3 +143,16 @@ def test_what_cannot_race_is_refused():
         flight_in(Simulator(Joint(inertia=1.0)), Flying())
     with pytest.raises(InputError, match="no parameter"):
         flight_in(Simulator(racer()), Flying(effects={"rotor_drag": {"nothing": 1.0}}))
+
+
+def test_without_a_battery_in_the_simulator_its_voltage_stays_nominal():
+    """A diagnosis may name battery_sag, and a policy be trained without a powertrain of the project's own."""
+    flying = replace(COARSE, powertrain=False)
+    sag = FittedEffect(effect_by_key("quadrotor", "battery_sag"), {"sensitivity": 0.8})
+    state = torch.zeros(2, 13)
+    state[:, PARTS["attitude"].start] = 1.0
+    command = torch.tensor([[12.0, 0.5, -0.3, 0.2]]).expand(2, 4)
+    sagging, plain = (
+        flight_in(Simulator(racer(), effects), flying).step(state, command)[0] for effects in ((sag,), ())
+    )
+    torch.testing.assert_close(sagging, plain)
