@@ -47,7 +47,8 @@ class LinearModel(DynamicsModel):
         penalty = torch.full((columns,), self.settings.ridge * len(examples), dtype=torch.float64)
         penalty[-1] = 0.0  # the constant is free
         solution = torch.linalg.lstsq(gram + penalty.diag(), moment, driver="gelsd").solution
-        self.coefficients = solution.contiguous()  # laid out as storage does: products round by layout
+        # Laid out as storage does, which `contiguous` leaves alone of a single column: products round by layout.
+        self.coefficients = solution.clone(memory_format=torch.contiguous_format)
         return one_step_loss(self.increments, examples, held)
 
     def increments(self, features: Tensor) -> Tensor:
