@@ -186,6 +186,9 @@ def _check_verdict(document: dict[str, Any]) -> None:
     if verdict == "none":
         assert not names
         assert not document["unnamed"]
+    if verdict == "unexplained":
+        physics = [e for e in document["effects"] if not e["name"].endswith("_error")]
+        assert all(effect["probability"] < 0.5 for effect in physics)
     if verdict == "parameter_mismatch":
         assert names
         assert all(name.endswith("_error") for name in names)

@@ -103,7 +103,7 @@ class Effect(ABC):
         """Return values from which a fit may start; more than one where the cost has several valleys."""
         return [self.neutral()]
 
-    def starts_in(self, signals: Signals, constants: Values) -> list[dict[str, float]]:
+    def starts_in(self, signals: Signals) -> list[dict[str, float]]:
         """Return the same for what was recorded, where that says how wide the valleys are."""
         return self.starts()
 

@@ -65,9 +65,9 @@ class Candidate:
 class Starts:
     """Where the fit of each effect starts."""
 
-    def __init__(self, signals: Mapping[str, Tensor], constants: Mapping[str, Any]) -> None:
-        """Prepare for what was recorded, and the constants of the nominal simulator."""
-        self.signals, self.constants = signals, constants
+    def __init__(self, signals: Mapping[str, Tensor]) -> None:
+        """Prepare for what was recorded."""
+        self.signals = signals
         self.scanned: set[str] = set()
         self.shapes: dict[str, dict[str, float]] = {}
 
@@ -77,7 +77,7 @@ class Starts:
         The scan is repeated once for each effect after every change of the simulator that a round decides on; every
         time where what the effect looked like may lie on the other side of a kink.
         """
-        scan = effect.starts_in(self.signals, self.constants)
+        scan = effect.starts_in(self.signals)
         if len(scan) > 1 and not effect.kinked and effect.key in self.scanned:
             return [self.shapes[effect.key], effect.neutral()]
         self.scanned.add(effect.key)

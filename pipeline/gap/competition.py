@@ -55,7 +55,7 @@ class Competition:
         self.known = {fitted.effect.key: fitted for fitted in simulator.known}
         resting = {key: dict(fitted.values) for key, fitted in self.known.items()}
         self.judge = Judge(problem, settings, self.base, len(self.catalogue), resting)
-        self.starts = Starts(problem.blocks.signals, simulator.constants())
+        self.starts = Starts(problem.blocks.signals)
         self.rounds: list[Round] = []
         self.dropped: set[str] = set()
 

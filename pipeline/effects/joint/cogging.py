@@ -42,7 +42,7 @@ class Cogging(WrenchEffect):
         """Start from every whole number of cycles per turn, in several phases: each number is a valley of its own."""
         return self._scanned([float(cycles) for cycles in range(_LEAST_CYCLES, _MOST_CYCLES + 1)])
 
-    def starts_in(self, signals: Signals, constants: Values) -> list[dict[str, float]]:
+    def starts_in(self, signals: Signals) -> list[dict[str, float]]:
         """Start on an axis of little travel, as one that slides, from finer waves, too: by halves along the travel."""
         position = signals["position"]
         travel = float(position.max() - position.min())

@@ -264,7 +264,7 @@ def test_some_start_of_cogging_is_within_a_quarter_wave_of_any_pitch_along_a_sho
     """A stage of 0.4 m: at the ends of its travel the start and the ripple are less than a quarter wave apart."""
     position = torch.linspace(-0.2, 0.2, 101, dtype=torch.float64)[None]
     cogging = effect_by_key("joint", "cogging")
-    starts = cogging.starts_in({"position": position}, constants("joint"))
+    starts = cogging.starts_in({"position": position})
     apart = min(abs(start["cycles"] - 2.0 * math.pi / pitch) for start in starts)
     assert apart * 0.2 <= 0.25 * math.pi + 1e-9
     assert all(p.low <= start[p.name] <= p.high for start in starts for p in cogging.parameters)
@@ -273,4 +273,4 @@ def test_some_start_of_cogging_is_within_a_quarter_wave_of_any_pitch_along_a_sho
 def test_an_axis_that_turns_far_starts_from_whole_numbers_of_cogs():
     position = torch.linspace(-1.0, 1.0, 101, dtype=torch.float64)[None]
     cogging = effect_by_key("joint", "cogging")
-    assert cogging.starts_in({"position": position}, constants("joint")) == cogging.starts()
+    assert cogging.starts_in({"position": position}) == cogging.starts()
