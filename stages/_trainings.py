@@ -36,11 +36,14 @@ def trained(
     """
     from pipeline.artifacts import checkpoint_folder, remove_checkpoint
     from pipeline.policies.racing.entry import race_in
+    from pipeline.policies.racing.flying import left_out
     from pipeline.policies.training import Training, final
     from stages._simulators import chosen_simulator
 
     chosen.learning.check("train_policy.learning")
     simulator, simulator_hash = chosen_simulator(chosen.simulator, platform, config, run)
+    for effect in left_out(simulator, chosen.racing.flying):
+        run.warn(effect)
     misjudging = _misjudging(chosen, run)
     machines = chosen.learning.machines
     race = race_in(simulator, track, chosen.racing, machines, chosen.device, misjudging)

@@ -31,6 +31,7 @@ def evaluate(config: EvaluateStage, run: StageRun) -> None:
 
 def _race(config: EvaluateStage, run: StageRun) -> None:
     from pipeline.policies.racing.entry import race_in
+    from pipeline.policies.racing.flying import left_out
     from pipeline.policies.racing.laps import fly_laps
     from stages._flown import write_laps
     from stages._pilots import entered
@@ -39,6 +40,8 @@ def _race(config: EvaluateStage, run: StageRun) -> None:
     chosen = config.evaluate
     entry = entered(chosen, config.platform, config.track, config.train_policy, config, run)
     simulator, _ = chosen_simulator(chosen.simulator, entry.platform, config, run)
+    for effect in left_out(simulator, entry.settings.flying):
+        run.warn(effect)
     race = race_in(simulator, entry.track, entry.settings, chosen.starts)
     laps = fly_laps(race, entry.pilot, config.seed, chosen.laps, chosen.seconds)
     run.log_metrics(laps.metrics())

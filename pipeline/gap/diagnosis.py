@@ -27,6 +27,7 @@ from pipeline.platforms.mechanism import Channel
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
+from pipeline.simulation.driver import with_drivers
 
 _FEW_CLUSTERS = 10  # so few that a person should know
 _BELIEVED = 0.5  # a probability from which on an effect says what kind of gap there is
@@ -146,7 +147,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         fitting=problem,
         proving=proving,
         nominal=nominal,
-        simulator=simulator,
+        simulator=with_drivers(simulator, fitted.signals),
     )
 
 

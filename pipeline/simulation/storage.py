@@ -10,9 +10,10 @@ from typing import Any
 import yaml
 
 from pipeline.artifacts.descriptions import read_tensors, write_description, write_tensors
-from pipeline.effects import effect_by_key
+from pipeline.effects import Effect, effect_by_key
 from pipeline.errors import InputError
 from pipeline.platforms import Platform, Quadrotor, platform_from_config, platform_to_config
+from pipeline.simulation.driver import SimulatedDriver
 from pipeline.simulation.knn_residual import NearestNeighbours, RecordedResidual
 from pipeline.simulation.simulator import FittedEffect, Simulator
 
@@ -44,6 +45,8 @@ def _describe(fitted: FittedEffect, position_unit: str, folder: Path) -> dict[st
         if name in fitted.std:
             parameters[name]["std"] = float(fitted.std[name])
     described = {"effect": fitted.effect.key, "formula": fitted.effect.formula, "parameters": parameters}
+    if isinstance(fitted.effect, SimulatedDriver):
+        described |= {"effect": fitted.effect.name, "drives": fitted.effect.driven.key}
     return described | ({"known": True} if fitted.known else {})
 
 
@@ -91,12 +94,18 @@ def read_simulator(folder: Path) -> Simulator:
 def _fitted(platform: Platform, entry: dict[str, Any], folder: Path) -> FittedEffect:
     if entry["effect"] == RecordedResidual.name and isinstance(platform, Quadrotor):
         return FittedEffect(_recorded(platform, entry, folder / _TENSORS), {}, known=True)
-    effect, parameters = effect_by_key(platform.kind, str(entry["effect"])), entry["parameters"]
+    effect, parameters = _effect(platform, entry), entry["parameters"]
     values = {name: _number(parameter["value"]) for name, parameter in parameters.items()}
     if values.keys() != {parameter.name for parameter in effect.parameters}:
         raise ValueError(f"{effect.key} has the parameters {', '.join(p.name for p in effect.parameters)}")
     std = {name: float(parameter["std"]) for name, parameter in parameters.items() if "std" in parameter}
     return FittedEffect(effect, values, std, bool(entry.get("known")))
+
+
+def _effect(platform: Platform, entry: dict[str, Any]) -> Effect:
+    if entry["effect"] == SimulatedDriver.name:
+        return SimulatedDriver(effect_by_key(platform.kind, str(entry["drives"])))
+    return effect_by_key(platform.kind, str(entry["effect"]))
 
 
 def _require_once(effects: tuple[FittedEffect, ...]) -> None:

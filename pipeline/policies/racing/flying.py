@@ -12,6 +12,7 @@ from pipeline.platforms import Quadrotor
 from pipeline.policies.racing.settings import Flying
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.controllers import Betaflight
+from pipeline.simulation.driver import without_driver
 from pipeline.simulation.flight import Flight, Residual, racing_flight
 from pipeline.simulation.fused import FusedStep
 from pipeline.simulation.knn_residual import HeldResidual, RecordedResidual, residual_features
@@ -47,9 +48,19 @@ def flight_in(simulator: Simulator, settings: Flying, residual: Residual | None 
         return racing_flight(platform, effects, settings.time_constant, residual=residual, **options)
     controller = Betaflight.tuned(platform, settings.time_constant)
     held = () if residual is None else (FittedEffect(HeldResidual(), {}, known=True),)
-    # Nothing simulates a battery here: its voltage stays nominal, where what it drives does nothing.
-    undriven = tuple(f for f in effects if not f.effect.driver)
-    return Flight(simulator.with_effects((*undriven, *held)), controller, residual=residual, **options)
+    idle = without_driver(simulator.with_effects(effects))
+    acting = tuple(f for f in effects if f not in idle)
+    return Flight(simulator.with_effects((*acting, *held)), controller, residual=residual, **options)
+
+
+def left_out(simulator: Simulator, settings: Flying) -> list[str]:
+    """Say which effects of a simulator are not flown, and why."""
+    if settings.powertrain:
+        return []
+    return [
+        f"{f.effect.name} is left out: nothing says what its {f.effect.driver} is; diagnose again, or set powertrain"
+        for f in without_driver(simulator)
+    ]
 
 
 def _recorded(simulator: Simulator) -> Residual | None:

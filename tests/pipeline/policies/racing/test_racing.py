@@ -6,13 +6,16 @@ import torch
 from pipeline.effects import effect_by_key
 from pipeline.errors import InputError
 from pipeline.platforms import Joint
-from pipeline.policies.racing.flying import PARTS, Fleet, flight_in, state_of
+from pipeline.policies.racing.flying import PARTS, Fleet, flight_in, left_out, state_of
 from pipeline.policies.racing.observation import seen_state
 from pipeline.policies.racing.racing import commanded
 from pipeline.policies.racing.settings import Flying
 from pipeline.simulation import FittedEffect, Simulator
+from pipeline.simulation.driver import SimulatedDriver
 from tests.pipeline.policies.environment_contract import check_contract
 from tests.pipeline.policies.racing.machines import COARSE, racer, racing
+
+SAG = effect_by_key("quadrotor", "battery_sag")
 
 
 @pytest.fixture(scope="module")
@@ -145,14 +148,33 @@ def test_what_cannot_race_is_refused():
         flight_in(Simulator(racer()), Flying(effects={"rotor_drag": {"nothing": 1.0}}))
 
 
-def test_without_a_battery_in_the_simulator_its_voltage_stays_nominal():
+def test_without_a_battery_what_it_drives_is_left_out_and_said():
     """A diagnosis may name battery_sag, and a policy be trained without a powertrain of the project's own."""
     flying = replace(COARSE, powertrain=False)
-    sag = FittedEffect(effect_by_key("quadrotor", "battery_sag"), {"sensitivity": 0.8})
+    sagging = Simulator(racer(), (FittedEffect(SAG, {"sensitivity": 0.8}),))
+    (said,) = left_out(sagging, flying)
+    assert "battery_sag" in said
+    assert "battery_voltage" in said
+    torch.testing.assert_close(*(hovered(each, flying) for each in (sagging, Simulator(racer()))))
+    assert not left_out(sagging, COARSE)
+
+
+def test_a_battery_as_it_was_recorded_is_flown():
+    """Two thirds of the nominal voltage leave less than half of the thrust."""
+    flying = replace(COARSE, powertrain=False)
+    level = FittedEffect(SimulatedDriver(SAG), {"level": 10.0, "giving": 0.0}, known=True)
+    sagging = Simulator(racer(), (FittedEffect(SAG, {"sensitivity": 1.0}), level))
+    assert not left_out(sagging, flying)
+    upward = [
+        hovered(each, flying)[0, PARTS["velocity"]][2] + 9.81 * flying.period
+        for each in (sagging, Simulator(racer()))
+    ]
+    assert float(upward[0] / upward[1]) == pytest.approx((10.0 / racer().nominal_voltage) ** 2, rel=0.01)
+
+
+def hovered(simulator: Simulator, flying: Flying) -> torch.Tensor:
+    """Return the states (2, 13) after one period of commands near hover."""
     state = torch.zeros(2, 13)
     state[:, PARTS["attitude"].start] = 1.0
-    command = torch.tensor([[12.0, 0.5, -0.3, 0.2]]).expand(2, 4)
-    sagging, plain = (
-        flight_in(Simulator(racer(), effects), flying).step(state, command)[0] for effects in ((sag,), ())
-    )
-    torch.testing.assert_close(sagging, plain)
+    command = torch.tensor([[12.0, 0.0, 0.0, 0.0]]).expand(2, 4)
+    return flight_in(simulator, flying).step(state, command)[0]

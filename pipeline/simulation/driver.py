@@ -1,0 +1,87 @@
+"""What drives an effect (a battery's voltage, a temperature) where nobody recorded it: in a flight yet to come."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from pipeline.effects import ActuatorEffect, Effect
+from pipeline.effects.effect import Parameter, Signals, Values
+from pipeline.simulation.simulator import FittedEffect, Simulator
+
+
+@dataclass(frozen=True)
+class SimulatedDriver(ActuatorEffect):
+    """A level, less what the load takes at once; a driver that is given stays as it is given.
+
+    It is no entry of the catalogue: it says what a recording's driver was like, and nothing that was missing.
+
+    Attributes:
+        driven: the effect whose driver it simulates, and which knows what loads it.
+    """
+
+    driven: Effect
+
+    order = -1  # before all that needs it
+    name = "simulated_driver"
+    acts_on = "actuator"
+    parameters = (
+        Parameter("level", "unit of the driver", 1.0, -1e9, 1e9),
+        Parameter("giving", "unit of the driver per load", 0.0, 0.0, 1e9),
+    )
+    formula = "driver = level − giving · load"
+    source = (
+        "Chen & Rincón-Mora 2006, Accurate electrical battery model: its source and its series resistance"
+    )
+    sentence = "What drives it stands at {level} and falls by {giving} per load."
+    excitation = "the motion that is to be simulated"
+    names_physics = False
+
+    @property
+    def key(self) -> str:
+        """The name of what it simulates: there is one of each driver."""
+        return f"simulated_{self.driven.driver}"
+
+    def actuate(
+        self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
+    ) -> tuple[dict[str, Tensor], Any]:
+        """Return the driver, where it is not given."""
+        if self.driven.driver in signals:
+            return {}, None
+        load = self.driven.load(signals, constants)
+        if load is None:
+            load = torch.zeros_like(next(iter(signals.values()))[..., 0])
+        return {self.driven.driver: values["level"] - values["giving"] * load}, None
+
+
+def with_drivers(simulator: Simulator, signals: Mapping[str, Tensor]) -> Simulator:
+    """Return a simulator that knows, without a recording, how the drivers of its effects were in one.
+
+    Args:
+        simulator: after a diagnosis.
+        signals: (blocks, samples, ...), with the drivers.
+    """
+    others = [f for f in simulator.effects if not isinstance(f.effect, SimulatedDriver)]
+    driven = {f.effect.driver: f.effect for f in others if f.effect.driver in signals}
+    constants = simulator.constants()
+    moved = simulator.mechanism.actuate(dict(signals), constants)
+    laws = [_law(effect, signals[name], effect.load(moved, constants)) for name, effect in driven.items()]
+    return simulator.with_effects((*others, *laws))
+
+
+def without_driver(simulator: Simulator) -> tuple[FittedEffect, ...]:
+    """Return the effects that would do nothing in a flight of one's own: nothing says what drives them."""
+    known = {f.effect.driven.driver for f in simulator.effects if isinstance(f.effect, SimulatedDriver)}
+    return tuple(f for f in simulator.effects if f.effect.driver and f.effect.driver not in known)
+
+
+def _law(effect: Effect, driver: Tensor, load: Tensor | None) -> FittedEffect:
+    """Return the line of a driver against its load, by least squares; a load that lifts it takes nothing."""
+    giving = 0.0
+    if load is not None:
+        apart = load - load.mean()
+        giving = max(-float((apart * driver).sum() / apart.square().sum().clamp_min(1e-300)), 0.0)
+    level = float(driver.mean() + (giving * load.mean() if load is not None else 0.0))
+    return FittedEffect(SimulatedDriver(effect), {"level": level, "giving": giving}, known=True)
