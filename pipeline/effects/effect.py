@@ -111,6 +111,10 @@ class Effect(ABC):
         """Return the name of the effect that this one comes down to at its values in what was recorded, or ""."""
         return ""
 
+    def unphysical(self, values: Values, constants: Values) -> str:
+        """Return why no machine of the kind has these values though each is within its bounds, or ""."""
+        return ""
+
     def lateness(self, values: Values, constants: Values) -> float:
         """Return by how much the effect makes something late, s; 0 where it is not about time."""
         return 0.0

@@ -1,6 +1,7 @@
 """How a slung load swings where a recording of it begins: from what is felt across the thrust."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
@@ -9,8 +10,13 @@ from pipeline.physics import rotations
 from pipeline.physics.cable import Cable, across, along, pooled, pull
 
 _COARSE = 0.15  # rad that a cable swings by in a step: an error of the start is no finer than what is felt
-_USUAL = 0.3  # rad, by which a cable may be off the apparent gravity at first
-_CORRECTIONS = 2
+_USUAL = 1.0  # rad, by which a cable may be off the apparent gravity at first
+_CORRECTIONS = 5
+_DAMPING, _EASED, _TIGHTENED = (
+    0.01,
+    0.25,
+    8.0,
+)  # at first, and by what it changes where a correction helps or does not
 _SLIGHT = 1e-3  # rad, by which it is turned to see what that changes
 _MEMORY = 0.2  # s, after which what is felt tells something new
 
@@ -22,69 +28,121 @@ class Felt:
     Attributes:
         apparent: gravity, world frame, (cables, steps, 3) m/s².
         attitude: (cables, steps, 4).
-        counts: which steps count, (cables, steps).
     """
 
     apparent: Tensor
     attitude: Tensor
-    counts: Tensor
 
     def sideways(self, acceleration: Tensor) -> Tensor:
         """Return accelerations (cables, steps, 3) of the world frame along body x and y, (cables, 2·steps)."""
         body = rotations.rotate_inverse(self.attitude, acceleration)
-        return (body[..., :2] * self.counts[..., None]).flatten(1)
+        return body[..., :2].flatten(1)
 
 
 def first_swing(
-    cable: Cable, apparent: Tensor, attitude: Tensor, counts: Tensor, mass_ratio: Tensor | float
+    cable: Cable, apparent: Tensor, attitude: Tensor, mass_ratio: Tensor | float
 ) -> tuple[Tensor, Tensor]:
     """Return direction and rate with which the pull follows best what is felt across the thrust.
 
-    Gauss-Newton from rest, in coarse steps, over two angles and their rates, as far as they may usually be off.
+    Levenberg-Marquardt from rest, in coarse steps, over two angles and their rates, as far as they may usually be off.
 
     Args:
         cable: that swings.
         apparent: gravity, world frame, (cables, samples, 3) m/s².
         attitude: (cables, samples, 4).
-        counts: which samples count, (cables, samples).
         mass_ratio: of load and machine.
     """
     stride = cable.stride(_COARSE)
     means = pooled(apparent, stride)
     middles = (stride * torch.arange(means.shape[1]) + stride // 2).clamp_max(apparent.shape[1] - 1)
-    felt = Felt(means, attitude[:, middles], counts[:, middles])
-    resting = along(apparent[:, 0])
-    off = torch.zeros(len(apparent), 4, dtype=apparent.dtype)
-    for _ in range(_CORRECTIONS):
-        off = off + _correction(cable, resting, off, felt, stride, mass_ratio)
-    return _turned(cable, resting, off)
+    felt = Felt(means, attitude[:, middles])
+    search = _Search(cable, along(apparent[:, 0]), felt, stride, mass_ratio)
+    return search.turned(search.found())
 
 
-def _correction(
-    cable: Cable, resting: Tensor, off: Tensor, felt: Felt, stride: int, mass_ratio: Tensor | float
-) -> Tensor:
-    """Return by how much the start has to be turned further, (cables, 4)."""
-    units = torch.eye(4, dtype=off.dtype)
-    moved = [off, *(off + _SLIGHT * unit for unit in units)]
-    starts = zip(*(_turned(cable, resting, each) for each in moved), strict=True)
-    direction, rate = (torch.cat(part) for part in starts)
-    whole = felt.apparent.repeat(len(moved), 1, 1)
-    swung = cable.steps(direction, rate, whole, stride)
-    pulls = (mass_ratio * pull(*swung, whole, cable.length)).unflatten(0, (len(moved), -1))
-    shown = torch.stack([felt.sideways(each) for each in pulls])
-    slopes = ((shown[1:] - shown[0]) / _SLIGHT).movedim(0, -1)
-    error = felt.sideways(-felt.apparent) - shown[0]
-    independent = felt.counts.sum(1) * stride * cable.time_step / _MEMORY
-    weight = independent / error.square().sum(1).clamp_min(1e-12)
-    square = weight[:, None, None] * slopes.mT @ slopes + units / _USUAL**2
-    uphill = weight[:, None] * (slopes.mT @ error[..., None])[..., 0] - off / _USUAL**2
-    return torch.linalg.solve(square, uphill)
+class Swung(NamedTuple):
+    """What starts lead to.
+
+    Attributes:
+        off: by how much each start is off rest, (cables, 4).
+        error: of what is felt, (cables, 2·steps) m/s².
+        slopes: of what is felt against the start, (cables, 2·steps, 4).
+    """
+
+    off: Tensor
+    error: Tensor
+    slopes: Tensor
+
+    @property
+    def cost(self) -> Tensor:
+        """The energy of the error of each start, (cables,)."""
+        return self.error.square().sum(1)
+
+    def or_else(self, other: "Swung") -> "Swung":
+        """Return for each cable whichever errs less."""
+        better = self.cost <= other.cost
+        picked = (
+            torch.where(better.view(-1, *[1] * (mine.dim() - 1)), mine, yours)
+            for mine, yours in zip(self, other, strict=True)
+        )
+        return Swung(*picked)
 
 
-def _turned(cable: Cable, resting: Tensor, off: Tensor) -> tuple[Tensor, Tensor]:
-    """Return direction and rate of cables off rest by two angles, and by two rates over their pace, (cables, 4)."""
-    axes = torch.eye(3, dtype=resting.dtype)[:2]
-    sides = torch.stack([across(axis.expand_as(resting), resting) for axis in axes])
-    aside, turning = ((part.T[..., None] * sides).sum(0) for part in (off[:, :2], cable.pace * off[:, 2:]))
-    turned = along(resting + aside)
-    return turned, across(turning, turned)
+@dataclass(frozen=True)
+class _Search:
+    """For the starts of cables: two angles off rest, and two rates over their pace.
+
+    Attributes:
+        cable: that swings.
+        resting: direction of the apparent gravity at first, (cables, 3).
+        felt: what is to be followed.
+        stride: samples in a step.
+        mass_ratio: of load and machine.
+    """
+
+    cable: Cable
+    resting: Tensor
+    felt: Felt
+    stride: int
+    mass_ratio: Tensor | float
+
+    def found(self) -> Tensor:
+        """Return by how much the cables are off rest at first, (cables, 4)."""
+        best = self.swung(torch.zeros(len(self.resting), 4, dtype=self.resting.dtype))
+        damping = torch.full((len(self.resting),), _DAMPING, dtype=self.resting.dtype)
+        for _ in range(_CORRECTIONS):
+            tried = self.swung(best.off + self.correction(best, damping))
+            damping = torch.where(tried.cost < best.cost, _EASED * damping, _TIGHTENED * damping)
+            best = tried.or_else(best)
+        return best.off
+
+    def swung(self, off: Tensor) -> Swung:
+        """Return what starts lead to, and how that changes with them."""
+        moved = [off, *(off + _SLIGHT * unit for unit in torch.eye(4, dtype=off.dtype))]
+        starts = zip(*(self.turned(each) for each in moved), strict=True)
+        direction, rate = (torch.cat(part) for part in starts)
+        whole = self.felt.apparent.repeat(len(moved), 1, 1)
+        swung = self.cable.steps(direction, rate, whole, self.stride)
+        pulls = self.mass_ratio * pull(*swung, whole, self.cable.length)
+        shown = torch.stack([self.felt.sideways(each) for each in pulls.unflatten(0, (len(moved), -1))])
+        error = self.felt.sideways(-self.felt.apparent) - shown[0]
+        return Swung(off, error, ((shown[1:] - shown[0]) / _SLIGHT).movedim(0, -1))
+
+    def correction(self, swung: Swung, damping: Tensor) -> Tensor:
+        """Return by how much starts have to be turned further, (cables, 4)."""
+        independent = self.felt.apparent.shape[1] * self.stride * self.cable.time_step / _MEMORY
+        weight = independent / swung.cost.clamp_min(1e-12)
+        square = weight[:, None, None] * swung.slopes.mT @ swung.slopes
+        held = square.diagonal(dim1=1, dim2=2) * damping[:, None] + _USUAL**-2
+        uphill = weight[:, None] * (swung.slopes.mT @ swung.error[..., None])[..., 0]
+        return torch.linalg.solve(square + torch.diag_embed(held), uphill - swung.off / _USUAL**2)
+
+    def turned(self, off: Tensor) -> tuple[Tensor, Tensor]:
+        """Return direction and rate of cables off rest, (cables, 3) each."""
+        axes = torch.eye(3, dtype=off.dtype)[:2]
+        sides = torch.stack([across(axis.expand_as(self.resting), self.resting) for axis in axes])
+        aside, turning = (
+            (part.T[..., None] * sides).sum(0) for part in (off[:, :2], self.cable.pace * off[:, 2:])
+        )
+        turned = along(self.resting + aside)
+        return turned, across(turning, turned)

@@ -10,6 +10,8 @@ from torch import Tensor
 from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from pipeline.effects.lag import lag_along_time, lag_step
 
+_SLOWEST = 0.05  # s; a few milliseconds are usual, for large machines some twenty
+
 
 class MotorInductance(ActuatorEffect):
     """Current that follows the voltage with the winding's time constant, inductance over resistance."""
@@ -30,6 +32,11 @@ class MotorInductance(ActuatorEffect):
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan over the usual windings."""
         return [{"inductance": 1e-5 * 10.0**step} for step in range(5)]
+
+    def unphysical(self, values: Values, constants: Values) -> str:
+        """Say so where the current would rise more slowly than any winding of such a machine lets it."""
+        slow = self._time_constant(values, constants) > _SLOWEST
+        return f"no winding takes longer than {_SLOWEST} s" if slow else ""
 
     def lateness(self, values: Values, constants: Values) -> float:
         """Return the winding's time constant."""

@@ -182,7 +182,10 @@ class Judge:
         values = dict(zip(names, fit.values[columns_of(fit, effect)].tolist(), strict=True))
         constants = fit.simulator.constants()
         refusal = (
-            self.bound(effect, values) or _unseen(candidate) or self.unresolved(effect, values, constants)
+            self.bound(effect, values)
+            or effect.unphysical(values, constants)
+            or _unseen(candidate)
+            or self.unresolved(effect, values, constants)
         )
         if refusal:
             return refusal

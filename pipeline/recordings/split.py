@@ -5,10 +5,14 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
 import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
 
 from pipeline.errors import InputError
 
 PARTS = ("train", "validation", "holdout")
+_DECIMALS = 6  # of a distance, beyond which runs resemble each other alike
+RESEMBLANCE, CHANCE = "resemblance", "chance"
 
 
 @dataclass
@@ -16,31 +20,36 @@ class Split:
     """How the runs of a dataset are divided.
 
     Patterns name runs as file names are matched (`melon_*`); a run that no pattern names is trained on.
-    Without any pattern the fractions say how many runs, drawn with the seed, go where.
+    Without any pattern the fractions say how many runs go where. Which ones are held out says how much they resemble
+    each other: a run that is alone in what it does has to be fitted, or nothing can be learned from it.
     """
 
     validation: list[str] = field(default_factory=list)  # patterns of runs to choose a model by
     holdout: list[str] = field(default_factory=list)  # patterns of runs to prove a result on
     validation_fraction: float = 0.15  # of the runs, where no pattern is given
     holdout_fraction: float = 0.25  # of the runs, where no pattern is given; at least one where there are two
+    held_out_by: str = RESEMBLANCE  # of runs that do the like one is held out; or chance: the seed draws them
 
 
-def split_runs(runs: Sequence[str], split: Split, seed: int = 0) -> dict[str, str]:
+def split_runs(
+    runs: Sequence[str], split: Split, seed: int = 0, distances: NDArray[np.float64] | None = None
+) -> dict[str, str]:
     """Assign each run to train, validation or holdout.
 
     Args:
         runs: the runs there are.
         split: the patterns or fractions.
         seed: for the draw where fractions decide.
+        distances: between the runs, (runs, runs), see `pipeline.recordings.resemblance`; None where chance decides.
 
     Returns:
         Run to part, in the order of `runs`. One run alone is trained on.
 
     Raises:
-        InputError: when a fraction is not one, or the patterns leave nothing to fit.
+        InputError: when a fraction is not one, the patterns leave nothing to fit, or nothing says what is held out.
     """
     if not (split.validation or split.holdout):
-        return _by_fraction(runs, split, seed)
+        return _by_fraction(runs, split, seed, distances)
     parts = {run: _matched(run, split) for run in runs}
     if runs and "train" not in parts.values():
         raise InputError("no run is left to fit", "dataset.split", "let some run match no pattern")
@@ -54,21 +63,49 @@ def _matched(run: str, split: Split) -> str:
     return "train"
 
 
-def _by_fraction(runs: Sequence[str], split: Split, seed: int) -> dict[str, str]:
-    for key in ("validation_fraction", "holdout_fraction"):
-        if not 0 <= getattr(split, key) < 1:
-            raise InputError(
-                f"{getattr(split, key)} is not a fraction", f"dataset.split.{key}", "give 0 to below 1"
-            )
+def _by_fraction(
+    runs: Sequence[str], split: Split, seed: int, distances: NDArray[np.float64] | None
+) -> dict[str, str]:
+    _check(split)
     count = len(runs)
     held = min(max(round(split.holdout_fraction * count), 1), count - 1) if split.holdout_fraction else 0
     chosen = min(round(split.validation_fraction * count), count - 1 - held)
     order = np.random.default_rng(seed).permutation(count)
     drawn = [sorted(runs)[index] for index in order]
+    if distances is not None and split.held_out_by == RESEMBLANCE:
+        apart = pd.DataFrame(distances, index=list(runs), columns=list(runs)).loc[drawn, drawn]
+        drawn = _most_alike_first(apart, held)
     part = dict.fromkeys(drawn, "train")
     part |= dict.fromkeys(drawn[:held], "holdout")
     part |= dict.fromkeys(drawn[held : held + max(chosen, 0)], "validation")
     return {run: part[run] for run in runs}
+
+
+def _check(split: Split) -> None:
+    for key in ("validation_fraction", "holdout_fraction"):
+        if not 0 <= getattr(split, key) < 1:
+            raise InputError(
+                f"{getattr(split, key)} is not a fraction", f"dataset.split.{key}", "give 0 to below 1"
+            )
+    if split.held_out_by not in (RESEMBLANCE, CHANCE):
+        where = "dataset.split.held_out_by"
+        raise InputError(f"there is no {split.held_out_by!r}", where, f"use {RESEMBLANCE} or {CHANCE}")
+
+
+def _most_alike_first(apart: pd.DataFrame, count: int) -> list[str]:
+    """Return the runs, first so many of which each resembles one that is left as much as any does.
+
+    Of two that are nearest to each other, that is the one which is nearer to all.
+    """
+    left, first = list(apart.index), []
+    others = apart.mask(np.eye(len(apart), dtype=bool))
+    for _ in range(count):
+        among = others.loc[left, left]
+        nearest = pd.DataFrame({"one": among.min(), "all": among.mean()}).round(_DECIMALS)
+        alike = str(nearest.sort_values(["one", "all"], kind="stable").index[0])
+        first.append(alike)
+        left.remove(alike)
+    return [*first, *left]
 
 
 def runs_of(split: Mapping[str, str], part: str) -> list[str]:

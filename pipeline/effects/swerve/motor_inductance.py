@@ -1,6 +1,9 @@
 """Motors of a swerve drive whose current takes time to rise."""
 
+from pipeline.effects.effect import Parameter
 from pipeline.effects.motor_inductance import MotorInductance
+
+_OF_STRONG_MOTORS = (Parameter("inductance", "H", 2e-3, 0.0, 10.0),)
 
 
 class DriveMotorInductance(MotorInductance):
@@ -8,6 +11,7 @@ class DriveMotorInductance(MotorInductance):
 
     kind = "swerve"
     acts_on = "drive"
+    parameters = _OF_STRONG_MOTORS
     group = "drive_"
     delayed = "drive_torque"
     sentence = "The drive motors' inductance of {inductance} H delays their current; add it to the simulator."
@@ -18,6 +22,7 @@ class SteerMotorInductance(MotorInductance):
 
     kind = "swerve"
     acts_on = "steer"
+    parameters = _OF_STRONG_MOTORS
     group = "steer_"
     delayed = "steer_torque"
     sentence = (

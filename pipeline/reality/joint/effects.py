@@ -46,7 +46,7 @@ CONCEALABLE: dict[str, dict[str, Quantity]] = {
     },
     "temperature_derating": {"coefficient": Quantity("1/K", 0.005, high=0.008)},
     "command_delay": {"delay": Quantity("s", 0.02, high=0.1)},
-    "motor_inductance": {"time_constant": Quantity("s", 0.008, high=0.1)},
+    "motor_inductance": {"time_constant": Quantity("s", 0.008, high=0.05)},
     "current_limit": {"limit": Quantity("A", 0.5, {"current": 1}, neutral=math.inf, low=1e-6)},
     "inertia_error": {"ratio": Quantity("1", 1.3, neutral=1.0, low=0.2, high=5.0)},
     "motor_constant_error": {"ratio": Quantity("1", 1.2, neutral=1.0, low=0.2, high=5.0)},

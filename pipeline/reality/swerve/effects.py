@@ -26,7 +26,7 @@ def _in_both() -> dict[str, dict[str, Quantity]]:
                 "charge": Quantity("1", 0.8, low=0.05, high=1.0),
             },
             f"command_delay@{group}": {"delay": Quantity("s", 0.02, high=0.1)},
-            f"motor_inductance@{group}": {"time_constant": Quantity("s", 0.01, high=0.1)},
+            f"motor_inductance@{group}": {"time_constant": Quantity("s", 0.01, high=0.05)},
             f"current_limit@{group}": {
                 "limit": Quantity("A", 0.8, {f"{group}_current": 1}, neutral=math.inf, low=1e-6)
             },

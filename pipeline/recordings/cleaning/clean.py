@@ -24,6 +24,7 @@ from pipeline.recordings.cleaning.straight import erase_straight
 from pipeline.recordings.cleaning.work import RunUnderCleaning, changes_table
 from pipeline.recordings.contract import REQUIRED
 from pipeline.recordings.recording import Recording
+from pipeline.recordings.resemblance import distances_of
 from pipeline.recordings.split import Split, split_runs
 
 
@@ -73,7 +74,7 @@ def clean_with_coverage(
     settings.check()
     split = split or Split()
     if recording.cleaned:
-        parts = split_runs(recording.runs, split, seed)
+        parts = split_runs(recording.runs, split, seed, distances_of(recording.frame))
         runs = [_begin(recording, name, rows) for name, rows in _by_run(recording)]
         return Cleaned(dataclasses.replace(recording, split=parts), changes_table([]), coverage(runs))
     runs = [_begin(recording, name, rows) for name, rows in _by_run(recording)]
@@ -84,10 +85,11 @@ def clean_with_coverage(
     usable = [run for run in runs if (run.dropped == "").any()]
     if not usable:
         raise InputError(_why_nothing(changes), recording.source or "recording", "give another recording")
+    frame = _frame(usable, recording)
     result = dataclasses.replace(
         recording,
-        frame=_frame(usable, recording),
-        split=split_runs([run.name for run in usable], split, seed),
+        frame=frame,
+        split=split_runs([run.name for run in usable], split, seed, distances_of(frame)),
         clock_offset={run.name: run.clock_offset for run in usable if run.clock_offset is not None},
         cleaned=True,
     )

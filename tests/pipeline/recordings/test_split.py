@@ -1,5 +1,6 @@
-"""Runs are divided whole, by patterns or by the seed."""
+"""Runs are divided whole, by patterns, by resemblance or by the seed."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -28,6 +29,44 @@ def test_the_seed_decides_and_the_order_does_not(runs, seed):
 def test_a_quarter_is_held_out():
     parts = split_runs([f"run{index}" for index in range(20)], Split(), 3)
     assert [len(runs_of(parts, part)) for part in PARTS] == [12, 3, 5]
+
+
+@given(points=st.lists(st.floats(-10, 10), min_size=2, max_size=12), seed=st.integers(0, 2**31))
+def test_what_is_held_out_resembles_what_is_fitted(points, seed):
+    """No choice of one run would have one that is nearer to a run that stays."""
+    runs = [f"run{index}" for index in range(len(points))]
+    distances = np.abs(np.subtract.outer(points, points))
+    parts = split_runs(runs, Split(holdout_fraction=0.01, validation_fraction=0.0), seed, distances)
+    (held,) = (runs.index(run) for run in runs_of(parts, "holdout"))
+    apart = distances + np.diag([np.inf] * len(points))
+    assert apart[held].min() == pytest.approx(apart.min(), abs=1e-6)
+
+
+def test_a_run_that_is_alone_in_what_it_does_is_fitted():
+    points = np.array([0.0, 0.1, 0.2, 0.3, 5.0, 9.0])
+    runs = ["a", "b", "c", "d", "alone", "far"]
+    distances = np.abs(np.subtract.outer(points, points))
+    for seed in range(20):
+        parts = split_runs(runs, Split(holdout_fraction=0.4, validation_fraction=0.0), seed, distances)
+        assert set(runs_of(parts, "holdout")) <= {"a", "b", "c", "d"}
+        assert runs_of(parts, "train")[-2:] == ["alone", "far"]
+
+
+def test_of_two_that_are_alike_the_one_nearer_to_all_is_held_out():
+    points = np.array([0.0, 0.1, 0.5, 1.0])
+    parts = split_runs(
+        list("abcd"), Split(validation_fraction=0.0), 0, np.abs(np.subtract.outer(points, points))
+    )
+    assert runs_of(parts, "holdout") == ["b"]
+
+
+def test_chance_draws_where_it_is_asked_to():
+    runs = [f"run{index}" for index in range(9)]
+    distances = np.abs(np.subtract.outer(np.arange(9.0), np.arange(9.0)))
+    split = Split(held_out_by="chance")
+    assert split_runs(runs, split, 1, distances) == split_runs(runs, split, 1)
+    with pytest.raises(InputError, match=r"dataset\.split\.held_out_by.*resemblance or chance"):
+        split_runs(runs, Split(held_out_by="luck"))
 
 
 def test_nothing_is_held_out_where_nothing_is_asked():

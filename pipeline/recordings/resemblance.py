@@ -1,0 +1,32 @@
+"""How much the runs of a recording resemble each other: by what they reach, how widely they move and how fast."""
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+_NO_CHANNELS = ("run", "t", "segment", "filled")
+_STILL = 1e-4  # of a channel's spread, below which it counts as still
+
+
+def distances_of(frame: pd.DataFrame) -> NDArray[np.float64]:
+    """Return the distances between runs, (runs, runs), in the order in which they appear.
+
+    Compared are the mean of every channel, and the logarithms of its spread and of that of its steps between samples,
+    each over its deviation from run to run; a distance is the root of their mean square.
+
+    Args:
+        frame: of a recording; channels that some run lacks do not count.
+    """
+    numbers = frame.drop(columns=list(_NO_CHANNELS), errors="ignore").select_dtypes("number")
+    complete = [name for name in numbers if np.isfinite(numbers[name]).all()]
+    run = frame["run"].astype(str)
+    scaled = numbers[complete] / numbers[complete].std().replace(0.0, 1.0).fillna(1.0)
+    runs = scaled.groupby(run, sort=False)
+    steps = runs.diff().groupby(run, sort=False)
+    sizes = [np.log(part.std().fillna(0.0).clip(lower=_STILL).to_numpy()) for part in (runs, steps)]
+    traits = np.concatenate([runs.mean().to_numpy(), *sizes], axis=1)
+    traits = traits - traits.mean(0)
+    told = traits.std(0) > _STILL
+    traits = traits[:, told] / traits[:, told].std(0)
+    apart = traits[:, None] - traits[None]
+    return np.sqrt(np.square(apart).sum(-1) / max(int(told.sum()), 1))
