@@ -28,19 +28,21 @@ class Felt:
     Attributes:
         apparent: gravity, world frame, (cables, steps, 3) m/s².
         attitude: (cables, steps, 4).
+        counts: which steps count, (cables, steps).
     """
 
     apparent: Tensor
     attitude: Tensor
+    counts: Tensor
 
     def sideways(self, acceleration: Tensor) -> Tensor:
         """Return accelerations (cables, steps, 3) of the world frame along body x and y, (cables, 2·steps)."""
         body = rotations.rotate_inverse(self.attitude, acceleration)
-        return body[..., :2].flatten(1)
+        return (body[..., :2] * self.counts[..., None]).flatten(1)
 
 
 def first_swing(
-    cable: Cable, apparent: Tensor, attitude: Tensor, mass_ratio: Tensor | float
+    cable: Cable, apparent: Tensor, attitude: Tensor, counts: Tensor, mass_ratio: Tensor | float
 ) -> tuple[Tensor, Tensor]:
     """Return direction and rate with which the pull follows best what is felt across the thrust.
 
@@ -50,12 +52,13 @@ def first_swing(
         cable: that swings.
         apparent: gravity, world frame, (cables, samples, 3) m/s².
         attitude: (cables, samples, 4).
+        counts: which samples count, (cables, samples).
         mass_ratio: of load and machine.
     """
     stride = cable.stride(_COARSE)
     means = pooled(apparent, stride)
     middles = (stride * torch.arange(means.shape[1]) + stride // 2).clamp_max(apparent.shape[1] - 1)
-    felt = Felt(means, attitude[:, middles])
+    felt = Felt(means, attitude[:, middles], counts[:, middles])
     search = _Search(cable, along(apparent[:, 0]), felt, stride, mass_ratio)
     return search.turned(search.found())
 
@@ -130,7 +133,7 @@ class _Search:
 
     def correction(self, swung: Swung, damping: Tensor) -> Tensor:
         """Return by how much starts have to be turned further, (cables, 4)."""
-        independent = self.felt.apparent.shape[1] * self.stride * self.cable.time_step / _MEMORY
+        independent = self.felt.counts.sum(1) * self.stride * self.cable.time_step / _MEMORY
         weight = independent / swung.cost.clamp_min(1e-12)
         square = weight[:, None, None] * swung.slopes.mT @ swung.slopes
         held = square.diagonal(dim1=1, dim2=2) * damping[:, None] + _USUAL**-2

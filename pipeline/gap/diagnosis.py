@@ -124,6 +124,8 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     learned = learn(residual, channels, regimes, problem, fold)
     beside = learned_rows(learned, channels, regimes_on(proving, simulator), functions)
     proof = prove(nominal, simulator, proving, functions, counted, held_out, settings.resamples, beside)
+    if proof.refutes:
+        signs = {key: replace(each, refuted=True) for key, each in signs.items()}
     unseen = _unseen(proof, naming, problem, channels)
     gap = bool(unnamed or unseen) or any(m.excess > BEYOND_NOISE for m in mismatches)
     doubts = (
@@ -205,8 +207,7 @@ def _unseen(proof: Proof, naming: Naming, problem: Problem, channels: Sequence[C
 
 def _disproved(naming: Naming, proof: Proof) -> list[str]:
     """Say that runs which were used for nothing else speak against what was named, where they do."""
-    held_out = proof.gap_closed is not None
-    if not (naming.named and held_out and proof.after > max(proof.before, proof.noise_floor)):
+    if not (naming.named and proof.disproves):
         return []
     return [
         "the held-out runs are predicted worse with what was named than without: do not build on it; record more runs "

@@ -21,6 +21,7 @@ DIRECTIONS = {
 """Whether more of a feature speaks for the effect (+1) or against it (−1)."""
 
 _MOST = 0.995  # nothing is certain of one recording
+_REFUTED = 0.25  # and a name is less likely than not where other runs speak against it
 _LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 1.0  # times the noise: what cannot hide in it may be as small as it is
 _MOST_EXCESS = 10.0  # times the noise, whose level says little where far more is left
 _MOST_ODDS = 50.0  # of the logarithm, beyond which the exponential says nothing more
@@ -40,6 +41,7 @@ class Signs:
         is_number: whether it is a wrong number of the platform, which bends to much that it is not, and no law.
         kind: of platform; names are not as often right for every kind.
         weight: of the effect among those that this recording cannot tell from it.
+        refuted: whether runs that were used for nothing else are predicted far worse with what was named.
     """
 
     gain: float
@@ -51,6 +53,7 @@ class Signs:
     is_number: bool = False
     kind: str = ""
     weight: float = 1.0
+    refuted: bool = False
 
     @property
     def log_bayes_factor(self) -> float:
@@ -95,7 +98,8 @@ class Calibration:
 
 def presence_of(signs: Signs) -> float:
     """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
-    return min(_calibration().presence(signs.features, signs.kind), _MOST)
+    most = _REFUTED if signs.refuted else _MOST
+    return min(_calibration().presence(signs.features, signs.kind), most)
 
 
 def probability_of(signs: Signs) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from pipeline.gap.candidate import BEYOND_NOISE
 from pipeline.gap.residuals import channels_on, noise_of_rows, residual_rows
 from pipeline.gap.scoring import clusters_of
 from pipeline.physics.weak_form import WindowFunctions
@@ -42,6 +43,16 @@ class Proof:
     interval: tuple[float, float] | None
     channels: Tensor
     learned: float | None
+
+    @property
+    def disproves(self) -> bool:
+        """Whether runs that were used for nothing else are predicted worse than without what was named."""
+        return self.gap_closed is not None and self.after > max(self.before, self.noise_floor)
+
+    @property
+    def refutes(self) -> bool:
+        """Whether they are by so much that the names are hardly true: their energy is a multiple of that before."""
+        return self.disproves and self.after**2 > BEYOND_NOISE * max(self.before, self.noise_floor) ** 2
 
 
 def prove(

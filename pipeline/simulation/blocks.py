@@ -158,7 +158,11 @@ def cut_blocks(
     for segment in segments:
         firsts = range(0, len(segment) - samples + 1, samples)
         name = str(segment["run"].iloc[0])
-        kept = _kept_signals(segment, platform, held, float(started[name]), margin) if firsts else ({}, {})
+        kept = (
+            _kept_signals(segment, platform, held, (index[name], float(started[name])), margin)
+            if firsts
+            else ({}, {})
+        )
         for first in firsts:
             within = slice(first, first + samples + 2 * margin)
             signals, commands = ({n: s[within] for n, s in part.items()} for part in kept)
@@ -180,11 +184,13 @@ def cut_blocks(
 
 
 def _kept_signals(
-    segment: pd.DataFrame, platform: Platform, held: bool, start: float, margin: int
+    segment: pd.DataFrame, platform: Platform, held: bool, run: tuple[int, float], margin: int
 ) -> tuple[dict[str, Tensor], dict[str, Tensor]]:
-    """Return the padded signals of a segment of a run since its start, and the held commands as they were recorded."""
+    """Return the padded signals of a segment of a run (number, start), and the held commands as they were recorded."""
+    number, start = run
     signals = recorded_signals(segment, platform, held)
     signals["elapsed"] = torch.from_numpy(segment["t"].to_numpy(dtype="float64", copy=True)) - start
+    signals["run_number"] = torch.full_like(signals["elapsed"], number)
     if "filled" in segment:
         signals["filled"] = _filled(segment, held)
     raw = recorded_signals(segment, platform, held=False) if held else {}

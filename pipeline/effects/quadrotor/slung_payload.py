@@ -5,12 +5,15 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from pipeline.effects.chain import chains_of
 from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
 from pipeline.effects.first_swing import first_swing
 from pipeline.effects.quadrotor.common import along_axes
 from pipeline.effects.scan import scan
 from pipeline.physics import rotations
 from pipeline.physics.cable import Cable, along, pull, swing
+
+_TOGETHER = 4  # stretches through which a swing is followed: what is felt is no more precise than that
 
 
 class SlungPayload(ActuatorEffect, WrenchEffect):
@@ -74,15 +77,19 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
         """Return recorded blocks with the pull that follows from how the machine was seen to accelerate.
 
         An accelerometer reads it where there is one, else velocities give it by central differences. Nothing stops a
-        load that swings, so that it does where a block cut out of a recording begins: how, is what the forces across
-        the thrust say. Other blocks begin at rest.
+        load from swinging on from stretch to stretch; how it swings at the first is what the forces across the thrust
+        say.
         """
+        chains = chains_of(signals, time_step, _TOGETHER)
         apparent = _apparent_gravity(signals, constants, time_step)
+        joined = chains.joined(apparent)
         cable = Cable(values["length"], constants["gravity"], time_step)
-        start = along(apparent[:, 0]), torch.zeros_like(apparent[:, 0])
-        if "elapsed" in signals:
-            start = first_swing(cable, apparent, signals["attitude"], values["mass_ratio"])
-        return {**signals, "payload_pull": pull(*cable.swings(*start, apparent), apparent, values["length"])}
+        start = along(joined[:, 0]), torch.zeros_like(joined[:, 0])
+        if "run_number" in signals:
+            attitude = chains.joined(signals["attitude"])
+            start = first_swing(cable, joined, attitude, chains.recorded, values["mass_ratio"])
+        direction, rate = (chains.parted(series) for series in cable.swings(*start, joined))
+        return {**signals, "payload_pull": pull(direction, rate, apparent, values["length"])}
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the cable's pull on the machine in the body frame, m/s²."""

@@ -68,6 +68,7 @@ def test_how_a_load_swings_when_a_recording_begins_is_found():
         "velocity": torch.zeros_like(lifted),
         "specific_force": lifted,
         "elapsed": time_step * torch.arange(samples, dtype=torch.float64)[None],
+        "run_number": torch.zeros(1, samples, dtype=torch.float64),
     }
     firsts = (0, samples // 2 - 2 * margin)
     cut = {
@@ -79,7 +80,7 @@ def test_how_a_load_swings_when_a_recording_begins_is_found():
     for part, first in zip(found, firsts, strict=True):
         known = pull[0, first : first + len(part)]
         assert float((part - known)[:, :2].abs().max()) < 0.3
-    hanging = {name: series for name, series in cut.items() if name != "elapsed"}
+    hanging = {name: series for name, series in cut.items() if name != "run_number"}
     missed = PAYLOAD.along_time(hanging, values, constants("quadrotor"), time_step)["payload_pull"]
     assert float((missed[0] - pull[0, : missed.shape[1]])[:, :2].abs().max()) > 1.0
 

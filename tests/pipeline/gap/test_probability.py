@@ -69,6 +69,12 @@ def test_strong_evidence_convinces_and_weak_does_not():
 
 
 @given(SIGNS)
+def test_what_other_runs_refute_is_not_believed(signs):
+    refuted = Signs(**(vars(signs) | {"refuted": True}))
+    assert presence_of(refuted) <= min(presence_of(signs), 0.25)
+
+
+@given(SIGNS)
 def test_every_feature_has_a_coefficient(signs):
     assert set(signs.features) == set(DIRECTIONS)
     assert CALIBRATION.exists()

@@ -1,13 +1,14 @@
 from dataclasses import replace
 
 import pytest
+import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.effects import effect_by_key
 from pipeline.errors import InputError
 from pipeline.gap.diagnosis import diagnose
-from pipeline.gap.prove import gap_closed, prove
+from pipeline.gap.prove import Proof, gap_closed, prove
 from pipeline.gap.residuals import channels_on, noise_of_rows
 from pipeline.gap.settings import Gap
 from pipeline.simulation import FittedEffect
@@ -37,7 +38,7 @@ def test_the_ends_of_the_gap(noise, factor):
 
 
 def test_held_out_runs_never_enter_the_fit():
-    """Other data in the held-out runs leave every name and number bit for bit, and change the proof."""
+    """Other data in them leave every name and number bit for bit, change the proof, and make no name likelier."""
     recording = joint_recording(Plant(friction=0.3))
     frame = recording.frame.copy()
     held = frame["run"].map(recording.split) == "holdout"
@@ -45,7 +46,8 @@ def test_held_out_runs_never_enter_the_fit():
     frame.loc[held, "position"] *= 1.5
     found, other = (quick(r, joint_simulator()) for r in (recording, replace(recording, frame=frame)))
     assert found.simulator == other.simulator
-    assert found.probabilities == other.probabilities
+    assert found.probabilities.keys() == other.probabilities.keys()
+    assert all(found.probabilities[key] >= value for key, value in other.probabilities.items())
     assert [c.gain for c in found.naming.named] == [c.gain for c in other.naming.named]
     assert found.mismatches == other.mismatches
     assert found.proof.held_out_runs == other.proof.held_out_runs == ("run_4", "run_5")
@@ -68,6 +70,15 @@ def test_names_that_help_no_held_out_run_are_doubted():
     assert found.proof.gap_closed <= 0.0
     assert any("do not build on it" in warning for warning in found.warnings)
     assert not any("do not build on it" in warning for warning in diagnosed(Plant(friction=0.3)).warnings)
+
+
+@pytest.mark.parametrize(
+    ("after", "closed", "disproves", "refutes"),
+    [(0.5, 0.5, False, False), (1.2, -0.2, True, False), (3.0, -2.0, True, True), (3.0, None, False, False)],
+)
+def test_runs_that_were_held_out_speak_against_names(after, closed, disproves, refutes):
+    proof = Proof("", ("run",), 1.0, after, 0.1, closed, None, torch.ones(1, 3), None)
+    assert (proof.disproves, proof.refutes) == (disproves, refutes)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,101 @@
+"""Stretches of a recording joined where one goes on in the next, for effects that remember longer than a margin."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+
+from pipeline.effects.effect import Signals
+
+_CLOSE = 0.1  # samples, by which a stretch may start beside a sample of the one before
+
+
+class Part(NamedTuple):
+    """A stretch of a chain, and how many samples later than the one before it starts."""
+
+    stretch: int
+    later: int
+
+
+@dataclass(frozen=True)
+class Chains:
+    """What was recorded without a break, out of the stretches that it was cut into.
+
+    Attributes:
+        stretch: that each sample of a chain is taken from, (chains, longest).
+        sample: of that stretch, (chains, longest); after its end a chain repeats its last one.
+        chain: that each stretch belongs to, (stretches,).
+        first: sample of the chain at which each stretch starts, (stretches,).
+        samples: of a stretch.
+        recorded: whether a sample does not only repeat the last one of its chain, (chains, longest).
+    """
+
+    stretch: Tensor
+    sample: Tensor
+    chain: Tensor
+    first: Tensor
+    samples: int
+    recorded: Tensor
+
+    def joined(self, series: Tensor) -> Tensor:
+        """Return a series of stretches (stretches, samples, ...) along the chains, (chains, longest, ...)."""
+        return series[self.stretch, self.sample]
+
+    def parted(self, series: Tensor) -> Tensor:
+        """Return a series along the chains (chains, longest, ...) by stretches, (stretches, samples, ...)."""
+        return series[self.chain[:, None], self.first[:, None] + torch.arange(self.samples)]
+
+
+def chains_of(signals: Signals, time_step: float, most: int) -> Chains:
+    """Join stretches (stretches, samples, ...) of one run (`run_number`) that overlap in time (`elapsed`).
+
+    Where these signals are missing, every stretch is a chain of its own.
+
+    Args:
+        signals: of the stretches.
+        time_step: s.
+        most: stretches that are joined.
+    """
+    count, samples = next(iter(signals.values())).shape[:2]
+    parts: list[list[Part]] = []
+    if "run_number" not in signals or "elapsed" not in signals:
+        return _chains([[Part(stretch, 0)] for stretch in range(count)], count, samples)
+    runs, elapsed = signals["run_number"][:, 0].tolist(), signals["elapsed"]
+    middle = elapsed[:, samples // 2]  # a stretch's ends may lie beyond the recording, its middle never does
+    last: dict[float, tuple[int, int]] = {}  # of each run: its last stretch, and the chain of that
+    for stretch in torch.argsort(middle).tolist():
+        before, chain = last.get(runs[stretch], (-1, -1))
+        later = round(float(middle[stretch] - middle[before]) / time_step) if before >= 0 else samples
+        if (
+            later < samples
+            and len(parts[chain]) < most
+            and _is_same(elapsed, stretch, before, later, time_step)
+        ):
+            parts[chain].append(Part(stretch, later))
+        else:
+            chain = len(parts)
+            parts.append([Part(stretch, 0)])
+        last[runs[stretch]] = stretch, chain
+    return _chains(parts, count, samples)
+
+
+def _is_same(elapsed: Tensor, stretch: int, before: int, later: int, time_step: float) -> bool:
+    """Whether a stretch begins where another is so many samples later; beyond a gap in time it does not."""
+    return abs(float(elapsed[stretch, 0] - elapsed[before, later])) < _CLOSE * time_step
+
+
+def _chains(parts: list[list[Part]], count: int, samples: int) -> Chains:
+    longest = samples + max(sum(each.later for each in part) for part in parts)
+    stretch, sample = (torch.empty(len(parts), longest, dtype=torch.long) for _ in range(2))
+    chain, first = (torch.empty(count, dtype=torch.long) for _ in range(2))
+    recorded = torch.zeros(len(parts), longest, dtype=torch.bool)
+    for number, part in enumerate(parts):
+        start = 0
+        for each in part:
+            start += each.later
+            stretch[number, start:] = each.stretch
+            sample[number, start:] = torch.arange(longest - start).clamp_max(samples - 1)
+            chain[each.stretch], first[each.stretch] = number, start
+        recorded[number, : start + samples] = True
+    return Chains(stretch, sample, chain, first, samples, recorded)
