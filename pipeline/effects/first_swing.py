@@ -12,11 +12,8 @@ from pipeline.physics.cable import Cable, across, along, pooled, pull
 _COARSE = 0.15  # rad that a cable swings by in a step: an error of the start is no finer than what is felt
 _USUAL = 1.0  # rad, by which a cable may be off the apparent gravity at first
 _CORRECTIONS = 5
-_DAMPING, _EASED, _TIGHTENED = (
-    0.01,
-    0.25,
-    8.0,
-)  # at first, and by what it changes where a correction helps or does not
+_DAMPING = 0.01  # of a correction, at first
+_EASED, _TIGHTENED = 0.25, 8.0  # what becomes of it where a correction helps, and where it does not
 _SLIGHT = 1e-3  # rad, by which it is turned to see what that changes
 _MEMORY = 0.2  # s, after which what is felt tells something new
 
