@@ -182,10 +182,7 @@ class Judge:
         values = dict(zip(names, fit.values[columns_of(fit, effect)].tolist(), strict=True))
         constants = fit.simulator.constants()
         refusal = (
-            self.bound(effect, values)
-            or effect.unphysical(values, constants)
-            or _unseen(candidate)
-            or self.unresolved(effect, values, constants)
+            self.bound(effect, values) or _unseen(candidate) or self.unresolved(effect, values, constants)
         )
         if refusal:
             return refusal
@@ -198,6 +195,8 @@ class Judge:
             return "not significant"
         if candidate.gain <= 0:
             return "does not predict runs it was not fitted on"
+        if why := effect.unphysical(values, constants):
+            return why
         seen = energies > _LEAST_ENERGY * self.problem.noise.square()
         if not seen.any() or not self.matters(candidate):
             return "explains too little to matter"
