@@ -101,12 +101,14 @@ def _bars(axes: "Axes", table: Table, column: str) -> None:
 
 
 def _named(row: Row, without: str = "") -> str:
-    """Return what a configuration is called beside others: a number says nothing without its key."""
-    return ", ".join(
-        f"{key.rpartition('.')[2]} {value}" if _is_number(value) else str(value)
-        for key, value in row.values.items()
-        if key != without
-    )
+    """Return what a configuration is called beside others: a number, or whether, says nothing without its key."""
+    return ", ".join(_labelled(key, value) for key, value in row.values.items() if key != without)
+
+
+def _labelled(key: str, value: Value) -> str:
+    if isinstance(value, bool):
+        return f"{key.partition('.')[2] or key} {value}"
+    return f"{key.rpartition('.')[2]} {value}" if _is_number(value) else str(value)
 
 
 def _is_number(value: Value) -> bool:
