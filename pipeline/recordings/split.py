@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from pipeline.errors import InputError
@@ -46,7 +45,7 @@ def split_runs(
         Run to part, in the order of `runs`. One run alone is trained on.
 
     Raises:
-        InputError: when a fraction is not one, the patterns leave nothing to fit, or nothing says what is held out.
+        InputError: when a fraction is not one, the patterns leave nothing to fit, or there is no such `held_out_by`.
     """
     if not (split.validation or split.holdout):
         return _by_fraction(runs, split, seed, distances)
@@ -73,8 +72,8 @@ def _by_fraction(
     order = np.random.default_rng(seed).permutation(count)
     drawn = [sorted(runs)[index] for index in order]
     if distances is not None and split.held_out_by == RESEMBLANCE:
-        apart = pd.DataFrame(distances, index=list(runs), columns=list(runs)).loc[drawn, drawn]
-        drawn = _most_alike_first(apart, held)
+        places = [list(runs).index(run) for run in drawn]
+        drawn = [drawn[index] for index in _most_alike_first(distances[np.ix_(places, places)], held)]
     part = dict.fromkeys(drawn, "train")
     part |= dict.fromkeys(drawn[:held], "holdout")
     part |= dict.fromkeys(drawn[held : held + max(chosen, 0)], "validation")
@@ -92,19 +91,16 @@ def _check(split: Split) -> None:
         raise InputError(f"there is no {split.held_out_by!r}", where, f"use {RESEMBLANCE} or {CHANCE}")
 
 
-def _most_alike_first(apart: pd.DataFrame, count: int) -> list[str]:
-    """Return the runs, first so many of which each resembles one that is left as much as any does.
+def _most_alike_first(distances: NDArray[np.float64], count: int) -> list[int]:
+    """Return the runs' places, first so many of which each resembles one that is left as much as any does.
 
     Of two that are nearest to each other, that is the one which is nearer to all.
     """
-    left, first = list(apart.index), []
-    others = apart.mask(np.eye(len(apart), dtype=bool))
+    left, first = list(range(len(distances))), []
     for _ in range(count):
-        among = others.loc[left, left]
-        nearest = pd.DataFrame({"one": among.min(), "all": among.mean()}).round(_DECIMALS)
-        alike = str(nearest.sort_values(["one", "all"], kind="stable").index[0])
-        first.append(alike)
-        left.remove(alike)
+        among = distances[np.ix_(left, left)].round(_DECIMALS)
+        nearest = np.where(np.eye(len(left), dtype=bool), np.inf, among).min(axis=1)
+        first.append(left.pop(np.lexsort((among.sum(axis=1), nearest))[0]))
     return [*first, *left]
 
 

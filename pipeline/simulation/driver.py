@@ -65,6 +65,8 @@ def with_drivers(simulator: Simulator, signals: Mapping[str, Tensor]) -> Simulat
     """
     others = [f for f in simulator.effects if not isinstance(f.effect, SimulatedDriver)]
     driven = {f.effect.driver: f.effect for f in others if f.effect.driver in signals}
+    if not driven:
+        return simulator.with_effects(tuple(others))
     constants = simulator.constants()
     moved = simulator.mechanism.actuate(dict(signals), constants)
     laws = [_law(effect, signals[name], effect.load(moved, constants)) for name, effect in driven.items()]

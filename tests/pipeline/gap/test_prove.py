@@ -38,7 +38,7 @@ def test_the_ends_of_the_gap(noise, factor):
 
 
 def test_held_out_runs_never_enter_the_fit():
-    """Other data in them leave every name and number bit for bit, change the proof, and make no name likelier."""
+    """Other data in them leave names, numbers and signs bit for bit, and change the proof and what it refutes."""
     recording = joint_recording(Plant(friction=0.3))
     frame = recording.frame.copy()
     held = frame["run"].map(recording.split) == "holdout"
@@ -46,8 +46,8 @@ def test_held_out_runs_never_enter_the_fit():
     frame.loc[held, "position"] *= 1.5
     found, other = (quick(r, joint_simulator()) for r in (recording, replace(recording, frame=frame)))
     assert found.simulator == other.simulator
-    assert found.probabilities.keys() == other.probabilities.keys()
-    assert all(found.probabilities[key] >= value for key, value in other.probabilities.items())
+    assert {key: replace(signs, refuted=False) for key, signs in other.signs.items()} == found.signs
+    assert {signs.refuted for signs in other.signs.values()} == {other.proof.refutes}
     assert [c.gain for c in found.naming.named] == [c.gain for c in other.naming.named]
     assert found.mismatches == other.mismatches
     assert found.proof.held_out_runs == other.proof.held_out_runs == ("run_4", "run_5")
