@@ -1,17 +1,18 @@
 """How a slung load swings where a recording of it begins: from what is felt across the thrust."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
 from pipeline.physics import rotations
-from pipeline.physics.cable import Cable, across, along, pooled, pull
+from pipeline.physics.cable import Cable, across, along, pooled, pull, swing
 
 _COARSE = 0.15  # rad that a cable swings by in a step: an error of the start is no finer than what is felt
 _USUAL = 1.0  # rad, by which a cable may be off the apparent gravity at first
-_CORRECTIONS = 5
+_GROWING = (0.25, 0.5, 0.75, 1.0)  # of what was felt: the shorter, the fewer the valleys of a wild swing
+_CORRECTIONS = 3  # on each of them
 _DAMPING = 0.01  # of a correction, at first
 _EASED, _TIGHTENED = 0.25, 8.0  # what becomes of it where a correction helps, and where it does not
 _SLIGHT = 1e-3  # rad, by which it is turned to see what that changes
@@ -32,6 +33,11 @@ class Felt:
     attitude: Tensor
     counts: Tensor
 
+    def beginning(self, part: float) -> "Felt":
+        """Return the first part of it."""
+        steps = max(round(part * self.counts.shape[1]), 2)
+        return Felt(self.apparent[:, :steps], self.attitude[:, :steps], self.counts[:, :steps])
+
     def sideways(self, acceleration: Tensor) -> Tensor:
         """Return accelerations (cables, steps, 3) of the world frame along body x and y, (cables, 2·steps)."""
         body = rotations.rotate_inverse(self.attitude, acceleration)
@@ -43,7 +49,8 @@ def first_swing(
 ) -> tuple[Tensor, Tensor]:
     """Return direction and rate with which the pull follows best what is felt across the thrust.
 
-    Levenberg-Marquardt from rest, in coarse steps, over two angles and their rates, as far as they may usually be off.
+    Levenberg-Marquardt from rest, in coarse steps, over two angles and their rates, as far as they may usually be off;
+    first along the beginning, then from where that leads to along more of it.
 
     Args:
         cable: that swings.
@@ -57,7 +64,12 @@ def first_swing(
     middles = (stride * torch.arange(means.shape[1]) + stride // 2).clamp_max(apparent.shape[1] - 1)
     felt = Felt(means, attitude[:, middles], counts[:, middles])
     search = _Search(cable, along(apparent[:, 0]), felt, stride, mass_ratio)
-    return search.turned(search.found())
+    off = torch.zeros(len(apparent), 4, dtype=apparent.dtype)
+    for part in _GROWING:
+        off = replace(search, felt=felt.beginning(part)).found(off)
+    found = search.turned(off)
+    later = 0.5 * (stride - cable.fine) * cable.time_step  # a step stands for its middle
+    return swing(*found, means[:, 0], means[:, 0], cable.length, -later) if later else found
 
 
 class Swung(NamedTuple):
@@ -106,9 +118,9 @@ class _Search:
     stride: int
     mass_ratio: Tensor | float
 
-    def found(self) -> Tensor:
-        """Return by how much the cables are off rest at first, (cables, 4)."""
-        best = self.swung(torch.zeros(len(self.resting), 4, dtype=self.resting.dtype))
+    def found(self, off: Tensor) -> Tensor:
+        """Return by how much the cables are off rest at first, looked for from a guess of it, (cables, 4) both."""
+        best = self.swung(off)
         damping = torch.full((len(self.resting),), _DAMPING, dtype=self.resting.dtype)
         for _ in range(_CORRECTIONS):
             tried = self.swung(best.off + self.correction(best, damping))

@@ -35,15 +35,19 @@ class Cable:
         """Return how many samples are a step in which it swings by an angle in rad, at least one."""
         return max(int(turn / self.pace.item() / self.time_step), 1)
 
+    @property
+    def fine(self) -> int:
+        """How many samples are a step in which it swings by so little that no finer one is needed."""
+        return self.stride(_FINE)
+
     def swings(self, direction: Tensor, rate: Tensor, apparent: Tensor) -> tuple[Tensor, Tensor]:
         """Return direction and rate of cables along samples of apparent gravity (cables, samples, 3) from a start.
 
-        A step is as many samples as make a small part of a swing, over the mean of what acts; in between, both change
+        The start is that in the middle of the first fine step. A step is as many samples as make a small part of a swing, over the mean of what acts; in between, both change
         linearly.
         """
-        stride = self.stride(_FINE)
-        found = self.steps(direction, rate, pooled(apparent, stride), stride)
-        direction, rate = (_spread(series, stride, apparent.shape[1]) for series in found)
+        found = self.steps(direction, rate, pooled(apparent, self.fine), self.fine)
+        direction, rate = (_spread(series, self.fine, apparent.shape[1]) for series in found)
         return along(direction), rate
 
     def steps(self, direction: Tensor, rate: Tensor, means: Tensor, stride: int) -> tuple[Tensor, Tensor]:

@@ -49,14 +49,15 @@ def test_the_cable_of_a_wide_swing_pulls_as_its_energy_says():
     assert float(size.max()) > 2.2 * GRAVITY
 
 
-def test_how_a_load_swings_when_a_recording_begins_is_found():
-    """A swing that was on its way before pulls as it did, cut into stretches or not."""
+@pytest.mark.parametrize(("angle", "turning"), [(0.4, 0.5), (0.4, 3.0), (1.0, 0.5)])
+def test_how_a_load_swings_when_a_recording_begins_is_found(angle, turning):
+    """A swing that was on its way before pulls as it did, cut into stretches or not, also a wide or a fast one."""
     samples, time_step, margin = 400, 0.01, 20
     cable = Cable(0.8, GRAVITY, time_step)
     apparent = torch.zeros(1, samples, 3, dtype=torch.float64)
     apparent[..., 2] = -GRAVITY
-    direction = torch.tensor([[math.sin(0.4), 0.0, -math.cos(0.4)]], dtype=torch.float64)
-    rate = torch.tensor([[0.0, 0.5, 0.0]], dtype=torch.float64)
+    direction = torch.tensor([[math.sin(angle), 0.0, -math.cos(angle)]], dtype=torch.float64)
+    rate = torch.tensor([[0.0, turning, 0.0]], dtype=torch.float64)
     for _ in range(30):  # the pull moves the machine, which moves the load
         directions, rates = cable.swings(direction, rate, apparent)
         tension = 0.8 * rates.square().sum(-1) + (directions * apparent).sum(-1)
