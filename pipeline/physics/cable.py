@@ -43,8 +43,8 @@ class Cable:
     def swings(self, direction: Tensor, rate: Tensor, apparent: Tensor) -> tuple[Tensor, Tensor]:
         """Return direction and rate of cables along samples of apparent gravity (cables, samples, 3) from a start.
 
-        The start is that in the middle of the first fine step. A step is as many samples as make a small part of a swing, over the mean of what acts; in between, both change
-        linearly.
+        The start is that in the middle of the first fine step. A step is as many samples as make a small part of a
+        swing, over the mean of what acts; in between, both change linearly.
         """
         found = self.steps(direction, rate, pooled(apparent, self.fine), self.fine)
         direction, rate = (_spread(series, self.fine, apparent.shape[1]) for series in found)
