@@ -5,13 +5,14 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import torch
+from torch import Tensor
 
 from pipeline.platforms import Quadrotor
 from pipeline.policies.racing.flying import Flown, flight_in
 from pipeline.policies.racing.racing import Misjudging, Racing
 from pipeline.policies.racing.randomisation import nothing_left_over
 from pipeline.policies.racing.settings import RacingSettings, Randomisation, TrackSettings
-from pipeline.policies.racing.track import track_from
+from pipeline.policies.racing.track import Track, track_from
 from pipeline.simulation import Simulator
 from pipeline.stage.mistakes import configuration_mistakes
 
@@ -35,11 +36,25 @@ def race_in(
         misjudging: how they misjudge their states; None: they know them.
 
     Raises:
-        InputError: when the simulator is not of a quadrotor, or the track cannot be flown.
+        InputError: when the simulator is not of a quadrotor, or the track cannot be flown, not even by a plan where
+            one is to start from.
     """
     residual = nothing_left_over if settings.randomisation.enabled else None
     flight = flight_in(simulator, settings.flying, residual)
-    return Racing(flight, track_from(track), settings, machines, device, misjudging=misjudging)
+    gates = track_from(track)
+    planned = _planned(gates, settings, simulator.platform.gravity) if settings.starts.planned else None
+    return Racing(flight, gates, settings, machines, device, misjudging=misjudging, planned=planned)
+
+
+def _planned(track: Track, settings: RacingSettings, gravity: float) -> Tensor:
+    """Return the states of the time-optimal lap from each gate to the next, (gates, nodes of a phase, 13)."""
+    from pipeline.policies.racing.time_optimal import Limits, optimal_lap
+
+    lap = optimal_lap(track, Limits.of(settings.flying), gravity)
+    phases = lap.states[:-1].reshape(
+        len(track), -1, lap.states.shape[1]
+    )  # the first one ends in the first gate
+    return torch.from_numpy(phases).roll(-1, 0)
 
 
 def race_deployed(
@@ -98,13 +113,14 @@ def trained_race(description: Mapping[str, Any]) -> tuple[TrackSettings, RacingS
 
 
 def as_flown(settings: RacingSettings, powertrain: bool | None) -> RacingSettings:
-    """Return the settings of a training as a race has them: what is drawn for an episode is not flown.
+    """Return the settings of a training as a race has them: nothing is drawn for an episode, or planned.
 
     Args:
         settings: of the training.
         powertrain: what is to be flown with; None for what was trained with.
     """
-    settings = replace(settings, randomisation=Randomisation())
+    starts = replace(settings.starts, planned=0.0)
+    settings = replace(settings, randomisation=Randomisation(), starts=starts)
     if powertrain is None:
         return settings
     return replace(settings, flying=replace(settings.flying, powertrain=powertrain))

@@ -56,6 +56,7 @@ class Racing(Environment):
         device: torch.device | str = "cpu",
         machines: Flown | None = None,
         misjudging: Misjudging | None = None,
+        planned: Tensor | None = None,
     ) -> None:
         """Put machines on a track.
 
@@ -67,6 +68,7 @@ class Racing(Environment):
             device: where they are.
             machines: that are flown in the place of the simulator's; for flights, not for training.
             misjudging: how the machines misjudge their states; None: they know them.
+            planned: states after each gate to start from beside others, (gates, states, 13); None: there is no plan.
         """
         super().__init__(batch, device)
         self.settings = settings
@@ -75,6 +77,7 @@ class Racing(Environment):
         self.track = track.to(device)
         self.fleet = machines or Fleet(flight, device)
         self.misjudging = misjudging
+        self.planned = planned
         self.gravity = flight.simulator.platform.gravity
         self.inertia = torch.tensor(flight.simulator.platform.inertia, device=self.device)
         self.passage: Passage | None = None
@@ -105,7 +108,7 @@ class Racing(Environment):
     def _begin(self) -> None:
         batch = self.batch
         self.state |= {
-            "starts": first_starts(self.track, self.settings.starts),
+            "starts": first_starts(self.track, self.settings.starts, self.planned),
             "rows": self.fleet.rows(torch.zeros(batch, STATE, device=self.device)),
             "target": torch.zeros(batch, dtype=torch.int64, device=self.device),
             "previous": torch.zeros(batch, 4, device=self.device),

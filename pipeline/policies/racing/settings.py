@@ -51,6 +51,7 @@ class Starts:
 
     kept: int = 256  # states of each gate
     slow: float = 0.25  # share of them that stay as they are before any machine has passed: a race begins so
+    planned: float = 0.0  # share of them that are, and stay, states of the time-optimal lap
     speed: float = 3.0  # m/s, towards the next gate, before any machine has passed
     position: float = 0.3  # m, greatest perturbation along each axis
     velocity: float = 0.5  # m/s

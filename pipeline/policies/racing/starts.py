@@ -1,5 +1,7 @@
 """Where episodes start: states in which machines have passed the gates, perturbed within bounds.
 
+Those of each gate lie in this order: slow ones, planned ones of the time-optimal lap, and those that were seen.
+
 However it is perturbed, a machine starts on the far side of its gate: on the near side, and off the middle of the
 opening, it would hit the frame that it has passed.
 """
@@ -14,27 +16,47 @@ from pipeline.policies.racing.settings import Starts
 from pipeline.policies.racing.track import Track
 
 
-def first_starts(track: Track, settings: Starts) -> Tensor:
+def first_starts(track: Track, settings: Starts, planned: Tensor | None = None) -> Tensor:
     """Return states to start from before any machine has passed a gate, (gates, kept, 13).
 
-    The machine is in the middle of the gate, level, and flies out of it.
+    The machine is in the middle of the gate, level, and flies out of it; where it is planned, it is as the plan says.
+
+    Args:
+        track: its gates.
+        settings: how many states there are, and which share of them is planned.
+        planned: states after each gate, (gates, states, 13); None: the plan has no share.
 
     Raises:
         InputError: when no place is left for states that are seen later.
     """
-    if not 0 <= round(settings.slow * settings.kept) < settings.kept:
-        raise InputError("leaves no place for states that are seen later", "starts.slow", "choose 0 to 0.9")
+    slow, staying = _staying(settings)
+    if not 0 <= slow <= staying < settings.kept:
+        raise InputError(
+            "leave no place for states that are seen later",
+            "starts.slow and starts.planned",
+            "choose shares of 0 to 0.9 together",
+        )
     state = track.centres.new_zeros(len(track), STATE)
     yaw = torch.atan2(track.axes[:, 0, 1], track.axes[:, 0, 0])
     vertical = torch.nn.functional.pad(yaw[:, None], (2, 0))
     state[:, PARTS["position"]] = track.centres
     state[:, PARTS["attitude"]] = rotations.from_rotation_vector(vertical)
     state[:, PARTS["velocity"]] = settings.speed * track.axes[:, 0]
-    return state[:, None].repeat(1, settings.kept, 1)
+    starts = state[:, None].repeat(1, settings.kept, 1)
+    if planned is not None:
+        places = torch.arange(slow, staying, device=starts.device)
+        starts[:, places] = planned.to(starts)[:, (places - slow) % planned.shape[1]]
+    return starts
+
+
+def _staying(settings: Starts) -> tuple[int, int]:
+    """Return how many states of a gate stay slow, and how many stay at all."""
+    slow = round(settings.slow * settings.kept)
+    return slow, slow + round(settings.planned * settings.kept)
 
 
 def keep(starts: Tensor, gates: Tensor, states: Tensor, settings: Starts, generator: torch.Generator) -> None:
-    """Put states in which gates were passed in place of earlier ones, which are drawn; the slow ones stay.
+    """Put states in which gates were passed in place of earlier ones, which are drawn; slow and planned ones stay.
 
     Args:
         starts: (gates, kept, 13), changed in place.
@@ -44,8 +66,8 @@ def keep(starts: Tensor, gates: Tensor, states: Tensor, settings: Starts, genera
         generator: of the draws.
     """
     kept = starts.shape[1]
-    slow = round(settings.slow * kept)
-    places = torch.randint(slow, kept, gates.shape, generator=generator, device=starts.device)
+    _, staying = _staying(settings)
+    places = torch.randint(staying, kept, gates.shape, generator=generator, device=starts.device)
     # Of passes that drew one place the last counts, which writing all at once does not promise.
     flat = gates * kept + places
     order = torch.arange(len(flat), device=flat.device)

@@ -1,6 +1,9 @@
+from dataclasses import replace
+
 import pytest
 import torch
 
+from pipeline.errors import InputError
 from pipeline.physics import rotations
 from pipeline.policies.racing.flying import PARTS
 from pipeline.policies.racing.passage import passage
@@ -69,8 +72,25 @@ def test_gates_are_drawn_evenly_and_by_the_seed():
     assert bool((torch.bincount(gates) > 850).all())
 
 
-def test_a_share_of_the_starts_stays_slow():
+@pytest.mark.parametrize(("planned", "staying"), [(0.0, 2), (0.5, 6)])
+def test_a_share_of_the_starts_stays_slow_or_as_planned(planned, staying):
     starts, random = torch.zeros(1, 8, 13), torch.Generator().manual_seed(0)
     for _ in range(20):
-        keep(starts, torch.zeros(10, dtype=torch.int64), torch.ones(10, 13), SETTINGS, random)
-    assert starts[0, :, 0].tolist() == [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+        settings = replace(SETTINGS, planned=planned)
+        keep(starts, torch.zeros(10, dtype=torch.int64), torch.ones(10, 13), settings, random)
+    assert starts[0, :, 0].tolist() == [0.0] * staying + [1.0] * (8 - staying)
+
+
+def test_planned_states_take_their_share_in_turn():
+    planned = torch.arange(1.0, 15.0).reshape(7, 2, 1).expand(7, 2, 13)
+    starts = first_starts(track_named("split_s"), replace(SETTINGS, planned=0.375), planned)
+    unplanned = first_starts(track_named("split_s"), SETTINGS)
+    assert starts[0, 2:5, 0].tolist() == [1.0, 2.0, 1.0]
+    assert starts[6, 2:5, 0].tolist() == [13.0, 14.0, 13.0]
+    torch.testing.assert_close(starts[:, [0, 1, 5, 6, 7]], unplanned[:, :5])
+
+
+@pytest.mark.parametrize(("slow", "planned"), [(1.0, 0.0), (0.5, 0.5), (-0.5, 0.0), (0.5, -0.5)])
+def test_some_starts_are_left_to_what_is_seen(slow, planned):
+    with pytest.raises(InputError, match="leave no place for states that are seen later"):
+        first_starts(track_named("tiny"), replace(SETTINGS, slow=slow, planned=planned))
