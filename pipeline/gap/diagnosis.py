@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from pipeline.effects import MeasurementEffect, ParameterError
 from pipeline.gap.candidate import BEYOND_NOISE, FEWEST_MORE
+from pipeline.gap.contradiction import contradictions
 from pipeline.gap.drivers import name_with_drivers
 from pipeline.gap.fit import Problem, channels_of, excess_of
 from pipeline.gap.horizon import HorizonError, horizon_errors
@@ -12,6 +13,7 @@ from pipeline.gap.learned import LearnedResidual, learn, learned_rows
 from pipeline.gap.locate import Mismatch, locate
 from pipeline.gap.model import Drift, drifts_of
 from pipeline.gap.name import Naming
+from pipeline.gap.preparation import prepare
 from pipeline.gap.probability import Signs, presence_of, probability_of
 from pipeline.gap.prove import Proof, prove
 from pipeline.gap.reading import name_as_read
@@ -95,7 +97,13 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         InputError: when the recording is too short or of another kind than the platform, or a setting out of its range.
     """
     settings.check()
-    prepared, naming = name_with_drivers(*name_as_read(recording, nominal, settings), settings)
+    prepared = prepare(recording, nominal, settings)
+    contradicted = contradictions(recording, prepared)
+    if contradicted:
+        contradicted.append("nothing is named as long as the recording contradicts itself or the platform")
+        settings = replace(settings, effects=[])
+    read = name_as_read(prepared, recording, nominal, settings)
+    prepared, naming = name_with_drivers(*read, settings)
     nominal, problem, proving = prepared.nominal, prepared.problem, prepared.proving
     fitted, functions, cluster, held_out = (
         problem.blocks,
@@ -136,7 +144,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     )
     return Diagnosis(
         verdict=_verdict(naming, signs, gap, _remains(naming, problem, proof)),
-        warnings=(*recording.warnings, *prepared.remarks, *doubts),
+        warnings=tuple(dict.fromkeys((*contradicted, *recording.warnings, *prepared.remarks, *doubts))),
         mismatches=mismatches,
         naming=naming,
         signs=signs,

@@ -19,14 +19,21 @@ _NEARLY = 0.3  # of half a sample
 _MUCH = 10.0  # times the energy of the noise
 
 
-def name_as_read(recording: Recording, nominal: Simulator, settings: Gap) -> tuple[Prepared, Naming]:
+def name_as_read(
+    prepared: Prepared, recording: Recording, nominal: Simulator, settings: Gap
+) -> tuple[Prepared, Naming]:
     """Name what is missing, with the commands where they act.
 
     Which of the two readings of a command is right, held or measured, may not show before the physics is known. The
     other one is tried where a delay or an offset of half a sample was needed, which is no physics; on machines whose
     controllers are about as fast as their logs also where it may cost less, and where much has no name in this one.
+
+    Args:
+        prepared: of the recording, as it looks.
+        recording: cleaned.
+        nominal: what is believed before.
+        settings: of the gap engine.
     """
-    prepared = prepare(recording, nominal, settings)
     prepared, naming = name_settled(prepared, settings)
     late = _is_late_by_half_a_sample(naming, prepared)
     if not (_has_commands(prepared) and (late or recording.kind in HELD_KINDS)):

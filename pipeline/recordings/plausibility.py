@@ -27,11 +27,8 @@ _REASONS = {
 
 def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> Iterator[str]:
     """Yield a sentence for each channel that seems to be in another unit or frame than the contract's."""
-    for rate, angle in _PAIRS[kind]:
-        yield from _compare(rate, angle, *recorded_and_derived(frame, rate, angle))
+    yield from contradicting_rates(frame, kind)
     if kind == "quadrotor":
-        for axis in "xyz":
-            yield from _compare(f"body_rate_{axis}", "attitude", *body_rate_and_derived(frame, axis))
         yield from _quadrotor(frame)
     for column in units:
         if units[column] == "rad" and _swings_wide(frame, column):
@@ -41,6 +38,15 @@ def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> 
     for column in units:
         if units[column] == "V" and column != "battery_voltage" and frame[column].abs().quantile(0.99) > 1000:
             yield f"Channel {column!r} exceeds 1000 V: millivolts where volts belong? {_REMEDY}"
+
+
+def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[str]:
+    """Yield a sentence for each rate that is not that of its angle or position."""
+    for rate, angle in _PAIRS[kind]:
+        yield from _compare(rate, angle, *recorded_and_derived(frame, rate, angle))
+    if kind == "quadrotor":
+        for axis in "xyz":
+            yield from _compare(f"body_rate_{axis}", "attitude", *body_rate_and_derived(frame, axis))
 
 
 def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -> Iterator[str]:

@@ -1,0 +1,80 @@
+"""Recordings that were not read as they were made: whatever were named there would be made up."""
+
+from dataclasses import replace
+
+import pytest
+
+from pipeline.gap.contradiction import agreements, contradictions
+from pipeline.gap.preparation import prepare
+from pipeline.gap.settings import Gap
+from pipeline.recordings.recording import Recording
+from pipeline.simulation import Simulator
+from tests.pipeline.gap.problems import named, quick
+from tests.pipeline.gap.recordings import Plant, flight, joint_recording, joint_simulator, racer
+
+PLANTS = [
+    Plant(friction=0.3, viscous=0.05),
+    Plant(delay=0.02),
+    Plant(current_limit=2.0),
+    Plant(inertia=3.0, motor_constant=0.5),
+]
+
+
+def scaled(recording: Recording, column: str, factor: float) -> Recording:
+    return replace(recording, frame=recording.frame.assign(**{column: factor * recording.frame[column]}))
+
+
+def exchanged(recording: Recording, order: str) -> Recording:
+    """Return a recording whose motors are numbered in another order."""
+    columns = {
+        f"{name}_{theirs}": f"{name}_{ours}"
+        for ours, theirs in zip("1234", order, strict=True)
+        for name in ("motor_command", "motor_speed")
+    }
+    return replace(recording, frame=recording.frame.rename(columns=columns))
+
+
+def said(recording: Recording, simulator: Simulator) -> list[str]:
+    return contradictions(recording, prepare(recording, simulator, Gap()))
+
+
+@pytest.mark.parametrize("plant", PLANTS)
+def test_a_plant_with_more_physics_than_the_simulator_contradicts_nothing(plant):
+    assert said(joint_recording(plant), joint_simulator()) == []
+
+
+@pytest.mark.parametrize("plant", PLANTS)
+def test_a_voltage_of_the_other_sign_is_no_physics(plant):
+    backwards = scaled(joint_recording(plant), "voltage", -1.0)
+    (sentence,) = said(backwards, joint_simulator())
+    assert sentence.startswith("torque: the machine moves against what is commanded (correlation -")
+
+
+def test_nothing_is_named_there_and_it_is_said_first():
+    backwards = scaled(joint_recording(PLANTS[0]), "voltage", -1.0)
+    found = quick(backwards, joint_simulator())
+    assert (found.verdict, named(found)) == ("unexplained", [])
+    assert "against what is commanded" in found.warnings[0]
+    assert "nothing is named" in found.warnings[1]
+
+
+def test_nothing_is_named_with_a_rate_that_is_not_that_of_its_angle():
+    found = quick(scaled(joint_recording(PLANTS[0]), "velocity", 60 / 6.2832), joint_simulator())
+    assert (found.verdict, named(found)) == ("unexplained", [])
+    assert "turns per minute" in found.warnings[0]
+
+
+def test_what_is_not_driven_has_no_direction():
+    still = scaled(joint_recording(PLANTS[0]), "voltage", 0.0)
+    assert agreements(joint_simulator(), prepare(still, joint_simulator(), Gap()).problem) == {}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("order", "axes"), [("2143", "yz"), ("3412", "xy"), ("4321", "xz")])
+def test_motors_in_another_order_are_no_physics(order, axes):
+    """Numbered from another corner, a machine turns about two axes the wrong way, and as told about the third."""
+    recording = flight(("rotor_drag", 0.35))
+    assert said(recording, Simulator(racer())) == []
+    sentences = said(exchanged(recording, order), Simulator(racer()))
+    told = {sentence.partition(":")[0] for sentence in sentences}
+    assert told == {f"torque_{axis}" for axis in axes}
