@@ -23,7 +23,7 @@ class FinetuneStage(StageConfig):
 @stage(FinetuneStage)
 def finetune(config: FinetuneStage, run: StageRun) -> None:
     """Train a policy further in the simulator with the residuals that its flights in reality showed."""
-    from pipeline.policies.racing.entry import as_flown, trained_race
+    from pipeline.policies.racing.entry import gone_on_with, trained_race
     from pipeline.policies.storage import load_policy
 
     chosen = config.finetune
@@ -41,7 +41,7 @@ def finetune(config: FinetuneStage, run: StageRun) -> None:
         observation=_if_there(residual / "observation"),
         start=str(policy),
         learning=replace(config.train_policy.learning, **_learning(description, chosen)),
-        racing=racing if chosen.randomised else as_flown(racing, None),
+        racing=gone_on_with(racing, chosen.randomised),
     )
     trained(training, track, description.configuration["platform"], config, run)
 

@@ -124,3 +124,14 @@ def as_flown(settings: RacingSettings, powertrain: bool | None) -> RacingSetting
     if powertrain is None:
         return settings
     return replace(settings, flying=replace(settings.flying, powertrain=powertrain))
+
+
+def gone_on_with(settings: RacingSettings, randomised: bool) -> RacingSettings:
+    """Return the settings of a training as one has them that goes on with its policy: a crash costs what it did last.
+
+    Args:
+        settings: of the training.
+        randomised: whether dynamics that were drawn for every episode still are; else it is as in a race.
+    """
+    kept = settings if randomised else as_flown(settings, None)
+    return replace(kept, reward=replace(settings.reward, first_crash=None))

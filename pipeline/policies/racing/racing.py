@@ -10,7 +10,7 @@ from pipeline.policies.racing.flying import STATE, Fleet, Flown, features_of, st
 from pipeline.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
 from pipeline.policies.racing.passage import Passage, passage
 from pipeline.policies.racing.randomisation import DRAWN, drawn_episode, drawn_wrench
-from pipeline.policies.racing.reward import racing_reward
+from pipeline.policies.racing.reward import racing_reward, reward_at
 from pipeline.policies.racing.settings import Flying, RacingSettings
 from pipeline.policies.racing.starts import drawn_start, first_starts, keep
 from pipeline.policies.racing.track import Track
@@ -39,6 +39,7 @@ class Racing(Environment):
 
     Attributes:
         track: on the device.
+        reward: its weights now.
         passage: what happened at the gates in the last step.
         crashed: in the last step, (batch,) bool.
     """
@@ -72,6 +73,7 @@ class Racing(Environment):
         """
         super().__init__(batch, device)
         self.settings = settings
+        self.reward = settings.reward
         self.period = flight.period
         self.episode_steps = settings.episode_steps
         self.track = track.to(device)
@@ -82,6 +84,10 @@ class Racing(Environment):
         self.inertia = torch.tensor(flight.simulator.platform.inertia, device=self.device)
         self.passage: Passage | None = None
         self.crashed = torch.zeros(batch, dtype=torch.bool, device=self.device)
+
+    def schedule(self, share: float) -> None:
+        """Let a crash cost what it costs when so much of the training is done."""
+        self.reward = reward_at(self.settings.reward, share)
 
     def reset(self, machines: Tensor) -> None:
         """Put machines near a state in which a gate was passed; the gate is drawn."""
@@ -128,7 +134,7 @@ class Racing(Environment):
         self.passage = passage(self.track, before, after["position"], target, self.settings.missed)
         self.crashed = self.passage.hit | self.passage.missed | self.track.outside(after["position"])
         gate = self.track.centres[target]
-        reward = racing_reward(self.settings.reward, before, after, gate, command, previous, self.crashed)
+        reward = racing_reward(self.reward, before, after, gate, command, previous, self.crashed)
         self._account(self.passage.passed & ~self.crashed)
         now["previous"] = action
         return reward, self.crashed

@@ -1,6 +1,7 @@
 """The reward of a control step (Kaufmann et al. 2023, Nature 620, Methods, eqs. of the reward)."""
 
 import math
+from dataclasses import replace
 
 import torch
 from torch import Tensor
@@ -42,6 +43,16 @@ def racing_reward(
         + settings.change * change
         - settings.crash * crashed
     )
+
+
+def reward_at(settings: Reward, share: float) -> Reward:
+    """Return the weights when a share of the training, 0 to 1, is done.
+
+    Where a crash costs much from the beginning, machines learn to fly slowly first, and faster only long after.
+    """
+    if settings.first_crash is None:
+        return settings
+    return replace(settings, crash=(1.0 - share) * settings.first_crash + share * settings.crash)
 
 
 def viewing_angle(settings: Reward, attitude: Tensor, towards: Tensor) -> Tensor:

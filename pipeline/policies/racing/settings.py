@@ -42,6 +42,9 @@ class Reward:
     rates: float = -2e-4  # λ4, per rad/s that is commanded
     change: float = -1e-4  # λ5, per squared change of the command, m/s² and rad/s
     crash: float = 5.0
+    first_crash: float | None = (
+        None  # what it costs as training begins, from where it rises evenly; None: the same
+    )
     camera_pitch: float = 0.35  # rad by which the camera looks up from the body's x axis
 
 

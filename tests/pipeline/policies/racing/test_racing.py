@@ -9,7 +9,7 @@ from pipeline.platforms import Joint
 from pipeline.policies.racing.flying import PARTS, Fleet, flight_in, left_out, state_of
 from pipeline.policies.racing.observation import seen_state
 from pipeline.policies.racing.racing import commanded
-from pipeline.policies.racing.settings import Flying
+from pipeline.policies.racing.settings import Flying, RacingSettings, Reward
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.driver import SimulatedDriver
 from tests.pipeline.policies.environment_contract import check_contract
@@ -139,6 +139,19 @@ def test_a_command_goes_from_nothing_to_the_greatest_thrust():
     actions = torch.tensor([[-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, -1.0, 1.0]])
     expected = torch.tensor([[0.0, 0.0, 0.0, 0.0], [9.81, 5.0, 0.0, 0.0], [30.0, 0.0, -5.0, 2.0]])
     torch.testing.assert_close(commanded(actions, settings, 9.81), expected)
+
+
+def test_a_crash_costs_more_when_more_of_the_training_is_done():
+    environment = racing(2, settings=RacingSettings(flying=COARSE, reward=Reward(crash=5.0, first_crash=2.0)))
+    environment.start(0)
+    rewards = []
+    for share in (0.0, 1.0):
+        environment.schedule(share)
+        put(environment, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), target=0)
+        transition = environment.step(torch.zeros(2, 4))
+        assert bool(transition.terminated.all())
+        rewards.append(transition.reward)
+    torch.testing.assert_close(rewards[0] - rewards[1], torch.full((2,), 3.0))
 
 
 def test_what_cannot_race_is_refused():

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from pipeline.physics import rotations
-from pipeline.policies.racing.reward import racing_reward, viewing_angle
+from pipeline.policies.racing.reward import racing_reward, reward_at, viewing_angle
 from pipeline.policies.racing.settings import Reward
 
 LEVEL = torch.tensor([[1.0, 0.0, 0.0, 0.0]])
@@ -51,3 +51,9 @@ def test_the_viewing_angle_is_that_between_camera_and_gate():
     pitched = rotations.from_rotation_vector(torch.tensor([[0.0, 0.3, 0.0]]))  # nose down by as much
     assert float(viewing_angle(settings, pitched, GATE)) == pytest.approx(0.0, abs=1e-3)
     assert float(viewing_angle(settings, LEVEL, -GATE)) == pytest.approx(math.pi - 0.3, abs=1e-3)
+
+
+def test_a_crash_costs_evenly_more_as_training_goes_on():
+    rising = Reward(first_crash=2.0, crash=5.0)
+    assert [reward_at(rising, share).crash for share in (0.0, 0.5, 1.0)] == [2.0, 3.5, 5.0]
+    assert reward_at(Reward(crash=5.0), 0.0) == Reward(crash=5.0)
