@@ -11,6 +11,8 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
+from pipeline.effects import ActuatorEffect
+from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Problem
 from pipeline.gap.preparation import Prepared
 from pipeline.gap.residuals import channels_on
@@ -47,17 +49,38 @@ def _driven_backwards(prepared: Prepared) -> Iterator[str]:
 def agreements(simulator: Simulator, problem: Problem) -> dict[str, float]:
     """Return how what the commands do in a simulator goes with what the recorded motion needs, by channel.
 
-    The correlation over all windows; channels that no command drives beyond the noise are left out.
+    The correlation over all windows, of what neither springs and friction nor anything else in the catalogue that is
+    linear could account for: a spring that is pulled slowly moves against its acceleration. Channels that no command
+    drives otherwise beyond the noise are left out.
     """
-    needed = replace(problem, blocks=_idle(simulator, problem)).residual(simulator)
+    idle = replace(problem, blocks=_idle(simulator, problem))
+    needed = idle.residual(simulator)
     driven = needed - problem.residual(simulator)
     names = [channel.name for channel in channels_on(simulator, problem.blocks)]
-    pairs = zip(names, needed.flatten(0, 1).T, driven.flatten(0, 1).T, problem.noise, strict=True)
-    return {
-        name: float(torch.corrcoef(torch.stack([need, drive]))[0, 1])
-        for name, need, drive, noise in pairs
-        if drive.std() > _DRIVING * noise
-    }
+    others = _linear_physics(simulator, idle)
+    found = {}
+    for index, (name, noise) in enumerate(zip(names, problem.noise, strict=True)):
+        sides = torch.stack([needed[..., index].flatten(), driven[..., index].flatten()], -1)
+        need, drive = _without(sides, others[..., index, :].flatten(0, 1)).T
+        if drive.std() > _DRIVING * noise:
+            found[name] = float(torch.corrcoef(torch.stack([need, drive]))[0, 1])
+    return found
+
+
+def _linear_physics(simulator: Simulator, problem: Problem) -> Tensor:
+    """Return the columns of all effects of recorded signals that are linear here, (blocks, rows, channels, columns)."""
+    effects = candidates_for(simulator, problem.blocks.signals, None)
+    recorded = (effect for effect in effects if not isinstance(effect, ActuatorEffect))
+    columns = (problem.regressors(simulator, effect) for effect in recorded)
+    none = problem.residual(simulator)[..., None][..., :0]
+    return torch.cat([none, *(column for column in columns if column is not None)], -1)
+
+
+def _without(sides: Tensor, others: Tensor) -> Tensor:
+    """Return what is left of each side (rows, 2) when all that goes with other columns (rows, columns) is taken out."""
+    size = others.square().mean(0).sqrt()
+    scaled = others[:, size > 0] / size[size > 0]
+    return sides - scaled @ torch.linalg.lstsq(scaled, sides, driver="gelsd").solution
 
 
 def _idle(simulator: Simulator, problem: Problem) -> Blocks:
