@@ -108,6 +108,11 @@ def is_beyond_chance(ahead: Tensor, chance: float = _CHANCE) -> bool:
     return float(stats.ttest_1samp(ahead.numpy(), 0.0, alternative="greater").pvalue) <= chance
 
 
+def is_as_good(score: Tensor, other: Tensor) -> bool:
+    """Return whether a log likelihood, summed over clusters (clusters,), falls behind another by a bare mention."""
+    return float((other - score).sum()) < _SAME
+
+
 def _difference(first: Candidate, second: Candidate, cluster: Tensor) -> Tensor:
     """Return by how much the log likelihood of the first exceeds the second's in each cluster, (clusters,)."""
     difference = first.score - second.score

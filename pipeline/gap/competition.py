@@ -1,11 +1,13 @@
 """How effects compete: one is added at a time, and each that stays must earn it again when the others are there."""
 
+import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from torch import Tensor
 
 from pipeline.effects import Effect
-from pipeline.gap.ambiguity import Rivalry, predicts_better, rivalry_of, rivals_of, total_score
+from pipeline.gap.ambiguity import Rivalry, is_as_good, predicts_better, rivalry_of, rivals_of, total_score
 from pipeline.gap.candidate import BEYOND_NOISE, Candidate, Judge, Starts
 from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Fit, Problem, excess_of, fit
@@ -109,9 +111,13 @@ class Competition:
         """Whether more effects might have been named."""
         return len(self.names()) < self.settings.most_effects
 
-    def scores(self) -> Tensor:
-        """Return the cross-validated log likelihood of each cluster of correlated residuals, (clusters,)."""
-        score = predictive_score(self.judge.left_out(self.current), self.problem.noise)
+    def scores(self, fitted: Fit | None = None) -> Tensor:
+        """Return the cross-validated log likelihood of each cluster of correlated residuals, (clusters,).
+
+        Args:
+            fitted: what predicts; None: the current fit.
+        """
+        score = predictive_score(self.judge.left_out(fitted or self.current), self.problem.noise)
         return score.new_zeros(self.clusters).index_add(0, self.problem.cluster, score)
 
     def take(self, winner: Candidate) -> None:
@@ -236,6 +242,33 @@ class Competition:
             if self.names() in seen:
                 return
             seen.append(self.names())
+
+    def unite(self, rivalries: Sequence[Rivalry]) -> bool:
+        """Put one effect in the place of two named ones, either of which it could stand in for; return whether it did.
+
+        It has to predict as well as both together. A sine is what a spring and its cubic part come to on a short way:
+        one cause is likelier than two that conspire.
+        """
+        for first, second in itertools.combinations(rivalries, 2):
+            shared = {effect.key for effect in first.rivals} & {effect.key for effect in second.rivals}
+            for effect in (effect for effect in first.rivals if effect.key in shared):
+                if self.take_for_both(effect, first.winner, second.winner):
+                    return True
+        return False
+
+    def take_for_both(self, effect: Effect, first: Effect, second: Effect) -> bool:
+        """Put an effect in the place of two where it is not refused and predicts as well; return whether it did."""
+        without = shrink(self.without(first), second, self.problem, self.known.get(second.key))
+        extended = extend(without, effect, self.problem, self.starts.of(effect))
+        united = fit(extended.simulator, self.problem)
+        candidate = self.judge(effect, without, united)
+        if candidate.refusal or not is_as_good(self.scores(united), self.scores()):
+            return False
+        self.rounds.append(Round((candidate,), candidate))
+        self.dropped = (self.dropped | {first.key, second.key}) - {effect.key}
+        self.become(united)
+        self.prune()
+        return True
 
     def names(self) -> set[str]:
         """Return the keys of the effects that are in."""

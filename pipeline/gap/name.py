@@ -67,6 +67,9 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         competition.exchange()
         competition.conclude()
         rivalries = _rivalries(competition)
+    if competition.unite(rivalries):
+        competition.conclude()
+        rivalries = _rivalries(competition)
     return Naming(
         competition.base,
         competition.current,

@@ -147,6 +147,20 @@ def recording_of(voltage: np.ndarray, position: np.ndarray, velocity: np.ndarray
     return Recording(frame, "joint", units, source="the test's own joint", split=split, cleaned=True)
 
 
+def pulled_slowly(plant: Plant) -> Recording:
+    """Return a recording, driven by torques, of a motion far below what the plant would swing at."""
+    time, phases = np.arange(2400) * TIME_STEP, np.arange(6)[:, None]
+    waves = [
+        size * np.sin(2.0 * np.pi * hertz * time + turns * phases)
+        for size, hertz, turns in ((4.0, 0.3, 1), (2.0, 0.7, -2))
+    ]
+    position, velocity = motion(plant, sum(waves))
+    noise = np.random.default_rng(0).standard_normal((2, *position.shape))
+    recorded = recording_of(sum(waves), position + 1e-4 * noise[0], velocity + 2e-3 * noise[1])
+    frame = recorded.frame.assign(effort=GAIN * recorded.frame["voltage"]).drop(columns="voltage")
+    return replace(recorded, frame=frame, units={"position": "rad", "velocity": "rad/s", "effort": "N·m"})
+
+
 @functools.cache
 def joint_recording(plant: Plant, seed: int = 0, runs: int = 6, noise: float = 1.0) -> Recording:
     """Return one recording of a plant, kept for the session."""

@@ -11,9 +11,18 @@ from pipeline.gap import candidates
 from pipeline.gap.competition import Competition, Round
 from pipeline.gap.contract import diagnosis_document
 from pipeline.gap.settings import Gap
+from pipeline.platforms import Joint
 from pipeline.simulation import Simulator
 from tests.pipeline.gap.problems import diagnosed, named, of_joint, problem_of, quick, value_of
-from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator, racer, uneventful_flights
+from tests.pipeline.gap.recordings import (
+    JOINT,
+    Plant,
+    joint_recording,
+    joint_simulator,
+    pulled_slowly,
+    racer,
+    uneventful_flights,
+)
 
 
 class Twin(ViscousFriction):
@@ -81,3 +90,20 @@ def test_what_had_no_part_in_a_round_may_still_stand_in_for_its_winner():
     competition.rounds.append(Round((delay, far), delay))
     close = {effect.key for effect in competition.close_to(delay.effect)}
     assert close == {effect.key for effect in competition.catalogue} - {"inertia_error"}
+
+
+def test_a_weight_is_not_a_spring_and_its_cubic_part():
+    """On a short way a sine is both, and either of the two enters before the one cause that they conspire to be."""
+    weight = pulled_slowly(Plant(viscous=0.5, other=lambda position, velocity: -4.0 * np.sin(position)))
+    found = quick(weight, Simulator(Joint(inertia=JOINT.inertia)))
+    assert set(named(found)) == {"gravity_load", "viscous_friction"}
+    (load,) = (f for f in found.simulator.effects if f.effect.key == "gravity_load")
+    assert load.values["sine"] == pytest.approx(4.0, rel=0.01)
+
+
+def test_a_spring_and_its_cubic_part_are_not_a_weight():
+    spring = pulled_slowly(
+        Plant(viscous=0.5, other=lambda position, velocity: -3.0 * position - 3.0 * position**3)
+    )
+    found = quick(spring, Simulator(Joint(inertia=JOINT.inertia)))
+    assert set(named(found)) == {"linear_stiffness", "cubic_stiffness", "viscous_friction"}

@@ -13,16 +13,13 @@ from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 from tests.pipeline.gap.problems import named, quick
 from tests.pipeline.gap.recordings import (
-    GAIN,
     JOINT,
-    TIME_STEP,
     Plant,
     flight,
     joint_recording,
     joint_simulator,
-    motion,
+    pulled_slowly,
     racer,
-    recording_of,
 )
 
 PLANTS = [
@@ -63,20 +60,6 @@ def test_a_voltage_of_the_other_sign_is_no_physics(plant):
     backwards = scaled(joint_recording(plant), "voltage", -1.0)
     (sentence,) = said(backwards, joint_simulator())
     assert sentence.startswith("torque: the machine moves against what is commanded (correlation -")
-
-
-def pulled_slowly(plant: Plant) -> Recording:
-    """Return a recording, driven by torques, of a motion far below what the plant would swing at."""
-    time, phases = np.arange(2400) * TIME_STEP, np.arange(6)[:, None]
-    waves = [
-        size * np.sin(2.0 * np.pi * hertz * time + turns * phases)
-        for size, hertz, turns in ((4.0, 0.3, 1), (2.0, 0.7, -2))
-    ]
-    position, velocity = motion(plant, sum(waves))
-    noise = np.random.default_rng(0).standard_normal((2, *position.shape))
-    recorded = recording_of(sum(waves), position + 1e-4 * noise[0], velocity + 2e-3 * noise[1])
-    frame = recorded.frame.assign(effort=GAIN * recorded.frame["voltage"]).drop(columns="voltage")
-    return replace(recorded, frame=frame, units={"position": "rad", "velocity": "rad/s", "effort": "N·m"})
 
 
 def test_a_spring_that_is_pulled_slowly_moves_against_its_acceleration():
