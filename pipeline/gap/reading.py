@@ -3,8 +3,6 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects import MeasurementEffect
-from pipeline.effects.delay import CommandDelay
 from pipeline.gap.fit import Fit, excess_of, fit
 from pipeline.gap.name import Naming
 from pipeline.gap.preparation import Prepared, prepare
@@ -25,7 +23,7 @@ def name_as_read(
     """Name what is missing, with the commands where they act.
 
     Which of the two readings of a command is right, held or measured, may not show before the physics is known. The
-    other one is tried where a delay or an offset of half a sample was needed, which is no physics; on machines whose
+    other one is tried where a delay, lag or offset of half a sample was needed, which is no physics; on machines whose
     controllers are about as fast as their logs also where it may cost less, and where much has no name in this one.
 
     Args:
@@ -85,9 +83,5 @@ def _is_late_by_half_a_sample(naming: Naming, prepared: Prepared) -> bool:
     half = 0.5 * prepared.problem.blocks.time_step
     late = -half if prepared.problem.blocks.held else half
     simulator = naming.fit.simulator
-    shifts = [
-        fitted.effect.lateness(fitted.values, simulator.constants())
-        for fitted in simulator.free
-        if isinstance(fitted.effect, MeasurementEffect | CommandDelay)
-    ]
+    shifts = [f.effect.lateness(f.values, simulator.constants()) for f in simulator.free]
     return any(abs(shift - late) < _NEARLY * half for shift in shifts)

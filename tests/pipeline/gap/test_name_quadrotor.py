@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 from tests.pipeline.gap.problems import named, quick, value_of
 from tests.pipeline.gap.recordings import flight, held_flights, late, racer, uneventful_flights
@@ -47,12 +48,38 @@ def test_a_late_or_early_state_is_named(samples):
     assert value_of(found, "sensor_time_offset") == pytest.approx(0.01 * samples, rel=0.1)
 
 
+def blown(recording: Recording, wind_x: float, wind_y: float) -> Recording:
+    """Return the flights as they look from ground below which the still air moves: the same flights in a wind, m/s."""
+    frame = recording.frame.copy()
+    since = frame["t"] - frame.groupby("run")["t"].transform("min")
+    for axis, speed in (("x", wind_x), ("y", wind_y)):
+        frame[f"velocity_{axis}"] += speed
+        frame[f"position_{axis}"] += speed * since
+    return replace(recording, frame=frame)
+
+
+@pytest.mark.slow
+def test_a_wind_is_named_beside_the_drag_through_which_it_pushes():
+    found = quick(blown(flight(("rotor_drag", 0.35)), 3.0, -1.5), Simulator(racer()))
+    assert set(named(found)) == {"rotor_drag", "steady_wind"}
+    (wind,) = (f for f in found.simulator.effects if f.effect.key == "steady_wind")
+    drag = value_of(found, "rotor_drag")
+    assert wind.values["push_x"] / drag == pytest.approx(3.0, rel=0.1)
+    assert wind.values["push_y"] / drag == pytest.approx(-1.5, rel=0.1)
+
+
 def test_commands_that_are_held_to_the_next_sample_are_not_called_late():
     """Read at their instants, they act half a sample too late: that was a command delay of 6 ms, probability 0.99."""
     contestants = ["motor_lag", "command_delay", "sensor_time_offset", "thrust_coefficient_error"]
     found = quick(held_flights(0.03), Simulator(racer()), contestants)
     assert named(found) == ["motor_lag"]
     assert value_of(found, "motor_lag") == pytest.approx(0.03, rel=0.03)
+    assert found.fitting.blocks.held
+
+
+def test_a_lag_of_half_a_sample_is_that_of_a_held_command():
+    found = quick(held_flights(0.0), Simulator(racer()), ["motor_lag", "thrust_coefficient_error"])
+    assert named(found) == []
     assert found.fitting.blocks.held
 
 
