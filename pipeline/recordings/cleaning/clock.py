@@ -19,7 +19,7 @@ from pipeline.recordings.cleaning.work import RunUnderCleaning
 _BAND = (1.0, 20.0)  # Hz; below lies drag and sag, above noise
 _EDGE = 0.2  # s at either end of a stretch in which the filters ring
 _LEAST = 5.0  # s of flight
-_SOUND = 0.3  # explained share of variance from which on the estimate is believed
+_SOUND = 0.4  # explained share of variance from which on the estimate is believed; at a third, coincidences were seen
 _LARGEST_ERROR = 0.5  # of a time step: a larger standard error is no estimate
 _BLOCK = 1.0  # s; residuals farther apart than this are taken as independent
 
