@@ -34,6 +34,8 @@ from pipeline.simulation.driver import with_drivers
 _FEW_CLUSTERS = 10  # so few that a person should know
 _BELIEVED = 0.5  # a probability from which on an effect says what kind of gap there is
 _MUCH = 0.1  # of the energy that was left before
+_NEVER_FITTED = "what they do is in no fitted run; record more like them"
+_LAW_FAILS = "what has no name, or a law that only nearly holds, does more there"
 
 
 @dataclass(frozen=True)
@@ -207,7 +209,7 @@ def _unseen(proof: Proof, naming: Naming, problem: Problem, channels: Sequence[C
     fitted = excess_of(naming.fit, problem.noise).clamp_min(1.0)
     return [
         f"{channel.name}: the held-out runs leave {proved:.2g} times the noise's energy, the fitted ones {known:.2g}; "
-        "what they do is in no fitted run; record more like them"
+        + (_LAW_FAILS if known > BEYOND_NOISE else _NEVER_FITTED)
         for channel, proved, known in zip(channels, (after / noise).tolist(), fitted.tolist(), strict=True)
         if proved > BEYOND_NOISE * known
     ]

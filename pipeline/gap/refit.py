@@ -37,7 +37,7 @@ def extend(
     """Add an effect to a fit: its own columns are computed, those of the others kept.
 
     An effect that is known already is set free. A linear effect needs no evaluation of the simulator at all, any other
-    a handful. The winner of a round is fitted again in full.
+    a handful; channels are weighed anew at every step. The winner of a round is fitted again in full.
 
     Args:
         current: without the effect.
@@ -48,7 +48,7 @@ def extend(
     """
     tried = _tried(current, effect, effect.starts() if starts is None else starts)
     if effect.kinked:
-        return _best([_extended(current, effect, problem, each) for each in tried], current)
+        return _best([_extended(current, effect, problem, each) for each in tried], problem)
     tried = _most_promising_first(tried, effect, current, problem)
     found = _extended(current, effect, problem, tried[0])
     if not _rests_on_a_bound(found, effect):
@@ -56,7 +56,7 @@ def extend(
     others = [
         _extended(current, effect, problem, each) for each in (*tried[1:_FOLLOWED], _freed(found, effect))
     ]
-    return _best([found, *others], current)
+    return _best([found, *others], problem)
 
 
 def _tried(current: Fit, effect: Effect, starts: Sequence[dict[str, float]]) -> list[Simulator]:
@@ -77,8 +77,8 @@ def _residual_at(start: Simulator, current: Fit, effect: Effect, problem: Proble
     return current.residual if start.effects[-1].values == unchanged else problem.residual(start)
 
 
-def _best(fits: Sequence[Fit], current: Fit) -> Fit:
-    return min(fits, key=lambda each: _cost(each.residual, current))
+def _best(fits: Sequence[Fit], problem: Problem) -> Fit:
+    return min(fits, key=lambda each: _cost(each.residual, problem))
 
 
 def _rests_on_a_bound(found: Fit, effect: Effect) -> bool:
@@ -102,19 +102,26 @@ def _freed(found: Fit, effect: Effect) -> Simulator:
 
 def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) -> Fit:
     simulator, residual = start, _residual_at(start, current, effect, problem)
-    costs, linear = [_cost(residual, current)], start.is_linear_in(effect)
-    for _ in range(1 if linear else _MOST_STEPS):
-        added = effect_jacobian(simulator, effect, problem, residual)
+    costs, linear = [_cost(residual, problem)], start.is_linear_in(effect)
+    added = effect_jacobian(simulator, effect, problem, residual)
+    for step in range(_MOST_STEPS):
+        if step > 0 and not linear:
+            added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
         simulator, residual = _stepped(simulator, residual, jacobian, problem, linear)
-        costs.append(_cost(residual, current))
+        costs.append(_cost(residual, problem))
         if costs[-2] - costs[-1] <= _PROGRESS * (costs[0] - costs[-1]):
             break
     return _finished(simulator, residual, jacobian, problem)
 
 
-def _cost(residual: Tensor, current: Fit) -> float:
-    return float((residual / current.scale).square().sum())
+def _cost(residual: Tensor, problem: Problem) -> float:
+    """Return the negative log likelihood of a row, up to a constant, with the variances that suit the residual best.
+
+    Weights of the fit before would hold an effect back that takes much off one equation and costs another one a little.
+    """
+    scale = channel_scale(residual, problem.noise)
+    return float((scale.log() + 0.5 * residual.square().mean((0, 1)) / scale.square()).sum())
 
 
 def remove(current: Fit, effect: Effect, problem: Problem, known: FittedEffect | None = None) -> Fit:

@@ -20,7 +20,8 @@ class ConstantLoad(WrenchEffect):
     formula = "torque = load"
     source = "Newton's second law"
     sentence = (
-        "A constant {load} {load_unit} pushes the axis in the positive direction; add it to the simulator."
+        "A constant {load} {load_unit} acts on the axis, a positive one in the positive direction; add it to the "
+        "simulator."
     )
     excitation = "the same motion in both directions, and rests without a command"
 

@@ -4,12 +4,14 @@ import torch
 from torch import Tensor
 
 from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.quadrotor.common import along_axes
 from pipeline.physics import rotations
 
 
 class SteadyWind(WrenchEffect):
     """A constant horizontal push in the world, whichever way the machine points."""
+
+    # It pushes by the drags that the machine has: its frame along all axes, its rotors across their axis
+    # alone. How much of the push is felt along that axis is therefore a number of its own.
 
     name = "steady_wind"
     kind = "quadrotor"
@@ -17,17 +19,24 @@ class SteadyWind(WrenchEffect):
     parameters = (
         Parameter("push_x", "m/s²", 0.5, -10.0, 10.0),
         Parameter("push_y", "m/s²", 0.5, -10.0, 10.0),
+        Parameter("axial_share", "1", 0.5, -0.5, 2.0, neutral=1.0),
     )
+    linear = False
     needs = ("attitude",)
-    formula = "a = attitude⁻¹ · (push_x, push_y, 0)"
+    formula = "a = diag(1, 1, axial_share) · attitude⁻¹ · (push_x, push_y, 0)"
     source = "Tomić, Schmid, Lutz, Mathers & Haddadin 2016, The flying anemometer: drag linear in relative airspeed"
     sentence = (
-        "Something pushes steadily with {push_x} m/s² along x and {push_y} m/s² along y of the world: the drag of a "
-        "wind; divide by the drag coefficient (1/s) for the wind in m/s, and add it to the simulator."
+        "Something pushes steadily with {push_x} m/s² along x and {push_y} m/s² along y of the world, {axial_share} "
+        "times as much along the rotors' axis as across it: the drag of a wind; divide by the drag coefficient (1/s) "
+        "for the wind in m/s, and add it to the simulator."
     )
     excitation = (
         "hover and turn on the spot, so that the push goes round the body while the body's own forces do not"
     )
+
+    def starts(self) -> list[dict[str, float]]:
+        """Start from a frame's drag, and from that of rotors alone."""
+        return [{**self.neutral(), "axial_share": share} for share in (1.0, 0.0)]
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the push in the body frame, m/s²."""
@@ -35,4 +44,5 @@ class SteadyWind(WrenchEffect):
         one = torch.ones_like(attitude[..., 0])
         push = [values["push_x"] * one, values["push_y"] * one, 0.0 * one]
         world = torch.stack(push, dim=-1)
-        return along_axes("force", rotations.rotate_inverse(attitude, world))
+        across_x, across_y, along = rotations.rotate_inverse(attitude, world).unbind(-1)
+        return {"force_x": across_x, "force_y": across_y, "force_z": values["axial_share"] * along}

@@ -193,11 +193,12 @@ def test_slopes_in_the_parameters_are_finite_differences(effect):
         }
         gradient = torch.autograd.grad(weighed(values), list(values.values()))
         for (name, value), slope in zip(start.items(), gradient, strict=True):
-            change = 1e-7 * abs(value)  # small, since a limit or a delay has kinks
+            size = abs(value) or 1.0
+            change = 1e-7 * size  # small, since a limit or a delay has kinks
             above, below = (weighed(start | {name: value + sign * change}) for sign in (1.0, -1.0))
             difference = (above - below) / (2.0 * change)
             # Rounding of sums of about 100 leaves 1e-14 of them over so small a change.
-            torch.testing.assert_close(slope, difference, rtol=1e-5, atol=5e-6 / abs(value))
+            torch.testing.assert_close(slope, difference, rtol=1e-5, atol=5e-6 / size)
             slopes.append((name, float(slope)))
     assert {name for name, slope in slopes if slope != 0.0} == {
         parameter.name for parameter in effect.parameters

@@ -78,10 +78,15 @@ def test_a_rotor_that_gives_nothing_is_a_rotor_that_stands(rotor):
 @given(seed=SEED)
 def test_a_steady_wind_pushes_the_same_way_in_the_world_whichever_way_the_machine_points(seed):
     signals = some_signals("quadrotor", (5,), seed)
-    wrench = of("steady_wind").wrench(signals, {"push_x": 0.4, "push_y": -0.7}, constants("quadrotor"))
-    force = torch.stack([wrench[f"force_{axis}"] for axis in "xyz"], dim=-1)
+    wind, push = of("steady_wind"), {"push_x": 0.4, "push_y": -0.7}
+    whole, across = (
+        wind.wrench(signals, {**push, "axial_share": share}, constants("quadrotor")) for share in (1.0, 0.0)
+    )
+    force = torch.stack([whole[f"force_{axis}"] for axis in "xyz"], dim=-1)
     world = rotations.rotate(signals["attitude"], force)
     torch.testing.assert_close(world, torch.tensor([[0.4, -0.7, 0.0]] * 5, dtype=torch.float64))
+    torch.testing.assert_close(across["force_x"], whole["force_x"])
+    assert not across["force_z"].any()
 
 
 @given(seed=SEED)
