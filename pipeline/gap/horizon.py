@@ -97,7 +97,9 @@ def state_noise(blocks: Blocks, simulator: Simulator) -> Tensor:
     """Return the standard deviation of the sensor noise on each component of the state, (n,)."""
     motion = motion_of(simulator.platform)
     state = motion.pack({name: blocks.inner(series) for name, series in blocks.signals.items()})
-    return torch.stack([sample_noise(state[..., i]).sqrt() for i in range(state.shape[-1])])
+    return torch.stack(
+        [sample_noise(state[..., i], blocks.noise_kept).sqrt() for i in range(state.shape[-1])]
+    )
 
 
 def _shaken(state: Tensor, noise: Tensor, random: torch.Generator) -> Tensor:

@@ -8,10 +8,11 @@ from torch import Tensor
 
 from pipeline.physics.weak_form import WindowFunctions, mean_of, mean_rate_of
 from pipeline.platforms.mechanism import Channel
+from pipeline.recordings.cleaning.resample import FIFTH_DIFFERENCE
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
 
-_FIFTH_DIFFERENCE = torch.tensor([1.0, -5.0, 10.0, -10.0, 5.0, -1.0], dtype=torch.float64)
+_FIFTH_DIFFERENCE = torch.tensor(FIFTH_DIFFERENCE, dtype=torch.float64)
 _ROUNDING = 1e-9  # of the mean square: a signal that rests leaves no more
 _TOUCHED = 1e-3  # of a window's weight: what is made up at its very edge does no harm
 _LEAST_SOUND = 0.5  # of the windows
@@ -161,26 +162,31 @@ def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
     is not. It is taken of the measured side and of the predicted side, whose inputs are noisy too.
     Source: Gasser, Sroka & Jennen-Steinmetz 1986, Residual variance and residual pattern (Biometrika 73).
     """
-    deviations = []
+    deviations, kept = [], blocks.noise_kept
     # White noise is read off single samples: a mean of two no longer looks like it.
     for series in channel_series(simulator, replace(blocks, held=False)):
         mean_gain = functions.weights.square().sum(1).mean()
         if series.direct:
-            variance = sample_noise(series.measured - series.predicted) * mean_gain
+            variance = sample_noise(series.measured - series.predicted, kept) * mean_gain
         else:
             slopes = functions.differences if blocks.held else functions.slopes
             rate_gain = slopes.square().sum(1).mean()
             settling = _settling(series.channel.name, simulator, blocks)
-            variance = settling**2 * sample_noise(series.measured) * rate_gain
-            variance = variance + sample_noise(series.predicted) * mean_gain
+            variance = settling**2 * sample_noise(series.measured, kept) * rate_gain
+            variance = variance + sample_noise(series.predicted, kept) * mean_gain
         deviations.append((variance + series.channel.tolerance**2).sqrt())
     return torch.stack(deviations)
 
 
-def sample_noise(series: Tensor) -> Tensor:
-    """Return the variance of the white noise on a series (blocks, samples)."""
+def sample_noise(series: Tensor, kept: float = 1.0) -> Tensor:
+    """Return the variance of the white noise on a series (blocks, samples).
+
+    Args:
+        series: with noise on it.
+        kept: share of it that a fifth difference still shows, where the series was interpolated.
+    """
     kernel = _FIFTH_DIFFERENCE.to(series)
     squared = torch.nn.functional.conv1d(series[:, None], kernel[None, None]).square() / kernel.square().sum()
     # The median forgives steps of a command and spikes; a quantised signal that rests has none, hence the mean.
     median, mean = squared.median() / _MEDIAN_OF_SQUARE, squared.mean()
-    return median if median > _ROUNDING * mean else mean
+    return (median if median > _ROUNDING * mean else mean) / kept

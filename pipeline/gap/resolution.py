@@ -54,7 +54,7 @@ def resolution_of(nominal: Simulator, blocks: Blocks) -> dict[str, float]:
     for name, velocity in _sliding_velocities(nominal, blocks.signals).items():
         inner = blocks.inner(velocity)
         per_axis = inner.flatten(2).transpose(1, 2).flatten(0, 1) if inner.ndim > 2 else inner
-        noise = _CERTAIN * float(sample_noise(per_axis)) ** 0.5
+        noise = _CERTAIN * float(sample_noise(per_axis, blocks.noise_kept)) ** 0.5
         known[name] = max(noise, _quantum(inner), _LEAST_SHARE * _usual(inner), _LEAST_SPEED)
     return known
 

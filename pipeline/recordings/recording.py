@@ -27,6 +27,8 @@ class Recording:
         split: run to train, validation or holdout; empty until cleaned.
         clock_offset: run to the time by which the state channels lag the motor telemetry, s (positive: the
             state is late), as cleaning estimated it; not applied to the data.
+        noise_kept: run to the share of white noise that a fifth difference still shows after interpolation, where
+            samples were moved.
         warnings: what looks wrong, one sentence each.
         cleaned: uniform in time inside each (run, segment) and no gap in a required channel.
     """
@@ -38,6 +40,7 @@ class Recording:
     licence: str = ""
     split: dict[str, str] = field(default_factory=dict)
     clock_offset: dict[str, float] = field(default_factory=dict)
+    noise_kept: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     cleaned: bool = False
 
@@ -96,6 +99,7 @@ def read_recording(path: str | Path, kind: str | None = None) -> Recording:
         licence=metadata.get("licence") or "",
         split=dict(metadata.get("simgap.split") or {}),
         clock_offset=dict(metadata.get("simgap.clock_offset") or {}),
+        noise_kept=dict(metadata.get("simgap.noise_kept") or {}),
         warnings=tuple(dict.fromkeys((*known, *noticed))),
         cleaned=cleaned,
     )
@@ -138,6 +142,7 @@ def write_recording(recording: Recording, path: str | Path) -> None:
         "licence": recording.licence,
         "simgap.split": recording.split,
         "simgap.clock_offset": recording.clock_offset,
+        "simgap.noise_kept": recording.noise_kept,
         "simgap.cleaned": recording.cleaned,
         "simgap.warnings": list(recording.warnings),
     }

@@ -19,7 +19,13 @@ _MAGIC = b"PAR1"
 _ROW_NUMBERS = re.compile(
     r"__index_level_\d+__"
 )  # what pandas adds, to Parquet by this name and to CSV without one
-_STRUCTURED = ("simgap.split", "simgap.clock_offset", "simgap.cleaned", "simgap.warnings")
+_STRUCTURED = (
+    "simgap.split",
+    "simgap.clock_offset",
+    "simgap.noise_kept",
+    "simgap.cleaned",
+    "simgap.warnings",
+)
 
 
 @dataclass(frozen=True)

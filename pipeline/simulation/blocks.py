@@ -33,6 +33,7 @@ class Blocks:
             a simulation holds them. By name, (blocks, margin + samples + margin, ...).
         resolution: what velocities are known to at each sample, in their units; of no concern to a simulation, which
             knows its own. By name, (blocks, margin + samples + margin, ...).
+        noise_kept: share of white noise that a fifth difference still shows after interpolation, on average.
         rates: which signals act with their mean, and are the integral of which other one, by name.
     """
 
@@ -47,6 +48,7 @@ class Blocks:
     held_commands: dict[str, Tensor] = field(default_factory=dict)
     resolution: dict[str, Tensor] = field(default_factory=dict)
     rates: dict[str, str] = field(default_factory=dict)
+    noise_kept: float = 1.0
 
     def __len__(self) -> int:
         return len(self.run)
@@ -179,6 +181,7 @@ def cut_blocks(
         samples=samples,
         held=held,
         held_commands=_stacked([commands for _, commands in pieces]),
+        noise_kept=sum(recording.noise_kept.get(name, 1.0) for name in runs) / len(runs),
         rates=rates_of(platform),
     )
 

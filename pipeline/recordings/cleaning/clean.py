@@ -91,6 +91,7 @@ def clean_with_coverage(
         frame=frame,
         split=split_runs([run.name for run in usable], split, seed, distances_of(frame)),
         clock_offset={run.name: run.clock_offset for run in usable if run.clock_offset is not None},
+        noise_kept={run.name: run.noise_kept for run in usable if run.noise_kept < 1.0},
         cleaned=True,
     )
     return Cleaned(result, changes, coverage(runs))

@@ -31,6 +31,7 @@ class RunUnderCleaning:
         cause: why a value is missing or replaced ("" where it is as recorded), shape (samples, channels).
         dropped: why a sample is dropped, "" where it is kept, shape (samples,).
         changes: the ledger.
+        noise_kept: share of white noise that a fifth difference still shows after interpolation.
         filled: 1 where an input that is needed was made up, shape (samples,).
         clock_offset: s, how late the state is with respect to the motors; None where that is unknown.
     """
@@ -47,6 +48,7 @@ class RunUnderCleaning:
     dropped: np.ndarray = field(init=False)
     changes: list[Change] = field(default_factory=list)
     clock_offset: float | None = None
+    noise_kept: float = 1.0
     filled: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:

@@ -4,7 +4,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.recordings.cleaning import Cleaning
-from pipeline.recordings.cleaning.resample import resample, split_at_gaps, typical_step
+from pipeline.recordings.cleaning.resample import (
+    FIFTH_DIFFERENCE,
+    noise_kept,
+    resample,
+    split_at_gaps,
+    typical_step,
+)
 
 STEP = 0.01
 
@@ -151,3 +157,23 @@ def test_samples_whose_input_was_made_up_are_marked_and_stay_so(joint, as_run):
     once = resampled(as_run(without(frame, [50, 51]), "joint"))
     assert np.flatnonzero(once.filled).tolist() == [50, 51]
     assert np.flatnonzero(resampled(once).filled).tolist() == [50, 51]
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.15, 0.3, 0.45])
+def test_interpolation_keeps_as_much_of_white_noise_as_it_says(jitter):
+    random = np.random.default_rng(0)
+    grid = STEP * np.arange(20000)
+    recorded = grid + jitter * STEP * random.uniform(-1.0, 1.0, len(grid))
+    noise = np.interp(grid, recorded, random.standard_normal(len(grid)))
+    squared = np.convolve(noise[1:-1], FIFTH_DIFFERENCE, "valid") ** 2 / np.square(FIFTH_DIFFERENCE).sum()
+    shown = np.median(squared) / 0.455
+    assert noise_kept(recorded, grid) == pytest.approx(shown, rel=0.1)
+
+
+def test_halfway_between_samples_a_twelfth_of_the_noise_is_shown(joint, as_run):
+    """The noise halves, and of what is left a fifth difference shows a sixth: Σ(c_j + c_{j+1})²/4 of 252."""
+    frame = joint()
+    run = as_run(frame, "joint")
+    time = np.asarray(frame["t"], dtype=float)
+    assert noise_kept(time, time[:-1] + 0.5 * STEP) == pytest.approx(1.0 / 12.0, rel=0.01)
+    assert resampled(run).noise_kept == 1.0
