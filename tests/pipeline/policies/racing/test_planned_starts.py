@@ -3,10 +3,16 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.policies.racing.entry import described_race, race_from, race_in, trained_race
+from pipeline.policies.racing.entry import (
+    described_race,
+    gone_on_with,
+    race_from,
+    race_in,
+    trained_race,
+)
 from pipeline.policies.racing.flying import PARTS
 from pipeline.policies.racing.passage import passage
-from pipeline.policies.racing.settings import RacingSettings, Starts
+from pipeline.policies.racing.settings import RacingSettings, Randomisation, Reward, Starts
 from pipeline.policies.racing.time_optimal import Limits, optimal_lap
 from pipeline.simulation import Simulator
 from tests.pipeline.policies.environment_contract import check_contract
@@ -50,3 +56,11 @@ def test_a_race_is_flown_without_them_and_a_training_goes_on_with_them():
     described = described_race(track_settings("tiny"), PLANNED)
     assert trained_race(described)[1] == PLANNED
     assert race_from(described, powertrain=None)[1].starts == replace(PLANNED.starts, planned=0.0)
+
+
+def test_where_a_policy_is_trained_further_a_crash_costs_what_it_did_in_the_end():
+    drawn = replace(PLANNED, reward=Reward(first_crash=2.0), randomisation=Randomisation(drag=0.3))
+    again, still = (gone_on_with(drawn, randomised) for randomised in (False, True))
+    assert again.reward == still.reward == Reward()
+    assert (again.starts.planned, again.randomisation) == (0.0, Randomisation())
+    assert (still.starts, still.randomisation) == (drawn.starts, drawn.randomisation)
