@@ -12,6 +12,7 @@ from pipeline.reality.flight import Log
 from pipeline.reality.rotation import Array, cross, matrix
 
 _UP = np.array([0.0, 0.0, 1.0])
+_ACROSS, _ALONG = np.array([1.0, 1.0, 0.0]), _UP  # the rotors' axis, body frame
 
 
 @dataclass(frozen=True)
@@ -73,11 +74,13 @@ def lumped_in_wind(
     for name in forces:
         bare = bare.without(name)
     added = _settled(airframe, flown, flown.airspeed)[_FORCE] - _settled(bare, flown, flown.airspeed)[_FORCE]
-    laws = [LAWS[name][1](flown) for name in forces] + [flown.rotation[..., axis, :] for axis in range(2)]
+    # Across the rotors' axis and along it a wind pushes by different drags: each part has a size of its own.
+    parts = [part * flown.rotation[..., axis, :] for part in (_ACROSS, _ALONG) for axis in range(2)]
+    laws = [*(LAWS[name][1](flown) for name in forces), *parts]
     design = np.stack([np.ravel(law) for law in laws], axis=-1)
     found = np.linalg.lstsq(design, np.ravel(added), rcond=None)[0]
-    pushes = {"push_x": float(found[-2]), "push_y": float(found[-1])}
-    named = {name: {"coefficient": float(value)} for name, value in zip(forces, found[:-2], strict=True)}
+    pushes = {"push_x": float(found[-4]), "push_y": float(found[-3])}
+    named = {name: {"coefficient": float(value)} for name, value in zip(forces, found[:-4], strict=True)}
     return named | {"steady_wind": pushes}
 
 
