@@ -12,6 +12,9 @@ from pipeline.recordings.cleaning.settings import Cleaning
 from pipeline.recordings.cleaning.work import RunUnderCleaning
 
 FIFTH_DIFFERENCE = (-1.0, 5.0, -10.0, 10.0, -5.0, 1.0)  # by which white noise is told from motion
+_LEAST_KEPT = (
+    1.0 / 12.0
+)  # of a mean of two; on a grid finer than the recording there is nothing to tell it by
 _EQUAL = 1e-4  # of a time step: recorded times this close to the grid are taken as they are
 _ROUNDING = 1.0 + 1e-6
 _NEAR = 0.5 * _ROUNDING  # time steps: a value this close to a measured one is as good as measured
@@ -136,7 +139,7 @@ def noise_kept(recorded: np.ndarray, time: np.ndarray) -> float:
         return 1.0
     differences = sum(c * weights[place : place + count] for place, c in enumerate(FIFTH_DIFFERENCE))
     shown = differences.multiply(differences).sum(axis=1) / np.square(FIFTH_DIFFERENCE).sum()
-    return min(float(np.median(shown)), 1.0)
+    return float(np.clip(np.median(shown), _LEAST_KEPT, 1.0))
 
 
 def _grid(run: RunUnderCleaning, time_step: float, jitter: float) -> _Grid:

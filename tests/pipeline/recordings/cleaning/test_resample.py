@@ -177,3 +177,8 @@ def test_halfway_between_samples_a_twelfth_of_the_noise_is_shown(joint, as_run):
     time = np.asarray(frame["t"], dtype=float)
     assert noise_kept(time, time[:-1] + 0.5 * STEP) == pytest.approx(1.0 / 12.0, rel=0.01)
     assert resampled(run).noise_kept == 1.0
+
+
+def test_on_a_grid_much_finer_than_the_recording_a_noise_is_still_something():
+    recorded = STEP * np.arange(100)
+    assert noise_kept(recorded, 0.1 * STEP * np.arange(990)) == pytest.approx(1.0 / 12.0)
