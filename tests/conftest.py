@@ -7,6 +7,8 @@ import pytest
 from hypothesis import settings
 from jaxtyping import install_import_hook
 
+import pipeline.physics.cable_steps  # noqa: F401  # what is compiled takes no checks, so it comes before them
+
 install_import_hook("pipeline", "beartype.beartype")
 settings.register_profile("untimed", deadline=None)  # the first example pays for imports
 settings.load_profile("untimed")

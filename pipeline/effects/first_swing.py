@@ -39,9 +39,9 @@ class Felt:
         return Felt(self.apparent[:, :steps], self.attitude[:, :steps], self.counts[:, :steps])
 
     def sideways(self, acceleration: Tensor) -> Tensor:
-        """Return accelerations (cables, steps, 3) of the world frame along body x and y, (cables, 2·steps)."""
-        body = rotations.rotate_inverse(self.attitude, acceleration)
-        return (body[..., :2] * self.counts[..., None]).flatten(1)
+        """Return world-frame accelerations (..., cables, steps, 3) along body x and y, (..., cables, 2·steps)."""
+        body = rotations.rotate_inverse(self.attitude.expand(*acceleration.shape[:-1], 4), acceleration)
+        return (body[..., :2] * self.counts[..., None]).flatten(-2)
 
 
 def first_swing(
@@ -130,13 +130,15 @@ class _Search:
 
     def swung(self, off: Tensor) -> Swung:
         """Return what starts lead to, and how that changes with them."""
-        moved = [off, *(off + _SLIGHT * unit for unit in torch.eye(4, dtype=off.dtype))]
-        starts = zip(*(self.turned(each) for each in moved), strict=True)
-        direction, rate = (torch.cat(part) for part in starts)
-        whole = self.felt.apparent.repeat(len(moved), 1, 1)
-        swung = self.cable.steps(direction, rate, whole, self.stride)
-        pulls = self.mass_ratio * pull(*swung, whole, self.cable.length)
-        shown = torch.stack([self.felt.sideways(each) for each in pulls.unflatten(0, (len(moved), -1))])
+        units = torch.eye(4, dtype=off.dtype)
+        aside = _SLIGHT * torch.cat([torch.zeros_like(units[:1]), units])
+        direction, rate = self.turned(off + aside[:, None])
+        apparent = self.felt.apparent.expand(5, *self.felt.apparent.shape)
+        swung = self.cable.steps(
+            direction.flatten(0, 1), rate.flatten(0, 1), apparent.flatten(0, 1), self.stride
+        )
+        towards, turning = (each.unflatten(0, (5, -1)) for each in swung)
+        shown = self.felt.sideways(self.mass_ratio * pull(towards, turning, apparent, self.cable.length))
         error = self.felt.sideways(-self.felt.apparent) - shown[0]
         return Swung(off, error, ((shown[1:] - shown[0]) / _SLIGHT).movedim(0, -1))
 
@@ -150,11 +152,12 @@ class _Search:
         return torch.linalg.solve(square + torch.diag_embed(held), uphill - swung.off / _USUAL**2)
 
     def turned(self, off: Tensor) -> tuple[Tensor, Tensor]:
-        """Return direction and rate of cables off rest, (cables, 3) each."""
-        axes = torch.eye(3, dtype=off.dtype)[:2]
-        sides = torch.stack([across(axis.expand_as(self.resting), self.resting) for axis in axes])
+        """Return direction and rate of cables off rest (..., cables, 4), (..., cables, 3) each."""
+        axes = torch.eye(3, dtype=off.dtype)[:2, None]
+        sides = across(axes.expand(2, *self.resting.shape), self.resting)
         aside, turning = (
-            (part.T[..., None] * sides).sum(0) for part in (off[:, :2], self.cable.pace * off[:, 2:])
+            torch.einsum("...cs,scx->...cx", part, sides)
+            for part in (off[..., :2], self.cable.pace * off[..., 2:])
         )
         turned = along(self.resting + aside)
         return turned, across(turning, turned)

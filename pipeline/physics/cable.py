@@ -6,7 +6,9 @@ acceleration of the cable's upper end.
 
 from dataclasses import dataclass
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 _FINE = 0.04  # rad that a cable swings by in a step
@@ -51,10 +53,27 @@ class Cable:
         return along(direction), rate
 
     def steps(self, direction: Tensor, rate: Tensor, means: Tensor, stride: int) -> tuple[Tensor, Tensor]:
-        """Return direction and rate of cables over steps of so many samples, (cables, steps, 3) each."""
+        """Return direction and rate of cables over steps of so many samples, (cables, steps, 3) each.
+
+        The steps are taken one by one where somebody asks for gradients, else by a compiled loop.
+        """
+        time_step = stride * self.time_step
+        length = torch.as_tensor(self.length, dtype=torch.float64)
+        if any(each.requires_grad or each.is_cuda for each in (direction, rate, means, length)):
+            return self._one_by_one(direction, rate, means, time_step)
+        from pipeline.physics.cable_steps import swung  # its import takes longer than all effects
+
+        directions, rates = swung(
+            _array(direction), _array(rate), _array(means), _array(length.expand(len(means))), time_step
+        )
+        return torch.from_numpy(directions).to(means.dtype), torch.from_numpy(rates).to(means.dtype)
+
+    def _one_by_one(
+        self, direction: Tensor, rate: Tensor, means: Tensor, time_step: float
+    ) -> tuple[Tensor, Tensor]:
         directions, rates = [direction], [rate]
         for before, after in zip(means[:, :-1].unbind(1), means[:, 1:].unbind(1), strict=True):
-            direction, rate = swing(direction, rate, before, after, self.length, stride * self.time_step)
+            direction, rate = swing(direction, rate, before, after, self.length, time_step)
             directions.append(direction)
             rates.append(rate)
         return torch.stack(directions, 1), torch.stack(rates, 1)
@@ -107,6 +126,10 @@ def pooled(series: Tensor, stride: int) -> Tensor:
     missing = -series.shape[1] % stride
     whole = torch.cat([series, series[:, -1:].expand(-1, missing, -1)], dim=1)
     return whole.unflatten(1, (-1, stride)).mean(2)
+
+
+def _array(series: Tensor) -> NDArray[np.float64]:
+    return series.double().contiguous().numpy()
 
 
 def _spread(series: Tensor, stride: int, samples: int) -> Tensor:

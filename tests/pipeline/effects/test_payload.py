@@ -7,7 +7,7 @@ import torch
 
 from pipeline.effects import effect_by_key
 from pipeline.physics import rotations
-from pipeline.physics.cable import Cable
+from pipeline.physics.cable import Cable, across, along
 from pipeline.simulation import FittedEffect, Simulator, rollout
 from pipeline.simulation.motion import motion_of
 from tests.pipeline.effects.responses import constants, smooth_flight
@@ -84,6 +84,20 @@ def test_how_a_load_swings_when_a_recording_begins_is_found(angle, turning):
     hanging = {name: series for name, series in cut.items() if name != "run_number"}
     missed = PAYLOAD.along_time(hanging, values, constants("quadrotor"), time_step)["payload_pull"]
     assert float((missed[0] - pull[0, : missed.shape[1]])[:, :2].abs().max()) > 1.0
+
+
+def test_compiled_steps_are_those_that_gradients_go_through():
+    random = torch.Generator().manual_seed(4)
+    direction, rate, apparent = (
+        torch.randn(5, *shape, generator=random, dtype=torch.float64) for shape in ((3,), (3,), (200, 3))
+    )
+    start = along(direction), across(3.0 * rate, along(direction))
+    cable = Cable(0.7, GRAVITY, 0.01)
+    compiled = cable.steps(*start, 5.0 * apparent, stride=2)
+    differentiable = cable.steps(*start, (5.0 * apparent).requires_grad_(), stride=2)
+    for one, other in zip(compiled, differentiable, strict=True):
+        assert other.requires_grad
+        torch.testing.assert_close(one, other.detach(), rtol=1e-9, atol=1e-9)
 
 
 def test_a_hanging_load_is_weight():
