@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from torch import Tensor
 
 from pipeline.effects import Effect
-from pipeline.gap.ambiguity import Rivalry, is_as_good, predicts_better, rivalry_of, rivals_of, total_score
+from pipeline.gap.ambiguity import (
+    Rivalry,
+    is_as_good,
+    is_beyond_chance,
+    predicts_better,
+    rivalry_of,
+    rivals_of,
+    total_score,
+)
 from pipeline.gap.candidate import BEYOND_NOISE, Candidate, Judge, Starts
 from pipeline.gap.candidates import candidates_for
 from pipeline.gap.fit import Fit, Problem, excess_of, fit
@@ -242,6 +250,40 @@ class Competition:
             if self.names() in seen:
                 return
             seen.append(self.names())
+
+    def substitute(self, rivalries: Sequence[Rivalry]) -> bool:
+        """Put rivals in the place of two named effects at once where that predicts better; return whether it did.
+
+        Where each of two stands in a look-alike's place, exchanging one shows little: what the other leaves hides it.
+        """
+        exchanged = [
+            (pair, self.instead(pair))
+            for first, second in itertools.combinations(rivalries, 2)
+            for one, other in itertools.product(first.rivals, second.rivals)
+            if one.key != other.key
+            for pair in (((first.winner, one), (second.winner, other)),)
+        ]
+        if not exchanged:
+            return False
+        pair, best = max(exchanged, key=lambda each: float(self.scores(each[1]).sum()))
+        if not is_beyond_chance(self.scores(best) - self.scores()):
+            return False
+        self.dropped = (self.dropped | {old.key for old, _ in pair}) - {new.key for _, new in pair}
+        self.become(best)
+        self.starts.forget()
+        self.rounds.append(Round(tuple(self.named()), self.alone(pair[-1][1])))
+        self.prune()
+        self.run(self.catalogue)
+        self.exchange()
+        return True
+
+    def instead(self, pairs: Sequence[tuple[Effect, Effect]]) -> Fit:
+        """Return a fit in which the second of each pair stands in the place of the first."""
+        fitted = self.current
+        for old, new in pairs:
+            without = shrink(fitted, old, self.problem, self.known.get(old.key))
+            fitted = extend(without, new, self.problem, new.starts_in(self.problem.blocks.signals))
+        return fit(fitted.simulator, self.problem)
 
     def unite(self, rivalries: Sequence[Rivalry]) -> bool:
         """Put one effect in the place of two named ones, either of which it could stand in for; return whether it did.

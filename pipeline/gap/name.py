@@ -67,7 +67,8 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         competition.exchange()
         competition.conclude()
         rivalries = _rivalries(competition)
-    if competition.unite(rivalries):
+    much_is_left = competition.leaves_more_than_noise(times=_MUCH)
+    if (much_is_left and competition.substitute(rivalries)) or competition.unite(rivalries):
         competition.conclude()
         rivalries = _rivalries(competition)
     return Naming(

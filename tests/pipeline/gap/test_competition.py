@@ -1,16 +1,18 @@
 """The course of a competition, where its parts play no role."""
 
+import numpy as np
 import pytest
 import torch
 
 from pipeline.effects import effect_by_key, effects_of
 from pipeline.gap import competition
+from pipeline.gap.ambiguity import Rivalry
 from pipeline.gap.candidate import Candidate
 from pipeline.gap.competition import Competition
 from pipeline.gap.fit import Fit, fit
 from pipeline.gap.name import usual_of
 from pipeline.gap.settings import Gap
-from tests.pipeline.gap.problems import problem_of
+from tests.pipeline.gap.problems import at_start, of_joint, problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
 USUAL = {"inertia_error", "motor_constant_error", "coulomb_friction", "viscous_friction"}
@@ -125,3 +127,19 @@ def test_of_what_begins_together_the_needless_goes():
 def test_what_any_joint_has_is_its_numbers_and_friction():
     assert {effect.key for effect in usual_of(list(effects_of("joint")))} == USUAL
     assert usual_of(list(effects_of("quadrotor"))) == []
+
+
+def test_two_look_alikes_are_exchanged_together():
+    """A spring and friction by the square of speed stand where a weight and viscous friction belong."""
+    plant = Plant(friction=0.3, viscous=0.2, other=lambda position, velocity: -0.8 * np.sin(position))
+    problem = problem_of(joint_recording(plant, noise=0.1), joint_simulator())
+    contest = Competition(joint_simulator(), problem, Gap())
+    spring, square, weight, viscous, dry = of_joint(
+        "linear_stiffness", "quadratic_friction", "gravity_load", "viscous_friction", "coulomb_friction"
+    )
+    taken = tuple(at_start(effect) for effect in (dry, spring, square))
+    contest.become(fit(joint_simulator().with_effects(taken), problem))
+    assert contest.substitute([Rivalry(spring, (weight,), 0.6), Rivalry(square, (viscous,), 0.6)])
+    assert contest.names() == {"coulomb_friction", "gravity_load", "viscous_friction"}
+    assert contest.dropped >= {"linear_stiffness", "quadratic_friction"}
+    assert not contest.substitute([Rivalry(weight, (spring,), 0.6), Rivalry(viscous, (square,), 0.6)])
