@@ -1,5 +1,6 @@
 """The stage that says which physics a simulator lacks."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,6 +11,8 @@ from pipeline.recordings.dataset import Dataset
 from pipeline.recordings.recording import Recording
 from pipeline.simulation.settings import SimulatorSettings
 from pipeline.stage import StageConfig, StageRun, stage
+
+_MUCH = 2.0  # times the noise's standard deviation, left beside which nobody should believe that all is found
 
 
 @dataclass
@@ -92,16 +95,26 @@ def _write_page(config: DiagnoseStage, run: StageRun) -> None:
 def _say(document: dict[str, Any]) -> None:
     print(f"verdict: {document['verdict']}")
     for effect in document["effects"]:
-        print(f"  {effect['name']} (probability {effect['probability']:.2f}): {effect['statement']}")
+        perhaps = "" if effect["probability"] >= 0.5 else "perhaps: "
+        print(f"  {effect['name']} (probability {effect['probability']:.2f}): {perhaps}{effect['statement']}")
     for rivals in document["ambiguous"]:
         print(f"  not told apart here: {', '.join(rivals['names'])}. To tell them: {rivals['separate_by']}")
     for unnamed in document["unnamed"]:
         print(
             f"  no name for {unnamed['share']:.0%} of the error in {unnamed['channel']}: {unnamed['formula']}"
         )
-    closed = document["fit"]["gap_closed"]
-    if closed is not None and document["effects"]:
-        print(f"gap closed on held-out runs: {closed:.0%}")
+    if document["effects"]:
+        _say_what_closed(document["fit"])
+
+
+def _say_what_closed(fit: dict[str, Any]) -> None:
+    """Print the share of the gap that closed, never rounded up to all of it, and how much is left beside the noise."""
+    closed, left = fit["gap_closed"], fit["after"] / fit["noise_floor"] if fit["noise_floor"] else None
+    if closed is None:
+        return
+    share = f"{closed:.0%}" if closed < 0.99 else f"{math.floor(1000.0 * closed) / 10.0:g}%"
+    rest = f" (what is left is {left:.2g} times the noise)" if left is not None and left > _MUCH else ""
+    print(f"gap closed on held-out runs: {share}{rest}")
 
 
 if __name__ == "__main__":

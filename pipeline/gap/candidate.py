@@ -7,12 +7,13 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.effects import Effect, ParameterError
+from pipeline.effects import ActuatorEffect, Effect, ParameterError
 from pipeline.gap.fit import Fit, Problem, columns_of
 from pipeline.gap.residuals import channels_on, noise_of_rows
 from pipeline.gap.resolution import is_short
 from pipeline.gap.scoring import cross_validated, folds_of, predictive_score, significance_of
 from pipeline.gap.settings import Gap
+from pipeline.simulation import Simulator
 
 _Z95 = 1.96
 _LEAST_ERROR = (
@@ -26,6 +27,7 @@ _WORSE = 1.2  # times the energy in a channel; nothing that is there makes anoth
 _PRICE = 0.1  # of the logarithm that the other channels' energies fall by, which an imperfect law may cost
 FEWEST_MORE = 5
 """So many more clusters than parameters a name needs: errors from fewer are anything."""
+_NOTHING = 0.05  # of the strength of what drives a machine, which no machine that was recorded has left of it
 _MOST = 0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
 
 
@@ -195,7 +197,7 @@ class Judge:
             return "not significant"
         if candidate.gain <= 0:
             return "does not predict runs it was not fitted on"
-        if why := effect.unphysical(values, constants):
+        if why := effect.unphysical(values, constants) or self.silenced(effect, fit.simulator):
             return why
         seen = energies > _LEAST_ENERGY * self.problem.noise.square()
         if not seen.any() or not self.matters(candidate):
@@ -258,6 +260,20 @@ class Judge:
         late, known = (effect.lateness(each, constants) for each in (values, self.rest(effect)))
         return is_short(late - known, self.problem.blocks.time_step)
 
+    def silenced(self, effect: Effect, simulator: Simulator) -> str:
+        """Return that an effect takes away what drives the machine, if it does: whatever were left would do as well."""
+        if not isinstance(effect, ActuatorEffect):
+            return ""
+        blocks = self.problem.blocks
+        others = tuple(fitted for fitted in simulator.effects if fitted.effect.key != effect.key)
+        without, after = (
+            each.along_time(blocks.signals, blocks.time_step)
+            for each in (simulator.with_effects(others), simulator)
+        )
+        if any(_is_gone(after[name], without[name]) for name in without.keys() & after.keys()):
+            return "takes away all that drives the machine"
+        return ""
+
     def matters(self, candidate: Candidate) -> bool:
         """Whether a candidate explains enough of the whole gap, or else most of what is left, and more than noise."""
         if candidate.share < self.settings.least_share:
@@ -268,6 +284,11 @@ class Judge:
     def rest(self, effect: Effect) -> dict[str, float]:
         """Return the values at which an effect changes nothing: those known before, else none of it."""
         return self.resting.get(effect.key, effect.neutral())
+
+
+def _is_gone(after: Tensor, before: Tensor) -> bool:
+    """Whether of a signal (blocks, samples, ...) next to nothing is left."""
+    return float(after.square().mean()) < _NOTHING**2 * float(before.square().mean())
 
 
 def _unseen(candidate: Candidate) -> str:

@@ -6,7 +6,7 @@ named there would be made up.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
@@ -21,10 +21,28 @@ from pipeline.recordings.recording import Recording
 from pipeline.simulation import Simulator
 from pipeline.simulation.blocks import Blocks
 
-_DRIVING = 3.0  # times the noise, which what is commanded has to make for its direction to be told
+_DRIVING = 3.0  # times the noise, which what is commanded, or needed, has to make for the two to be compared
 _AGAINST = (
     -0.5
 )  # correlation; a tenth of a second of delay does not make it negative on a machine that is controlled
+_ALIKE = 0.7  # correlation, with which sizes can be compared
+_LEAST, _MOST = (
+    1 / 30,
+    8.0,
+)  # of need over drive: a motor may be capped at a tenth, or be taken for three times stronger
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How what the commands do in a simulator goes with what the recorded motion needs.
+
+    Attributes:
+        correlation: of the two.
+        ratio: of the need over what the commands do, by their standard deviations.
+    """
+
+    correlation: float
+    ratio: float
 
 
 def contradictions(recording: Recording, prepared: Prepared) -> list[str]:
@@ -34,24 +52,31 @@ def contradictions(recording: Recording, prepared: Prepared) -> list[str]:
         recording: cleaned.
         prepared: of it.
     """
-    return [*contradicting_rates(recording.frame, recording.kind), *_driven_backwards(prepared)]
+    return [*contradicting_rates(recording.frame, recording.kind), *_driven_otherwise(prepared)]
 
 
-def _driven_backwards(prepared: Prepared) -> Iterator[str]:
+def _driven_otherwise(prepared: Prepared) -> Iterator[str]:
     for channel, agreement in agreements(prepared.nominal, prepared.problem).items():
-        if agreement < _AGAINST:
+        if agreement.correlation < _AGAINST:
             yield (
-                f"{channel}: the machine moves against what is commanded (correlation {agreement:.2f}): a sign, a "
-                "frame or the order of the motors is not the platform's"
+                f"{channel}: the machine moves against what is commanded (correlation {agreement.correlation:.2f}): a "
+                "sign, a frame or the order of the motors is not the platform's"
+            )
+        elif agreement.correlation > _ALIKE and not _LEAST < agreement.ratio < _MOST:
+            ratio = agreement.ratio
+            much = f"{ratio:.0f} times what" if ratio > 1.0 else f"1/{1.0 / ratio:.0f} of what"
+            yield (
+                f"{channel}: with the platform's numbers the motion takes {much} is commanded: a unit of the commands "
+                "(mN·m for N·m?), the gear ratio or the inertia is not as the platform says"
             )
 
 
-def agreements(simulator: Simulator, problem: Problem) -> dict[str, float]:
+def agreements(simulator: Simulator, problem: Problem) -> dict[str, Agreement]:
     """Return how what the commands do in a simulator goes with what the recorded motion needs, by channel.
 
-    The correlation over all windows, of what neither springs and friction nor anything else in the catalogue that is
-    linear could account for: a spring that is pulled slowly moves against its acceleration. Channels that no command
-    drives otherwise beyond the noise are left out.
+    Compared over all windows is what is left of both when springs, friction and all else in the catalogue that is
+    linear is taken out: a spring that is pulled slowly moves against its acceleration. Channels that no command
+    drives otherwise beyond the noise are left out, unless what is needed is beyond it and goes with the command.
     """
     idle = replace(problem, blocks=_idle(simulator, problem))
     needed = idle.residual(simulator)
@@ -62,8 +87,11 @@ def agreements(simulator: Simulator, problem: Problem) -> dict[str, float]:
     for index, (name, noise) in enumerate(zip(names, problem.noise, strict=True)):
         sides = torch.stack([needed[..., index].flatten(), driven[..., index].flatten()], -1)
         need, drive = _without(sides, others[..., index, :].flatten(0, 1)).T
-        if drive.std() > _DRIVING * noise:
-            found[name] = float(torch.corrcoef(torch.stack([need, drive]))[0, 1])
+        if not drive.any():
+            continue
+        correlation = float(torch.corrcoef(torch.stack([need, drive]))[0, 1])
+        if drive.std() > _DRIVING * noise or (need.std() > _DRIVING * noise and correlation > _ALIKE):
+            found[name] = Agreement(correlation, float(need.std() / drive.std()))
     return found
 
 

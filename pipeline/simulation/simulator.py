@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 from torch import Tensor
@@ -73,7 +74,7 @@ class Simulator:
     position_unit: str = "rad"
     settings: Mapping[str, float] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def mechanism(self) -> Mechanism:
         """The nominal mechanism of the platform."""
         return mechanism_of(self.platform, self.position_unit)

@@ -70,6 +70,19 @@ def test_a_spring_that_is_pulled_slowly_moves_against_its_acceleration():
     assert len(said(scaled(spring, "effort", -1.0), simulator)) == 1
 
 
+@pytest.mark.parametrize("plant", PLANTS)
+def test_commands_in_another_unit_are_no_physics(plant):
+    (sentence,) = said(scaled(joint_recording(plant), "voltage", 1000.0), joint_simulator())
+    assert sentence.startswith("torque: with the platform's numbers the motion takes 1/")
+    assert "of what is commanded: a unit" in sentence
+
+
+def test_an_inertia_in_another_unit_is_no_physics():
+    pulled = pulled_slowly(Plant(viscous=0.5, other=lambda position, velocity: -5.0 * position))
+    (sentence,) = said(pulled, Simulator(Joint(inertia=1000.0 * JOINT.inertia)))
+    assert sentence.startswith("torque: with the platform's numbers the motion takes 999 times what")
+
+
 def test_nothing_is_named_there_and_it_is_said_first():
     backwards = scaled(joint_recording(PLANTS[0]), "voltage", -1.0)
     found = quick(backwards, joint_simulator())
