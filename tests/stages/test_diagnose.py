@@ -11,7 +11,7 @@ import yaml
 
 from pipeline.recordings.recording import Recording, write_recording
 from pipeline.simulation import read_simulator
-from stages.diagnose import diagnose
+from stages.diagnose import _say_what_closed, diagnose
 from tests.contract_checker import read_diagnosis
 from tests.pipeline.gap.recordings import Plant, joint_recording
 
@@ -168,3 +168,17 @@ def test_a_finished_diagnosis_outlives_a_failed_one(own, monkeypatch):
     assert _ends(_arguments(own, own / "bench.parquet", "gap.effects=[no_such_thing]")) == 2
     assert (own / "out" / "diagnosis.json").read_bytes() == kept
     assert json.loads(kept)["verdict"] == "missing_physics"
+
+
+@pytest.mark.parametrize(
+    ("closed", "after", "line"),
+    [
+        (0.55, 0.5, "55% (what is left is 5 times the noise)"),
+        (0.9996, 0.1, "99.9%"),
+        (1.0, 0.09, "100%"),
+        (0.9987, 0.3, "99.8% (what is left is 3 times the noise)"),
+    ],
+)
+def test_what_is_left_is_never_rounded_away(closed, after, line, capsys):
+    _say_what_closed({"gap_closed": closed, "after": after, "noise_floor": 0.1})
+    assert capsys.readouterr().out == f"gap closed on held-out runs: {line}\n"

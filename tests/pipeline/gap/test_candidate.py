@@ -13,6 +13,7 @@ from pipeline.gap.fit import Fit, excess_of, fit
 from pipeline.gap.preparation import prepare
 from pipeline.gap.refit import extend
 from pipeline.gap.settings import Gap
+from pipeline.simulation import FittedEffect
 from tests.pipeline.gap.problems import at_start, problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator, recording_of
 
@@ -46,6 +47,20 @@ def test_a_parameter_that_leaves_no_trace_is_refused(judged, altered):
 
 def test_one_that_does_is_not(judged):
     assert judged(lambda fitted: {}) == ""
+
+
+@pytest.mark.parametrize(("key", "taken", "usual"), [("dead_zone", 1e4, 0.1), ("current_limit", 0.01, 5.0)])
+def test_what_takes_away_all_that_drives_is_refused(key, taken, usual):
+    """Where the simulator is driven by far too much, having it driven by nothing predicts better."""
+    effect = effect_by_key("joint", key)
+    (parameter,) = effect.parameters
+    problem = problem_of(joint_recording(Plant()), joint_simulator())
+    judge = Judge(problem, Gap(), fit(joint_simulator(), problem), 20, {})
+    said = [
+        judge.silenced(effect, joint_simulator(FittedEffect(effect, {parameter.name: value})))
+        for value in (taken, usual)
+    ]
+    assert said == ["takes away all that drives the machine", ""]
 
 
 @pytest.mark.parametrize(("times", "refusal"), [(0.5, ""), (1.5, IMITATED)])
