@@ -1,6 +1,5 @@
 """The stage that says which physics a simulator lacks."""
 
-import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -109,10 +108,12 @@ def _say(document: dict[str, Any]) -> None:
 
 def _say_what_closed(fit: dict[str, Any]) -> None:
     """Print the share of the gap that closed, never rounded up to all of it, and how much is left beside the noise."""
+    from pipeline.report.text import NARROW_SPACE, percent
+
     closed, left = fit["gap_closed"], fit["after"] / fit["noise_floor"] if fit["noise_floor"] else None
     if closed is None:
         return
-    share = f"{closed:.0%}" if closed < 0.99 else f"{math.floor(1000.0 * closed) / 10.0:g}%"
+    share = percent(closed).replace(NARROW_SPACE, "")
     rest = f" (what is left is {left:.2g} times the noise)" if left is not None and left > _MUCH else ""
     print(f"gap closed on held-out runs: {share}{rest}")
 

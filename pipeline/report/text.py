@@ -69,9 +69,11 @@ def quantity(name: str, unit: str | None) -> str:
 
 
 def percent(share: Real | None) -> str:
-    """Write a share as a percentage."""
+    """Write a share as a percentage; what is not quite all of it is never rounded up to that."""
     if share is None or not is_number(share):
         return UNKNOWN
+    if 0.995 <= share < 1.0:
+        return f"{math.floor(1000.0 * share) / 10.0:.1f}{NARROW_SPACE}%"
     digits = 1 if 0 < abs(share) < 0.0995 else 0
     return f"{_minus(f'{100 * share:.{digits}f}')}{NARROW_SPACE}%"
 
