@@ -23,7 +23,8 @@ run: $(STAMP)
 	@$(BIN)/simgap reproduce $(BRANCH)
 
 test: lint
-	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal
+	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal -m "not slow"
+	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal -m slow
 
 prove: $(STAMP)
 	@$(BIN)/simgap prove seed=$(SEED) prove.cases=$(CASES) 'prove.kinds=[$(KIND)]'

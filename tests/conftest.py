@@ -1,5 +1,6 @@
 """Shared fixtures: shape and type checks on, and the real recordings where they are at hand."""
 
+import importlib
 import os
 from pathlib import Path
 
@@ -7,11 +8,16 @@ import pytest
 from hypothesis import settings
 from jaxtyping import install_import_hook
 
-import pipeline.physics.cable_steps  # noqa: F401  # what is compiled takes no checks, so it comes before them
-
-install_import_hook("pipeline", "beartype.beartype")
 settings.register_profile("untimed", deadline=None)  # the first example pays for imports
 settings.load_profile("untimed")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Check shapes and types at every call, but where slow tests run alone: they would take twice as long."""
+    if config.getoption("markexpr") != "slow":
+        # What is compiled takes no checks, so it is imported before they are on.
+        importlib.import_module("pipeline.physics.cable_steps")
+        install_import_hook("pipeline", "beartype.beartype")
 
 
 @pytest.fixture(scope="session")

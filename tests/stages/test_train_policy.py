@@ -89,6 +89,7 @@ def test_an_evaluation_writes_laps_a_flight_and_its_picture(trained):
     assert (folder / "line.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_simulator_of_another_stage_changes_the_flight(trained, tmp_path):
     effect = effect_by_key("quadrotor", "rotor_drag")
     strong = {**effect.defaults(), **{name: 5.0 * value for name, value in effect.defaults().items()}}
@@ -122,8 +123,10 @@ def test_a_killed_training_of_a_policy_ends_like_an_undisturbed_one(trained, tmp
 
 @pytest.mark.slow
 def test_the_tiny_track_is_learnt(tmp_path):
-    ran(train_policy, *RACE, f"artifacts={tmp_path}")
-    ran(evaluate, f"artifacts={tmp_path}", "tracking.enabled=false")
+    """In processes of their own: the checks of types that tests run under take as long as the training does."""
+    for stage, settings in (("train_policy", RACE), ("evaluate", ("tracking.enabled=false",))):
+        command = [sys.executable, "-W", "ignore", "-m", "stages", stage, *settings, f"artifacts={tmp_path}"]
+        subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     metrics = json.loads((tmp_path / "evaluate" / "metrics.json").read_text())
     assert metrics["completed"] > 0.95
     assert metrics["laps_completed"] > 0.9

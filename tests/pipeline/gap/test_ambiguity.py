@@ -24,6 +24,8 @@ from tests.pipeline.gap.recordings import (
     uneventful_flights,
 )
 
+pytestmark = pytest.mark.slow
+
 
 class Twin(ViscousFriction):
     """The same law under another name."""

@@ -21,6 +21,8 @@ from tests.pipeline.gap.recordings import (
     uneventful_flights,
 )
 
+pytestmark = pytest.mark.slow
+
 
 def _documents(plant, runs=6):
     return diagnosis_document(diagnosed(plant, runs=runs))

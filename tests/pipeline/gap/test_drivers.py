@@ -12,6 +12,8 @@ from tests.pipeline.gap import recordings
 from tests.pipeline.gap.problems import named, problem_of, quick
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
+pytestmark = pytest.mark.slow
+
 CHARGE = (1.0, 0.85, 0.95, 0.8, 0.9, 0.87)  # of the supply, run by run
 REFERENCE = 12.0  # V at which a joint's battery is taken to do nothing
 

@@ -20,6 +20,8 @@ from tests.pipeline.gap.recordings import (
     joint_simulator,
 )
 
+pytestmark = pytest.mark.slow
+
 PLANTED = {
     "coulomb_friction": (Plant(friction=0.3), 0.3),
     "viscous_friction": (Plant(viscous=0.05), 0.05),
@@ -30,7 +32,7 @@ PLANTED = {
 }
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("name", PLANTED)
 def test_the_planted_effect_is_named_and_no_other(name, seed):
     plant, truth = PLANTED[name]

@@ -9,12 +9,12 @@ from pipeline.simulation import Simulator
 from tests.pipeline.gap.problems import named, quick, value_of
 from tests.pipeline.gap.recordings import flight, held_flights, late, racer, uneventful_flights
 
+pytestmark = pytest.mark.slow
+
 PLANTED = {"rotor_drag": 0.35, "body_drag": 0.03, "axial_inflow": 0.3, "translational_lift": 0.02}
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=() if n == "rotor_drag" else pytest.mark.slow) for n in PLANTED]
-)
+@pytest.mark.parametrize("name", PLANTED)
 def test_the_concealed_effect_is_named_and_no_other(name):
     found = quick(flight((name, PLANTED[name])), Simulator(racer()))
     assert found.verdict == "missing_physics"
@@ -26,7 +26,6 @@ def test_the_concealed_effect_is_named_and_no_other(name):
     assert found.proof.gap_closed > 0.9
 
 
-@pytest.mark.slow
 def test_both_of_a_pair_are_named():
     found = quick(flight(("rotor_drag", 0.35), ("axial_inflow", 0.3)), Simulator(racer()))
     assert set(named(found)) == {"rotor_drag", "axial_inflow"}
@@ -58,7 +57,6 @@ def blown(recording: Recording, wind_x: float, wind_y: float) -> Recording:
     return replace(recording, frame=frame)
 
 
-@pytest.mark.slow
 def test_a_wind_is_named_beside_the_drag_through_which_it_pushes():
     found = quick(blown(flight(("rotor_drag", 0.35)), 3.0, -1.5), Simulator(racer()))
     assert set(named(found)) == {"rotor_drag", "steady_wind"}

@@ -7,14 +7,16 @@ import pandas as pd
 import pytest
 
 from pipeline.effects import effect_by_key
-from pipeline.gap.diagnosis import Diagnosis, diagnose
-from pipeline.gap.settings import Gap
+from pipeline.gap.diagnosis import Diagnosis
 from pipeline.platforms import DirectCurrentMotor, Swerve, SwerveAxis
 from pipeline.platforms.swerve import SteerAxis
 from pipeline.recordings.recording import Recording
 from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.motion import motion_of
+from tests.pipeline.gap.problems import quick
 from tests.pipeline.simulation.drives import driven
+
+pytestmark = pytest.mark.slow
 
 _STEP = 0.01  # s
 _SAMPLES = 600
@@ -59,7 +61,7 @@ def diagnosed(key: str | None, name: str = "", value: float = 0.0) -> Diagnosis:
     split = {f"drive_{run}": "holdout" if run == 0 else "train" for run in range(_RUNS)}
     units = dict.fromkeys(frame.columns[2:], "1")
     recording = Recording(frame, "swerve", units, split=split, cleaned=True)
-    return diagnose(recording, Simulator(swerve()), Gap())
+    return quick(recording, Simulator(swerve()))
 
 
 @pytest.mark.parametrize(

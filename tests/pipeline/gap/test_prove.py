@@ -15,6 +15,8 @@ from pipeline.simulation import FittedEffect
 from tests.pipeline.gap.problems import diagnosed, problem_of, quick
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
+pytestmark = pytest.mark.slow
+
 errors = st.floats(1e-6, 1e6)
 
 

@@ -15,6 +15,8 @@ from pipeline.simulation import Simulator
 from tests.pipeline.gap.problems import named, quick, value_of
 from tests.pipeline.gap.recordings import ROOT
 
+pytestmark = pytest.mark.slow
+
 
 def _platform(name: str):
     return platform_from_config(yaml.safe_load((ROOT / f"conf/platform/{name}.yaml").read_text()))
@@ -27,7 +29,6 @@ def _recording(dataset: str, folder: Path, files: list[Path]) -> Recording:
     return clean_recording(raw, split=split)[0]
 
 
-@pytest.mark.slow
 def test_rotor_drag_and_inflow_of_a_real_quadrotor(shared_data):
     """Four of the benchmark's flights to fit, one to prove on; the authors' own drag is about 0.45 1/s."""
     folder = shared_data / "nanodrone" / "raw_parquet"

@@ -207,6 +207,7 @@ def test_where_most_windows_hold_a_made_up_command_all_count():
     assert bool((row_weights(marked, problem.functions) == 1.0).all())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [0.01, 0.005])
 def test_the_quadrature_of_a_turning_swerve_is_told_from_the_recording(step):
     """What a drive recorded without noise leaves of its own simulator is the quadrature's, within a factor of two."""

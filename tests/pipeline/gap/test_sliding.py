@@ -12,6 +12,8 @@ from pipeline.recordings.split import Split
 from pipeline.simulation import Simulator
 from pipeline.stage.compose import compose
 
+pytestmark = pytest.mark.slow
+
 CONCEALED = {
     "wheel_slip@drive": {"friction_coefficient": 0.2, "stiffness": 40.0, "height": 0.05},
     "current_limit@drive": {"limit": 12.0},

@@ -51,5 +51,6 @@ def test_rows_that_follow_an_earlier_input_say_which_and_by_how_much(problem):
     assert memory.correlation > 0.95
 
 
+@pytest.mark.slow
 def test_a_right_simulator_leaves_no_memory():
     assert remembered(diagnosed(Plant(friction=0.3)).memories) == []

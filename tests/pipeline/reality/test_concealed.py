@@ -72,6 +72,7 @@ def test_what_shows_only_beside_another_is_drawn_with_it():
     assert case.wanted == ("steady_wind",)
 
 
+@pytest.mark.slow
 def test_a_concealed_driver_is_not_recorded():
     for case in drawn("quadrotor", 6, hidden=1.0):
         assert case.hiding["hidden"]
