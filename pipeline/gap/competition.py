@@ -52,6 +52,16 @@ def _is_part(simpler: Candidate, winner: Candidate) -> bool:
     return same and len(simpler.effect.parameters) < len(winner.effect.parameters)
 
 
+def _exchanges_of_two(rivalries: Sequence[Rivalry]) -> list[tuple[tuple[Effect, Effect], ...]]:
+    """Return every way to put rivals in the place of two named effects: pairs of what goes and what comes."""
+    return [
+        ((first.winner, one), (second.winner, other))
+        for first, second in itertools.combinations(rivalries, 2)
+        for one, other in itertools.product(first.rivals, second.rivals)
+        if one.key != other.key
+    ]
+
+
 class Competition:
     """Effects of a catalogue in competition for what a simulator leaves of a recording."""
 
@@ -256,22 +266,16 @@ class Competition:
 
         Where each of two stands in a look-alike's place, exchanging one shows little: what the other leaves hides it.
         """
-        exchanged = [
-            (pair, self.instead(pair))
-            for first, second in itertools.combinations(rivalries, 2)
-            for one, other in itertools.product(first.rivals, second.rivals)
-            if one.key != other.key
-            for pair in (((first.winner, one), (second.winner, other)),)
-        ]
+        exchanged = [(pairs, self.instead(pairs)) for pairs in _exchanges_of_two(rivalries)]
         if not exchanged:
             return False
-        pair, best = max(exchanged, key=lambda each: float(self.scores(each[1]).sum()))
+        pairs, best = max(exchanged, key=lambda each: float(self.scores(each[1]).sum()))
         if not is_beyond_chance(self.scores(best) - self.scores()):
             return False
-        self.dropped = (self.dropped | {old.key for old, _ in pair}) - {new.key for _, new in pair}
+        self.dropped = (self.dropped | {old.key for old, _ in pairs}) - {new.key for _, new in pairs}
         self.become(best)
         self.starts.forget()
-        self.rounds.append(Round(tuple(self.named()), self.alone(pair[-1][1])))
+        self.rounds.append(Round(tuple(self.named()), self.alone(pairs[-1][1])))
         self.prune()
         self.run(self.catalogue)
         self.exchange()

@@ -26,10 +26,8 @@ _AGAINST = (
     -0.5
 )  # correlation; a tenth of a second of delay does not make it negative on a machine that is controlled
 _ALIKE = 0.7  # correlation, with which sizes can be compared
-_LEAST, _MOST = (
-    1 / 30,
-    8.0,
-)  # of need over drive: a motor may be capped at a tenth, or be taken for three times stronger
+_LEAST = 1 / 30  # of need over what is commanded: a motor may be capped at a tenth of its strength
+_MOST = 8.0  # of the same: no number of a platform is taken to be wrong by so much
 
 
 @dataclass(frozen=True)
