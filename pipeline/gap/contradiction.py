@@ -27,7 +27,7 @@ _AGAINST = (
 )  # correlation; a tenth of a second of delay does not make it negative on a machine that is controlled
 _ALIKE = 0.7  # correlation, with which sizes can be compared
 _LEAST = 1 / 30  # of need over what is commanded: a motor may be capped at a tenth of its strength
-_MOST = 8.0  # of the same: no number of a platform is taken to be wrong by so much
+_MOST = 8.0  # of the same: no single number of a platform is taken to be wrong by so much
 
 
 @dataclass(frozen=True)
