@@ -1,6 +1,7 @@
 """The stage that says which physics a simulator lacks."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from pipeline.errors import InputError
@@ -87,7 +88,8 @@ def _write_page(config: DiagnoseStage, run: StageRun) -> None:
     from pipeline.report import ReportInputs, write_page
 
     clean = run.output / "clean"
-    inputs = ReportInputs(diagnose=run.output, clean=clean if clean.is_dir() else None, name=config.name)
+    name = Path(config.recording or config.name).name
+    inputs = ReportInputs(diagnose=run.output, clean=clean if clean.is_dir() else None, name=name)
     write_page(inputs, run.output / "report.html")
 
 

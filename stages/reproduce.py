@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from pathlib import Path
 from typing import NoReturn
 
 from pipeline.artifacts import PROJECT_ROOT
@@ -20,14 +21,31 @@ _ORIGINS = {
 
 def reproduce(branch: str | None = None) -> None:
     """Reproduce a branch of the pipeline; by default the best one whose recordings can be reached."""
-    from pipeline.stage.reproduction import reproduce_target
-
     branch, reason = choose(branch)
     print(f"branch {branch}: {reason}", flush=True)
-    if reproduce_target(f"report@{branch}") != 0:
-        raise InputError("did not finish", f"branch {branch}", "see the lines above")
-    for page in sorted((PROJECT_ROOT / "artifacts" / branch / "report").glob("*.html")):
+    artifacts = PROJECT_ROOT / "artifacts" / branch
+    _reproduce("diagnose", branch)
+    print(f"the diagnosis: {_first_page(artifacts, branch)}; what follows joins it on one page", flush=True)
+    _reproduce("report", branch)
+    for page in sorted((artifacts / "report").glob("*.html")):
         print(f"the page: {page}", flush=True)
+
+
+def _reproduce(stage: str, branch: str) -> None:
+    from pipeline.stage.reproduction import reproduce_target
+
+    if reproduce_target(f"{stage}@{branch}") != 0:
+        raise InputError("did not finish", f"branch {branch}", "see the lines above")
+
+
+def _first_page(artifacts: Path, branch: str) -> Path:
+    """Write what is known before anything is trained: it can be read while a policy takes its minutes."""
+    from pipeline.report import ReportInputs, write_page
+
+    page = artifacts / "diagnosis.html"
+    stages = {stage: artifacts / stage for stage in ("clean", "sysid", "diagnose")}
+    write_page(ReportInputs(**stages, name=branch), page)
+    return page
 
 
 def choose(branch: str | None) -> tuple[str, str]:

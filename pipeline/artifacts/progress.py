@@ -39,6 +39,14 @@ def _with_lines(iterable: Iterable[Item], label: str, total: int | None) -> Iter
         now = time.monotonic()
         if now >= due:
             count = f"{done} of {total}" if total is not None else str(done)
-            _log.info("%s: %s after %.0f s", label, count, now - start)
+            _log.info("%s: %s after %.0f s%s", label, count, now - start, _left(done, total, now - start))
             due = now + LINE_SECONDS
         yield item
+
+
+def _left(done: int, total: int | None, seconds: float) -> str:
+    """Say how long the rest takes if it goes on as before; nothing where that is not known."""
+    if total is None or done == 0:
+        return ""
+    left = seconds / done * (total - done)
+    return f", some {left / 60.0:.0f} min left" if left >= 90.0 else f", some {left:.0f} s left"

@@ -52,7 +52,7 @@ class Training:
             self._resume(checkpoint)
             for number, entry in enumerate(self.curve):
                 _tell(log, entry, number)
-        for update in progress(self._left(), "training", len(self._left())):
+        for update in progress(self._left(), "updates of the policy", len(self._left())):
             self.update()
             _tell(log, self.curve[-1], update)
             if checkpoint is not None and len(self.curve) % self.settings.checkpoint_every == 0:

@@ -30,7 +30,7 @@ class ReportInputs:
         identify_residual: folder of `realisations.png`.
         redeploy: as deploy, of the policy that was trained further.
         sweeps: folders of `comparison.json`.
-        name: name of the configuration.
+        name: of the configuration, or of the file that was diagnosed.
     """
 
     diagnose: Path | None = None

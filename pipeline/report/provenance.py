@@ -19,7 +19,7 @@ def provenance_section(inputs: ReportInputs, drawing: Drawing) -> Section | None
     """Say where the recording comes from, under which licence, and how its runs were used."""
     recorded = inputs.recording_facts
     facts = [
-        ("Configuration", inputs.name),
+        ("Name", inputs.name),
         ("Kind of platform", spoken(recorded.get("platform_kind", ""))),
         ("Source", recorded.get("source", "")),
         ("Licence", recorded.get("licence", "")),
