@@ -43,8 +43,8 @@ def _first_page(artifacts: Path, branch: str) -> Path:
     from pipeline.report import ReportInputs, write_page
 
     page = artifacts / "diagnosis.html"
-    stages = {stage: artifacts / stage for stage in ("clean", "sysid", "diagnose")}
-    write_page(ReportInputs(**stages, name=branch), page)
+    clean, sysid, diagnosis = (artifacts / stage for stage in ("clean", "sysid", "diagnose"))
+    write_page(ReportInputs(diagnosis, clean, sysid, name=branch), page)
     return page
 
 
