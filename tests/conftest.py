@@ -16,7 +16,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """Check shapes and types at every call, but where slow tests run alone: they would take twice as long."""
     if config.getoption("markexpr") != "slow":
         # What is compiled takes no checks, so it is imported before they are on.
-        importlib.import_module("pipeline.physics.cable_steps")
+        for compiled in ("cable_steps", "play_steps"):
+            importlib.import_module(f"pipeline.physics.{compiled}")
         install_import_hook("pipeline", "beartype.beartype")
 
 

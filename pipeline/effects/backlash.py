@@ -67,8 +67,7 @@ class Backlash(ActuatorEffect):
     ) -> dict[str, Tensor]:
         """Return blocks with the effort that reaches the axis.
 
-        A gap can only be gone through sample by sample. NumPy does that for arrays on the processor without gradients,
-        since its calls on small arrays cost less than torch's.
+        A gap can only be gone through sample by sample: a compiled loop does, on the processor and without gradients.
         """
         effort, velocity = signals[self.transmitted], signals[f"{self.group}velocity"]
         half, inertia, braking = self._motor(signals, values, constants)
@@ -97,7 +96,7 @@ class Backlash(ActuatorEffect):
 def _crossed(
     place: Any, slip: Any, push: Any, turn: Any, half: Any, damped: Any, time_step: float
 ) -> tuple[Any, Any]:
-    """Return where in the gap the motor is a step later and how fast it runs ahead; tensors or arrays.
+    """Return where in the gap the motor is a step later and how fast it runs ahead.
 
     On a face the motor goes with the axis; what the axis does (`turn`) counts only in the gap.
     """
@@ -115,12 +114,18 @@ def _slips(
     effort: Array, velocity: Array, half: float, inertia: float, braking: float, time_step: float
 ) -> Array:
     """Return how fast the motor runs ahead of the axis, (blocks, samples, ...)."""
+    from pipeline.physics.play_steps import slips_in_play  # its import takes longer than all effects
+
     damped = 1.0 / (1.0 + time_step * braking / inertia)
-    pushes = np.moveaxis(time_step / inertia * effort, 1, 0)
-    turns = np.moveaxis(np.diff(velocity, axis=1, prepend=velocity[:, :1]), 1, 0)
-    slips = np.empty(pushes.shape, dtype=effort.dtype)
-    place, slip = half * np.sign(effort[:, 0]), np.zeros_like(effort[:, 0])
-    for sample, (push, turn) in enumerate(zip(pushes, turns, strict=True)):
-        place, slip = _crossed(place, slip, push, turn, half, damped, time_step)
-        slips[sample] = slip
-    return np.ascontiguousarray(np.moveaxis(slips, 0, 1))
+    push = time_step / inertia * _by_motor(effort)
+    turn = np.diff(_by_motor(velocity), axis=1, prepend=_by_motor(velocity)[:, :1])
+    place = half * np.sign(push[:, 0])
+    slips = slips_in_play(place, push, turn, float(half), float(damped), time_step)
+    blocks, samples, *axes = effort.shape
+    apart = np.moveaxis(slips.reshape(blocks, *axes, samples), -1, 1)
+    return np.ascontiguousarray(apart, dtype=effort.dtype)
+
+
+def _by_motor(series: Array) -> Array:
+    """Return series (blocks, samples, ...) as rows, (blocks · ..., samples)."""
+    return np.ascontiguousarray(np.moveaxis(series, 1, -1).reshape(-1, series.shape[1]), dtype=np.float64)
