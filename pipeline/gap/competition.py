@@ -91,10 +91,18 @@ class Competition:
                 return
             self.take(winner)
 
+    def continued(self) -> "Competition":
+        """Return a competition that goes on from what this one has named."""
+        other = Competition(self.base.simulator, self.problem, self.settings)
+        other.become(self.current)
+        other.rounds = list(self.rounds)
+        return other
+
     def begin_with(self, effects: list[Effect]) -> None:
         """Put effects in together, from what is known of each, and drop those that are needless beside the others."""
-        together = tuple(FittedEffect(effect, self.judge.rest(effect)) for effect in effects)
-        taken = {effect.key for effect in effects}
+        missing = [effect for effect in effects if effect.key not in self.names()]
+        together = tuple(FittedEffect(effect, self.judge.rest(effect)) for effect in missing)
+        taken = {effect.key for effect in missing}
         others = tuple(f for f in self.current.simulator.effects if f.effect.key not in taken)
         self.become(fit(self.current.simulator.with_effects((*others, *together)), self.problem))
         self.rounds.append(Round(tuple(self.named()), None))

@@ -9,10 +9,10 @@ from torch import Tensor
 from pipeline.effects import Effect, ParameterError
 from pipeline.gap.candidate import BEYOND_NOISE
 from pipeline.gap.candidates import allowed, available_signals
-from pipeline.gap.fit import Problem, channel_scale, excess_of
+from pipeline.gap.fit import Problem, channel_scale, excess_of, fit
 from pipeline.gap.name import Naming
 from pipeline.gap.preparation import Prepared
-from pipeline.gap.reading import cost_of
+from pipeline.gap.reading import cost_of, left_of
 from pipeline.gap.scoring import independent_clusters
 from pipeline.gap.settings import Gap
 from pipeline.gap.short_times import name_settled
@@ -20,6 +20,7 @@ from pipeline.simulation import FittedEffect, Simulator
 from pipeline.simulation.blocks import Blocks
 
 _STEP = 0.01  # of a driver's value at rest, by which the answer to it is taken
+_LEAST_COST = 2.0  # of a driver and the name that it drives
 _PASSES = 2  # a thrust answers to the square of a voltage
 
 
@@ -30,7 +31,11 @@ def name_with_drivers(prepared: Prepared, naming: Naming, settings: Gap) -> tupl
     much as a name: it is one more thing to believe.
     """
     effects = undriven(prepared.nominal, prepared.problem.blocks, settings.effects)
-    if not effects or not _suspicious(prepared, naming):
+    if (
+        not effects
+        or not _suspicious(prepared, naming)
+        or cost_of(naming, prepared.problem.noise) <= _LEAST_COST
+    ):
         return prepared, naming
     known = [f for f in naming.fit.simulator.effects if not isinstance(f.effect, ParameterError)]
     simulator = prepared.nominal.with_effects(tuple(known))
@@ -39,6 +44,8 @@ def name_with_drivers(prepared: Prepared, naming: Naming, settings: Gap) -> tupl
         law = DriverLaw.of([effect for effect in effects if effect.driver == driver], problem, simulator)
         problem = replace(problem, blocks=with_signal(problem.blocks, driver, law.along(problem)))
         proving = with_signal(proving, driver, law.along(_problem_on(proving, problem)))
+    if not _may_cost_less(naming, effects, problem, simulator):
+        return prepared, naming
     driven = replace(prepared, problem=problem, proving=proving)
     driven, renamed = name_settled(driven, settings)
     used = {c.effect.driver for c in renamed.named} & {effect.driver for effect in effects}
@@ -185,6 +192,13 @@ def _suspicious(prepared: Prepared, naming: Naming) -> bool:
     """Whether more than noise is left, or a number of the platform took it up."""
     left = excess_of(naming.fit, prepared.problem.noise) > BEYOND_NOISE
     return bool(left.any()) or any(isinstance(c.effect, ParameterError) for c in naming.named)
+
+
+def _may_cost_less(naming: Naming, effects: Sequence[Effect], problem: Problem, simulator: Simulator) -> bool:
+    """Whether names may cost less with drivers, which all that stand and all that they drive explain together."""
+    driven = tuple(FittedEffect(effect, effect.defaults()) for effect in effects)
+    together = fit(simulator.with_effects((*naming.fit.simulator.effects, *driven)), problem)
+    return left_of(together, problem.noise) + _LEAST_COST < cost_of(naming, problem.noise)
 
 
 def _problem_on(blocks: Blocks, problem: Problem) -> Problem:

@@ -42,7 +42,8 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     effect is added at a time; each that stays must earn it again when the others are there. Where something was settled
     and more than noise is left, it may have stood in for physics that explains more: then the competition is held again
     with everything in it from the start, and counts where it predicts better. Where very much is still left, numbers
-    and the physics that any such machine has may show only together: a competition that begins with them is held.
+    and the physics that any such machine has may show only together: a competition that begins with them is held, and
+    one that puts them beside what was named, without which they may not show either.
     """
     competition = Competition(simulator, problem, settings)
     settled = _settled(competition.catalogue)
@@ -55,12 +56,13 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         if is_beyond_chance(again.scores() - competition.scores()):
             competition = again
     usual = usual_of(competition.catalogue)
-    if usual and competition.leaves_more_than_noise(times=_MUCH):
-        together = Competition(simulator, problem, settings)
-        together.begin_with(usual)
-        together.finish()
-        if is_beyond_chance(together.scores() - competition.scores()):
-            competition = together
+    for begin in (lambda: Competition(simulator, problem, settings), competition.continued):
+        if usual and competition.leaves_more_than_noise(times=_MUCH):
+            together = begin()
+            together.begin_with(usual)
+            together.finish()
+            if is_beyond_chance(together.scores() - competition.scores()):
+                competition = together
     competition.conclude()
     rivalries = _rivalries(competition)
     if any(rivalry.weight < _OUTDONE for rivalry in rivalries):

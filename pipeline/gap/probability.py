@@ -64,13 +64,18 @@ class Signs:
         return self.gain - 0.5 * self.parameters * math.log(max(self.clusters, 2))
 
     @property
+    def _most_excess(self) -> float:
+        """Up to which energy left counts: what is little beside all that the effect explains says little against it."""
+        return min(_MOST_EXCESS, 1.0 + _MOST_EXCESS * self.excess / max(self.signal, _LEAST_SIGNAL))
+
+    @property
     def features(self) -> dict[str, float]:
         """The signs on scales on which their differences count alike, by the names of `DIRECTIONS`."""
         return {
             "evidence": math.asinh(self.log_bayes_factor),
             "unsteadiness": math.log1p(self.unsteadiness),
             "signal": math.log10(min(max(self.signal, _LEAST_SIGNAL), _MOST_SIGNAL)),
-            "excess": math.log10(min(max(self.excess, 1.0), _MOST_EXCESS)),
+            "excess": math.log10(max(min(self.excess, self._most_excess), 1.0)),
             "number": float(self.is_number),
         }
 

@@ -37,7 +37,7 @@ def name_as_read(
     if not (_has_commands(prepared) and (late or recording.kind in HELD_KINDS)):
         return prepared, naming
     other = prepare(recording, nominal, settings, held=not prepared.problem.blocks.held)
-    if not (late or _much_is_left(naming, prepared) or _may_cost_less(other, prepared, naming)):
+    if not (late or _much_isleft_of(naming, prepared) or _may_cost_less(other, prepared, naming)):
         return prepared, naming
     other, renamed = name_settled(other, settings)
     later = _is_late_by_half_a_sample(renamed, other)
@@ -52,7 +52,7 @@ def _has_commands(prepared: Prepared) -> bool:
     return not COMMANDS.isdisjoint(prepared.problem.blocks.signals)
 
 
-def _much_is_left(naming: Naming, prepared: Prepared) -> bool:
+def _much_isleft_of(naming: Naming, prepared: Prepared) -> bool:
     """Whether every equation leaves so much more than noise that a wrong reading may be what is wrong with all."""
     return bool((excess_of(naming.fit, prepared.problem.noise) > _MUCH).all())
 
@@ -61,12 +61,12 @@ def _may_cost_less(other: Prepared, prepared: Prepared, naming: Naming) -> bool:
     """Whether the other reading would cost less if all names but one had only made up for a wrong one."""
     refitted = fit(other.nominal.with_effects(naming.fit.simulator.effects), other.problem)
     noise = _greater_noise(prepared, other)
-    return _left(refitted, noise) + min(len(naming.named), 1) < cost_of(naming, noise)
+    return left_of(refitted, noise) + min(len(naming.named), 1) < cost_of(naming, noise)
 
 
 def cost_of(naming: Naming, noise: Tensor) -> float:
     """Return what is left over a noise (channels,), and one for each name: a name is worth a factor of e."""
-    return _left(naming.fit, noise) + len(naming.named)
+    return left_of(naming.fit, noise) + len(naming.named)
 
 
 def _greater_noise(prepared: Prepared, other: Prepared) -> Tensor:
@@ -74,7 +74,7 @@ def _greater_noise(prepared: Prepared, other: Prepared) -> Tensor:
     return torch.maximum(prepared.problem.noise, other.problem.noise)
 
 
-def _left(fitted: Fit, noise: Tensor) -> float:
+def left_of(fitted: Fit, noise: Tensor) -> float:
     """Return the logarithm of what a fit leaves over a noise, summed over channels."""
     return float(excess_of(fitted, noise).clamp_min(1.0).log().sum())
 
