@@ -51,8 +51,8 @@ class Proof:
 
     @property
     def refutes(self) -> bool:
-        """Whether they are by so much that the names are hardly true: their energy is a multiple of that before."""
-        return self.disproves and self.after**2 > BEYOND_NOISE * max(self.before, self.noise_floor) ** 2
+        """Whether they are while more is left than noise can account for: then the names are hardly true."""
+        return self.disproves and self.after**2 > BEYOND_NOISE * self.noise_floor**2
 
 
 def prove(

@@ -75,11 +75,16 @@ def test_names_that_help_no_held_out_run_are_doubted():
 
 
 @pytest.mark.parametrize(
-    ("after", "closed", "disproves", "refutes"),
-    [(0.5, 0.5, False, False), (1.2, -0.2, True, False), (3.0, -2.0, True, True), (3.0, None, False, False)],
+    ("after", "noise", "closed", "disproves", "refutes"),
+    [
+        (0.5, 0.1, 0.5, False, False),
+        (1.2, 0.1, -0.2, True, True),
+        (1.2, 0.7, -0.7, True, False),
+        (3.0, 0.1, None, False, False),
+    ],
 )
-def test_runs_that_were_held_out_speak_against_names(after, closed, disproves, refutes):
-    proof = Proof("", ("run",), 1.0, after, 0.1, closed, None, torch.ones(1, 3), None)
+def test_runs_that_were_held_out_speak_against_names(after, noise, closed, disproves, refutes):
+    proof = Proof("", ("run",), 1.0, after, noise, closed, None, torch.ones(1, 3), None)
     assert (proof.disproves, proof.refutes) == (disproves, refutes)
 
 
