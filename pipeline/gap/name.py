@@ -55,14 +55,8 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         again.finish()
         if is_beyond_chance(again.scores() - competition.scores()):
             competition = again
-    usual = usual_of(competition.catalogue)
-    for begin in (lambda: Competition(simulator, problem, settings), competition.continued):
-        if usual and competition.leaves_more_than_noise(times=_MUCH):
-            together = begin()
-            together.begin_with(usual)
-            together.finish()
-            if is_beyond_chance(together.scores() - competition.scores()):
-                competition = together
+    competition = _begun_with_usual(competition, Competition(simulator, problem, settings))
+    competition = _begun_with_usual(competition, competition.continued())
     competition.conclude()
     rivalries = _rivalries(competition)
     if any(rivalry.weight < _OUTDONE for rivalry in rivalries):
@@ -81,6 +75,16 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         rivalries,
         competition.short_times(),
     )
+
+
+def _begun_with_usual(competition: Competition, other: Competition) -> Competition:
+    """Return another competition, begun with what any machine has, where very much is left and it predicts better."""
+    usual = usual_of(competition.catalogue)
+    if not (usual and competition.leaves_more_than_noise(times=_MUCH)):
+        return competition
+    other.begin_with(usual)
+    other.finish()
+    return other if is_beyond_chance(other.scores() - competition.scores()) else competition
 
 
 def _rivalries(competition: Competition) -> tuple[Rivalry, ...]:
