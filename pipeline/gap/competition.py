@@ -22,7 +22,7 @@ from pipeline.gap.fit import Fit, Problem, excess_of, fit
 from pipeline.gap.model import drifts_of
 from pipeline.gap.parsimony import single_cause
 from pipeline.gap.probability import presence_of
-from pipeline.gap.refit import extend, shrink
+from pipeline.gap.refit import extend, remove, shrink
 from pipeline.gap.scoring import predictive_score
 from pipeline.gap.settings import Gap
 from pipeline.gap.signs import signs_of
@@ -195,7 +195,30 @@ class Competition:
     def prune(self) -> None:
         """Drop every effect that the others have made needless, the least needed first; it does not come back."""
         while refused := [candidate for candidate in self.named() if candidate.refusal]:
-            self.drop(min(refused, key=lambda candidate: candidate.gain).effect)
+            needless = min(refused, key=lambda candidate: candidate.gain).effect
+            if not self.simplify(needless):
+                self.drop(needless)
+
+    def simplify(self, effect: Effect) -> bool:
+        """Put in a named effect's place the one that it comes down to, if that may be named; return whether it did."""
+        simpler = self.limit_of(effect)
+        if simpler is None:
+            return False
+        removed = remove(self.current, effect, self.problem, self.known.get(effect.key))
+        fitted = fit(extend(removed, simpler, self.problem).simulator, self.problem)
+        if self.judge(simpler, self.without(effect), fitted).refusal:
+            return False
+        self.dropped = (self.dropped | {effect.key}) - {simpler.key}
+        self.become(fitted)
+        return True
+
+    def limit_of(self, effect: Effect) -> Effect | None:
+        """Return the effect that a named one comes down to in what was recorded, where that is not named as well."""
+        blocks, simulator = self.problem.blocks, self.current.simulator
+        values = next(f.values for f in simulator.free if f.effect.key == effect.key)
+        limit = effect.limit(values, blocks.signals | blocks.resolution, simulator.constants())
+        alike = [e for e in self.catalogue if e.name == limit and e.acts_on == effect.acts_on]
+        return next((e for e in alike if e.key not in self.names()), None)
 
     def disown(self) -> None:
         """Drop what is hardly there, the least likely first: too little evidence, or much left beside it.
@@ -280,6 +303,7 @@ class Competition:
         pairs, best = max(exchanged, key=lambda each: float(self.scores(each[1]).sum()))
         if not is_beyond_chance(self.scores(best) - self.scores()):
             return False
+        before, dropped, rounds = self.current, self.dropped, list(self.rounds)
         self.dropped = (self.dropped | {old.key for old, _ in pairs}) - {new.key for _, new in pairs}
         self.become(best)
         self.starts.forget()
@@ -287,6 +311,10 @@ class Competition:
         self.prune()
         self.run(self.catalogue)
         self.exchange()
+        if not is_beyond_chance(self.scores() - self.scores(before)):
+            self.become(before)
+            self.dropped, self.rounds = dropped, rounds
+            return False
         return True
 
     def instead(self, pairs: Sequence[tuple[Effect, Effect]]) -> Fit:

@@ -187,3 +187,14 @@ def test_an_effort_in_place_of_a_voltage_serves_as_well():
     units = {"position": "rad", "velocity": "rad/s", "effort": "N·m"}
     found = quick(replace(recording, frame=frame, units=units), Simulator(Joint(inertia=JOINT.inertia)))
     assert "coulomb_friction" in named(found)[:1]
+
+
+def test_friction_and_a_wrong_number_show_only_beside_a_load_and_a_delay():
+    """Neither pair shows alone: what the one leaves hides the other, and a delay is none of what any machine has."""
+    plant = Plant(
+        friction=0.9, motor_constant=0.8, delay=0.02, other=lambda position, velocity: 1.2 + 0.0 * position
+    )
+    found = quick(joint_recording(plant), joint_simulator())
+    assert set(named(found)) == {"coulomb_friction", "motor_constant_error", "constant_load", "command_delay"}
+    for name, value in {"coulomb_friction": 0.9, "motor_constant_error": 0.8, "constant_load": 1.2}.items():
+        assert value_of(found, name) == pytest.approx(value, rel=0.05)
