@@ -31,11 +31,7 @@ def name_with_drivers(prepared: Prepared, naming: Naming, settings: Gap) -> tupl
     much as a name: it is one more thing to believe.
     """
     effects = undriven(prepared.nominal, prepared.problem.blocks, settings.effects)
-    if (
-        not effects
-        or not _suspicious(prepared, naming)
-        or cost_of(naming, prepared.problem.noise) <= _LEAST_COST
-    ):
+    if not effects or not _suspicious(prepared, naming):
         return prepared, naming
     known = [f for f in naming.fit.simulator.effects if not isinstance(f.effect, ParameterError)]
     simulator = prepared.nominal.with_effects(tuple(known))
@@ -189,9 +185,10 @@ def _lines(problem: Problem, shown: Tensor, information: Tensor, rest: float, sl
 
 
 def _suspicious(prepared: Prepared, naming: Naming) -> bool:
-    """Whether more than noise is left, or a number of the platform took it up."""
+    """Whether more than noise is left, or a number of the platform took it up, and a driver might cost less."""
     left = excess_of(naming.fit, prepared.problem.noise) > BEYOND_NOISE
-    return bool(left.any()) or any(isinstance(c.effect, ParameterError) for c in naming.named)
+    taken_up = any(isinstance(c.effect, ParameterError) for c in naming.named)
+    return (bool(left.any()) or taken_up) and cost_of(naming, prepared.problem.noise) > _LEAST_COST
 
 
 def _may_cost_less(naming: Naming, effects: Sequence[Effect], problem: Problem, simulator: Simulator) -> bool:

@@ -37,7 +37,7 @@ def name_as_read(
     if not (_has_commands(prepared) and (late or recording.kind in HELD_KINDS)):
         return prepared, naming
     other = prepare(recording, nominal, settings, held=not prepared.problem.blocks.held)
-    if not (late or _much_isleft_of(naming, prepared) or _may_cost_less(other, prepared, naming)):
+    if not (late or _much_is_left(naming, prepared) or _may_cost_less(other, prepared, naming)):
         return prepared, naming
     other, renamed = name_settled(other, settings)
     later = _is_late_by_half_a_sample(renamed, other)
@@ -52,7 +52,7 @@ def _has_commands(prepared: Prepared) -> bool:
     return not COMMANDS.isdisjoint(prepared.problem.blocks.signals)
 
 
-def _much_isleft_of(naming: Naming, prepared: Prepared) -> bool:
+def _much_is_left(naming: Naming, prepared: Prepared) -> bool:
     """Whether every equation leaves so much more than noise that a wrong reading may be what is wrong with all."""
     return bool((excess_of(naming.fit, prepared.problem.noise) > _MUCH).all())
 
