@@ -25,7 +25,9 @@ def reproduce(branch: str | None = None) -> None:
     print(f"branch {branch}: {reason}", flush=True)
     artifacts = PROJECT_ROOT / "artifacts" / branch
     _reproduce("diagnose", branch)
-    print(f"the diagnosis: {_first_page(artifacts, branch)}; what follows joins it on one page", flush=True)
+    print(
+        f"the diagnosis: {write_first_page(artifacts, branch)}; what follows joins it on one page", flush=True
+    )
     _reproduce("report", branch)
     for page in sorted((artifacts / "report").glob("*.html")):
         print(f"the page: {page}", flush=True)
@@ -38,7 +40,7 @@ def _reproduce(stage: str, branch: str) -> None:
         raise InputError("did not finish", f"branch {branch}", "see the lines above")
 
 
-def _first_page(artifacts: Path, branch: str) -> Path:
+def write_first_page(artifacts: Path, branch: str) -> Path:
     """Write what is known before anything is trained: it can be read while a policy takes its minutes."""
     from pipeline.report import ReportInputs, write_page
 

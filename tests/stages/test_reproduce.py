@@ -1,12 +1,15 @@
 """Which recordings are used, and that it is said."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from pipeline.errors import InputError
 from pipeline.recordings import registry
-from stages.reproduce import choose
+from pipeline.stage import reproduction
+from stages.reproduce import choose, reproduce, write_first_page
+from tests.pipeline.report.artifacts import make_branch
 
 
 @pytest.fixture
@@ -63,3 +66,31 @@ def test_recordings_that_were_asked_for_are_not_replaced(place: Callable) -> Non
 def test_an_unknown_branch_is_one_line() -> None:
     with pytest.raises(InputError, match="did you mean 'nanodrone'"):
         choose("nanodron")
+
+
+@pytest.mark.parametrize("code", [0, 1])
+def test_the_diagnosis_is_shown_before_anything_is_trained(
+    code: int, place: Callable, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place("cache")
+    targets: list[str] = []
+    monkeypatch.setattr(reproduction, "reproduce_target", lambda target: targets.append(target) or code)
+    monkeypatch.setattr(
+        "stages.reproduce.write_first_page", lambda artifacts, branch: artifacts / "first.html"
+    )
+    if code:
+        with pytest.raises(InputError, match="did not finish"):
+            reproduce("nanodrone")
+    else:
+        reproduce("nanodrone")
+    said = capsys.readouterr().out
+    assert targets == ["diagnose@nanodrone", "report@nanodrone"][: 2 - code]
+    assert ("first.html" in said) == (code == 0)
+
+
+def test_the_first_page_has_the_verdict_and_nothing_that_comes_after_it(tmp_path: Path) -> None:
+    make_branch(tmp_path, "missing_physics")
+    page = write_first_page(tmp_path, "nanodrone").read_text()
+    assert "<title>nanodrone" in page
+    assert 'id="verdict"' in page
+    assert 'id="model"' not in page  # of the model that the branch has trained
