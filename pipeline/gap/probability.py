@@ -24,6 +24,7 @@ _MOST = 0.995  # nothing is certain of one recording
 _REFUTED = 0.25  # and a name is less likely than not where other runs speak against it
 _LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 1.0  # times the noise: what cannot hide in it may be as small as it is
 _MOST_EXCESS = 10.0  # times the noise, whose level says little where far more is left
+_SLIGHT = 30.0  # times its share of what is explained, up to which what is left counts: a thirtieth is slight
 _MOST_ODDS = 50.0  # of the logarithm, beyond which the exponential says nothing more
 
 
@@ -66,7 +67,7 @@ class Signs:
     @property
     def _most_excess(self) -> float:
         """Up to which energy left counts: what is little beside all that the effect explains says little against it."""
-        return min(_MOST_EXCESS, 1.0 + _MOST_EXCESS * self.excess / max(self.signal, _LEAST_SIGNAL))
+        return min(_MOST_EXCESS, 1.0 + _SLIGHT * self.excess / max(self.signal, _LEAST_SIGNAL))
 
     @property
     def features(self) -> dict[str, float]:
