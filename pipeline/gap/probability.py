@@ -22,6 +22,7 @@ DIRECTIONS = {
 
 _MOST = 0.995  # nothing is certain of one recording
 _REFUTED = 0.25  # and a name is less likely than not where other runs speak against it
+_OPEN = 0.5  # and no likelier than not where samples are too far apart to tell it from others
 _LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 1.0  # times the noise: what cannot hide in it may be as small as it is
 _MOST_EXCESS = 10.0  # times the noise, whose level says little where far more is left
 _SLIGHT = 30.0  # times its share of what is explained, up to which what is left counts: a thirtieth is slight
@@ -42,6 +43,7 @@ class Signs:
         is_number: whether it is a wrong number of the platform, which bends to much that it is not, and no law.
         kind: of platform; names are not as often right for every kind.
         weight: of the effect among those that this recording cannot tell from it.
+        coarse: whether samples are too far apart to show how what it acts on moves, and more than noise is left there.
         refuted: whether runs that were used for nothing else are predicted far worse with what was named.
     """
 
@@ -54,6 +56,7 @@ class Signs:
     is_number: bool = False
     kind: str = ""
     weight: float = 1.0
+    coarse: bool = False
     refuted: bool = False
 
     @property
@@ -104,7 +107,7 @@ class Calibration:
 
 def presence_of(signs: Signs) -> float:
     """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
-    most = _REFUTED if signs.refuted else _MOST
+    most = _REFUTED if signs.refuted else _OPEN if signs.coarse else _MOST
     return min(_calibration().presence(signs.features, signs.kind), most)
 
 

@@ -75,6 +75,20 @@ def test_what_other_runs_refute_is_not_believed(signs):
 
 
 @given(SIGNS)
+def test_what_samples_are_too_far_apart_to_tell_is_no_likelier_than_not(signs):
+    coarse = Signs(**(vars(signs) | {"coarse": True}))
+    assert presence_of(coarse) == min(presence_of(signs), 0.5)
+
+
+def test_what_is_left_counts_less_where_far_more_is_explained():
+    """Ten times the noise beside ten thousand, beside a hundred, and beside as much."""
+    excess = [
+        Signs(500.0, 1, 20, signal=signal, excess=10.0).features["excess"] for signal in (1e4, 1e2, 10.0)
+    ]
+    assert excess == pytest.approx([math.log10(1.03), math.log10(4.0), 1.0])
+
+
+@given(SIGNS)
 def test_every_feature_has_a_coefficient(signs):
     assert set(signs.features) == set(DIRECTIONS)
     assert CALIBRATION.exists()
