@@ -32,6 +32,21 @@ def progress(iterable: Iterable[Item], label: str, total: int | None = None) -> 
         yield from _with_lines(iterable, label, total)
 
 
+class Pace:
+    """Says in a line where work of unknown length is, when ten seconds have passed since the last."""
+
+    def __init__(self, label: str) -> None:
+        self.label = label
+        self._start = self._told = time.monotonic()
+
+    def tell(self, where: str) -> None:
+        """Say where the work is, if it is time to."""
+        now = time.monotonic()
+        if now - self._told >= LINE_SECONDS:
+            _log.info("%s: %s after %.0f s", self.label, where, now - self._start)
+            self._told = now
+
+
 def _with_lines(iterable: Iterable[Item], label: str, total: int | None) -> Iterator[Item]:
     start = time.monotonic()
     due = start + QUIET_SECONDS

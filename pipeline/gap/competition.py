@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
+from pipeline.artifacts import Pace
 from pipeline.effects import Effect
 from pipeline.gap.ambiguity import (
     Rivalry,
@@ -32,6 +33,8 @@ _REDUNDANT = 0.2
 _INCREDIBLE = 0.1  # a probability below which an effect carries no other
 _SERIOUS = 0.5  # of a winner's share, with which a simpler effect may be a part of what that one explains
 _EXCHANGES = 3  # each costs a round for every named effect
+
+_pace = Pace("what is missing")
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,8 @@ class Competition:
         """Add effects until none may be named any more."""
         while len(self.current.simulator.free) < self.settings.most_effects:
             present = self.names() | self.dropped
+            beside = f"beside {', '.join(sorted(self.names()))}" if self.names() else "alone"
+            _pace.tell(f"trying {len(contestants)} effects {beside}")
             candidates = [self.candidate(e) for e in contestants if e.key not in present]
             admitted = [candidate for candidate in candidates if not candidate.refusal]
             winner = self.first_of(self.likeliest(admitted), admitted)

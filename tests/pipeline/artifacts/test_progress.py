@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from pipeline.artifacts import progress
+from pipeline.artifacts import Pace, progress
 
 clock_module = sys.modules[progress.__module__]
 
@@ -67,3 +67,15 @@ def test_a_terminal_gets_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tqdm, "tqdm", bar)
     assert list(progress(iter("ab"), "flying", total=2)) == ["a", "b"]
     assert (seen["desc"], seen["total"], seen["delay"]) == ("flying", 2, 2.0)
+
+
+def test_work_of_unknown_length_says_where_it_is_every_ten_seconds(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(clock_module.time, "monotonic", Clock())
+    pace = Pace("flying")
+    with caplog.at_level(logging.INFO, logger="simgap"):
+        for lap in range(25):
+            pace.tell(f"lap {lap}")
+    lines = [record.getMessage() for record in caplog.records]
+    assert lines == ["flying: lap 9 after 10 s", "flying: lap 19 after 20 s"]
