@@ -1,7 +1,5 @@
 """How effects compete: one is added at a time, and each that stays must earn it again when the others are there."""
 
-import itertools
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from torch import Tensor
@@ -10,8 +8,6 @@ from pipeline.artifacts import Pace
 from pipeline.effects import Effect
 from pipeline.gap.ambiguity import (
     Rivalry,
-    is_as_good,
-    is_beyond_chance,
     predicts_better,
     rivalry_of,
     rivals_of,
@@ -55,16 +51,6 @@ def _is_part(simpler: Candidate, winner: Candidate) -> bool:
     return same and len(simpler.effect.parameters) < len(winner.effect.parameters)
 
 
-def _exchanges_of_two(rivalries: Sequence[Rivalry]) -> list[tuple[tuple[Effect, Effect], ...]]:
-    """Return every way to put rivals in the place of two named effects: pairs of what goes and what comes."""
-    return [
-        ((first.winner, one), (second.winner, other))
-        for first, second in itertools.combinations(rivalries, 2)
-        for one, other in itertools.product(first.rivals, second.rivals)
-        if one.key != other.key
-    ]
-
-
 class Competition:
     """Effects of a catalogue in competition for what a simulator leaves of a recording."""
 
@@ -85,10 +71,10 @@ class Competition:
     def run(self, contestants: list[Effect]) -> None:
         """Add effects until none may be named any more."""
         while len(self.current.simulator.free) < self.settings.most_effects:
-            present = self.names() | self.dropped
+            tried = [effect for effect in contestants if effect.key not in self.names() | self.dropped]
             beside = f"beside {', '.join(sorted(self.names()))}" if self.names() else "alone"
-            _pace.tell(f"trying {len(contestants)} effects {beside}")
-            candidates = [self.candidate(e) for e in contestants if e.key not in present]
+            _pace.tell(f"trying {len(tried)} effects {beside}")
+            candidates = [self.candidate(effect) for effect in tried]
             admitted = [candidate for candidate in candidates if not candidate.refusal]
             winner = self.first_of(self.likeliest(admitted), admitted)
             self.rounds.append(Round(tuple(candidates), winner))
@@ -296,66 +282,6 @@ class Competition:
             if self.names() in seen:
                 return
             seen.append(self.names())
-
-    def substitute(self, rivalries: Sequence[Rivalry]) -> bool:
-        """Put rivals in the place of two named effects at once where that predicts better; return whether it did.
-
-        Where each of two stands in a look-alike's place, exchanging one shows little: what the other leaves hides it.
-        """
-        exchanged = [(pairs, self.instead(pairs)) for pairs in _exchanges_of_two(rivalries)]
-        if not exchanged:
-            return False
-        pairs, best = max(exchanged, key=lambda each: float(self.scores(each[1]).sum()))
-        if not is_beyond_chance(self.scores(best) - self.scores()):
-            return False
-        before, dropped, rounds = self.current, self.dropped, list(self.rounds)
-        self.dropped = (self.dropped | {old.key for old, _ in pairs}) - {new.key for _, new in pairs}
-        self.become(best)
-        self.starts.forget()
-        self.rounds.append(Round(tuple(self.named()), self.alone(pairs[-1][1])))
-        self.prune()
-        self.run(self.catalogue)
-        self.exchange()
-        if not is_beyond_chance(self.scores() - self.scores(before)):
-            self.become(before)
-            self.dropped, self.rounds = dropped, rounds
-            return False
-        return True
-
-    def instead(self, pairs: Sequence[tuple[Effect, Effect]]) -> Fit:
-        """Return a fit in which the second of each pair stands in the place of the first."""
-        fitted = self.current
-        for old, new in pairs:
-            without = shrink(fitted, old, self.problem, self.known.get(old.key))
-            fitted = extend(without, new, self.problem, new.starts_in(self.problem.blocks.signals))
-        return fit(fitted.simulator, self.problem)
-
-    def unite(self, rivalries: Sequence[Rivalry]) -> bool:
-        """Put one effect in the place of two named ones, either of which it could stand in for; return whether it did.
-
-        It has to predict as well as both together. A sine is what a spring and its cubic part come to on a short way:
-        one cause is likelier than two that conspire.
-        """
-        for first, second in itertools.combinations(rivalries, 2):
-            shared = {effect.key for effect in first.rivals} & {effect.key for effect in second.rivals}
-            for effect in (effect for effect in first.rivals if effect.key in shared):
-                if self.take_for_both(effect, first.winner, second.winner):
-                    return True
-        return False
-
-    def take_for_both(self, effect: Effect, first: Effect, second: Effect) -> bool:
-        """Put an effect in the place of two where it is not refused and predicts as well; return whether it did."""
-        without = shrink(self.without(first), second, self.problem, self.known.get(second.key))
-        extended = extend(without, effect, self.problem, self.starts.of(effect))
-        united = fit(extended.simulator, self.problem)
-        candidate = self.judge(effect, without, united)
-        if candidate.refusal or not is_as_good(self.scores(united), self.scores()):
-            return False
-        self.rounds.append(Round((candidate,), candidate))
-        self.dropped = (self.dropped | {first.key, second.key}) - {effect.key}
-        self.become(united)
-        self.prune()
-        return True
 
     def names(self) -> set[str]:
         """Return the keys of the effects that are in."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from pipeline.effects import MeasurementEffect, ParameterError
 from pipeline.gap.candidate import BEYOND_NOISE, FEWEST_MORE
+from pipeline.gap.coarseness import coarse_axes, coarseness_of
 from pipeline.gap.contradiction import contradictions
 from pipeline.gap.drivers import name_with_drivers
 from pipeline.gap.fit import Problem, channels_of, excess_of
@@ -32,9 +33,6 @@ from pipeline.simulation.blocks import Blocks
 from pipeline.simulation.driver import with_drivers
 
 _FEW_CLUSTERS = 10  # so few that a person should know
-_COARSE = (
-    0.5  # of the time in which an axis settles, from which on samples are too far apart to show how it does
-)
 _BELIEVED = 0.5  # a probability from which on an effect says what kind of gap there is
 _MUCH = 0.1  # of the energy that was left before
 _NEVER_FITTED = "what they do is in no fitted run; record more like them"
@@ -128,13 +126,12 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     )
     drifts = {c.effect.key: drifts_of(naming.fit, c.effect, fitted, cluster) for c in naming.named}
     weights = {rivalry.winner.key: rivalry.weight for rivalry in naming.rivalries}
+    coarse = coarse_axes(naming.fit, problem, channels) if naming.named else {}
     signs = {
-        c.effect.key: signs_of(c, naming.fit, problem, drifts[c.effect.key], weights.get(c.effect.key, 1.0))
-        for c in naming.named
-    }
-    coarse = _coarse(naming, problem, channels) if naming.named else {}
-    signs = {
-        c.effect.key: replace(signs[c.effect.key], coarse=channels[c.channel].name in coarse)
+        c.effect.key: replace(
+            signs_of(c, naming.fit, problem, drifts[c.effect.key], weights.get(c.effect.key, 1.0)),
+            coarse=channels[c.channel].name in coarse,
+        )
         for c in naming.named
     }
     counted = _counted(naming, mismatches, channels)
@@ -149,7 +146,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     doubts = (
         *_disproved(naming, proof),
         *_shortness(problem),
-        *_coarseness(coarse, problem),
+        *coarseness_of(coarse, fitted.time_step),
         *_doubts(naming, drifts, memories, held_out),
         *unseen,
     )
@@ -243,28 +240,6 @@ def _shortness(problem: Problem) -> list[str]:
     most = max(clusters - FEWEST_MORE, 0)
     return [
         f"only {seconds:.2g} s could be fitted, which show no more than {most} parameters; record ten seconds"
-    ]
-
-
-def _coarse(naming: Naming, problem: Problem, channels: Sequence[Channel]) -> dict[str, float]:
-    """Return within how many seconds axes settle that were sampled about as fast, and that leave more than noise."""
-    rates = naming.fit.simulator.mechanism.damping(naming.fit.simulator.constants())
-    left = dict(
-        zip((channel.name for channel in channels), excess_of(naming.fit, problem.noise), strict=True)
-    )
-    return {
-        name: 1.0 / rate
-        for name, rate in rates.items()
-        if rate * problem.blocks.time_step > _COARSE and float(left.get(name, 0.0)) > BEYOND_NOISE
-    }
-
-
-def _coarseness(coarse: Mapping[str, float], problem: Problem) -> list[str]:
-    """Say of coarsely sampled axes that what happens between two samples decides what is seen of them."""
-    return [
-        f"{name}: what moves settles within {seconds:.2g} s, and samples are {problem.blocks.time_step:.2g} s apart: "
-        "friction, dead zones and inertia may pass for each other; record more often"
-        for name, seconds in coarse.items()
     ]
 
 

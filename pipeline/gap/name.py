@@ -7,6 +7,7 @@ from pipeline.gap.ambiguity import Rivalry, is_beyond_chance
 from pipeline.gap.candidate import Candidate
 from pipeline.gap.competition import Competition, Round
 from pipeline.gap.fit import Fit, Problem
+from pipeline.gap.look_alikes import substitute, unite
 from pipeline.gap.settings import Gap
 from pipeline.simulation import FittedEffect, Simulator
 
@@ -64,7 +65,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         competition.conclude()
         rivalries = _rivalries(competition)
     much_is_left = competition.leaves_more_than_noise(times=_MUCH)
-    if (much_is_left and competition.substitute(rivalries)) or competition.unite(rivalries):
+    if (much_is_left and substitute(competition, rivalries)) or unite(competition, rivalries):
         competition.conclude()
         rivalries = _rivalries(competition)
     return Naming(

@@ -44,7 +44,7 @@ class Signs:
         kind: of platform; names are not as often right for every kind.
         weight: of the effect among those that this recording cannot tell from it.
         coarse: whether samples are too far apart to show how what it acts on moves, and more than noise is left there.
-        refuted: whether runs that were used for nothing else are predicted far worse with what was named.
+        refuted: whether runs that were used for nothing else are predicted worse with what was named, beyond noise.
     """
 
     gain: float

@@ -10,8 +10,10 @@ from pipeline.gap.ambiguity import Rivalry
 from pipeline.gap.candidate import Candidate
 from pipeline.gap.competition import Competition
 from pipeline.gap.fit import Fit, fit
+from pipeline.gap.look_alikes import substitute
 from pipeline.gap.name import usual_of
 from pipeline.gap.settings import Gap
+from pipeline.simulation import FittedEffect
 from tests.pipeline.gap.problems import at_start, of_joint, problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
@@ -139,7 +141,37 @@ def test_two_look_alikes_are_exchanged_together():
     )
     taken = tuple(at_start(effect) for effect in (dry, spring, square))
     contest.become(fit(joint_simulator().with_effects(taken), problem))
-    assert contest.substitute([Rivalry(spring, (weight,), 0.6), Rivalry(square, (viscous,), 0.6)])
+    assert substitute(contest, [Rivalry(spring, (weight,), 0.6), Rivalry(square, (viscous,), 0.6)])
     assert contest.names() == {"coulomb_friction", "gravity_load", "viscous_friction"}
     assert contest.dropped >= {"linear_stiffness", "quadratic_friction"}
-    assert not contest.substitute([Rivalry(weight, (spring,), 0.6), Rivalry(viscous, (square,), 0.6)])
+    assert not substitute(contest, [Rivalry(weight, (spring,), 0.6), Rivalry(viscous, (square,), 0.6)])
+
+
+def test_an_exchange_of_two_that_ends_worse_is_taken_back(monkeypatch):
+    """What competes beside the exchanged ones may throw them out again, and more with them."""
+    plant = Plant(viscous=0.2, other=lambda position, velocity: -0.8 * np.sin(position))
+    problem = problem_of(joint_recording(plant, noise=0.1), joint_simulator())
+    contest = Competition(joint_simulator(), problem, Gap())
+    spring, square, weight, viscous = of_joint(
+        "linear_stiffness", "quadratic_friction", "gravity_load", "viscous_friction"
+    )
+    contest.become(fit(joint_simulator().with_effects((at_start(spring), at_start(square))), problem))
+    before = contest.current
+    monkeypatch.setattr(contest, "exchange", lambda: contest.become(contest.base))
+    assert not substitute(contest, [Rivalry(spring, (weight,), 0.6), Rivalry(square, (viscous,), 0.6)])
+    assert contest.current is before
+    assert (contest.dropped, contest.rounds) == (set(), [])
+
+
+def test_a_refused_effect_becomes_what_it_comes_down_to():
+    """Stribeck friction that fades at speeds far beyond those recorded is Coulomb friction."""
+    problem = problem_of(joint_recording(Plant(friction=0.3)), joint_simulator())
+    contest = Competition(joint_simulator(), problem, Gap())
+    (stribeck,) = of_joint("stribeck_friction")
+    wide = FittedEffect(stribeck, {"extra_level": 0.3, "velocity": 90.0})
+    contest.become(fit(joint_simulator().with_effects((wide,)), problem))
+    contest.prune()
+    assert contest.names() == {"coulomb_friction"}
+    assert contest.dropped == {"stribeck_friction"}
+    (found,) = contest.current.simulator.free
+    assert found.values["level"] == pytest.approx(0.3, rel=0.05)

@@ -1,0 +1,88 @@
+"""Two names at once that stand in for others: exchanged together, or united in the one cause that both come to."""
+
+import itertools
+from collections.abc import Sequence
+
+from pipeline.effects import Effect
+from pipeline.gap.ambiguity import Rivalry, is_as_good, is_beyond_chance
+from pipeline.gap.competition import Competition, Round
+from pipeline.gap.fit import Fit, fit
+from pipeline.gap.refit import extend, shrink
+
+Exchange = tuple[tuple[Effect, Effect], ...]
+"""Pairs of what goes and what comes."""
+
+
+def substitute(contest: Competition, rivalries: Sequence[Rivalry]) -> bool:
+    """Put rivals in the place of two named effects at once where that predicts better; return whether it did.
+
+    Where each of two stands in a look-alike's place, exchanging one shows little: what the other leaves hides it. What
+    ends no better than it began, once all has competed beside it, is taken back.
+    """
+    exchanged = [(pairs, _exchanged(contest, pairs)) for pairs in _exchanges_of_two(rivalries)]
+    if not exchanged:
+        return False
+    pairs, best = max(exchanged, key=lambda each: float(contest.scores(each[1]).sum()))
+    before, dropped, rounds = contest.current, contest.dropped, list(contest.rounds)
+    if not is_beyond_chance(contest.scores(best) - contest.scores(before)):
+        return False
+    contest.dropped = (dropped | {old.key for old, _ in pairs}) - {new.key for _, new in pairs}
+    contest.become(best)
+    contest.starts.forget()
+    contest.rounds.append(Round(tuple(contest.named()), contest.alone(pairs[-1][1])))
+    contest.prune()
+    contest.run(contest.catalogue)
+    contest.exchange()
+    if is_beyond_chance(contest.scores() - contest.scores(before)):
+        return True
+    contest.become(before)
+    contest.dropped, contest.rounds = dropped, rounds
+    return False
+
+
+def unite(contest: Competition, rivalries: Sequence[Rivalry]) -> bool:
+    """Put one effect in the place of two named ones, either of which it could stand in for; return whether it did.
+
+    It has to predict as well as both together. A sine is what a spring and its cubic part come to on a short way: one
+    cause is likelier than two that conspire.
+    """
+    for first, second in itertools.combinations(rivalries, 2):
+        shared = {effect.key for effect in first.rivals} & {effect.key for effect in second.rivals}
+        for effect in (effect for effect in first.rivals if effect.key in shared):
+            if _taken_for_both(contest, effect, first.winner, second.winner):
+                return True
+    return False
+
+
+def _exchanges_of_two(rivalries: Sequence[Rivalry]) -> list[Exchange]:
+    """Return every way to put rivals in the place of two named effects."""
+    return [
+        ((first.winner, one), (second.winner, other))
+        for first, second in itertools.combinations(rivalries, 2)
+        for one, other in itertools.product(first.rivals, second.rivals)
+        if one.key != other.key
+    ]
+
+
+def _exchanged(contest: Competition, pairs: Exchange) -> Fit:
+    """Return a fit in which the second of each pair stands in the place of the first."""
+    problem, fitted = contest.problem, contest.current
+    for old, new in pairs:
+        without = shrink(fitted, old, problem, contest.known.get(old.key))
+        fitted = extend(without, new, problem, new.starts_in(problem.blocks.signals))
+    return fit(fitted.simulator, problem)
+
+
+def _taken_for_both(contest: Competition, effect: Effect, first: Effect, second: Effect) -> bool:
+    """Put an effect in the place of two where it is not refused and predicts as well; return whether it did."""
+    problem = contest.problem
+    without = shrink(contest.without(first), second, problem, contest.known.get(second.key))
+    united = fit(extend(without, effect, problem, contest.starts.of(effect)).simulator, problem)
+    candidate = contest.judge(effect, without, united)
+    if candidate.refusal or not is_as_good(contest.scores(united), contest.scores()):
+        return False
+    contest.rounds.append(Round((candidate,), candidate))
+    contest.dropped = (contest.dropped | {first.key, second.key}) - {effect.key}
+    contest.become(united)
+    contest.prune()
+    return True
