@@ -59,9 +59,10 @@ def profile(config: ProfileStage, run: StageRun) -> None:
 
 
 def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
-    """Train the policy, or go on where a training was killed; return what it does."""
+    """Train the policy, or go on where a training was killed; return what the fastest of its checkpoints does."""
+    from pipeline.policies.best import Best
     from pipeline.policies.export import export_policy
-    from pipeline.policies.networks import Policy
+    from pipeline.policies.networks import Gaussian, Policy
     from pipeline.policies.profile.environment import MotionProfile
     from pipeline.policies.profile.rollout import drive_by_policy
     from pipeline.policies.storage import Description, save_policy
@@ -69,7 +70,13 @@ def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
 
     task = config.profile
     task.learning.check("profile.learning")
-    training = Training(MotionProfile(task, drive, task.learning.machines), task.learning, config.seed)
+
+    def duration(gaussian: Gaussian) -> float:
+        motion = drive_by_policy(Policy(gaussian), task, drive)
+        return motion.arrival(task.distance, task.tolerance, task.speed_tolerance)
+
+    machines = MotionProfile(task, drive, task.learning.machines)
+    training = Training(machines, task.learning, config.seed, Best(duration))
     inputs = sorted(run.inputs.values())
     checkpoint = checkpoint_folder(config.artifacts, [asdict(task), config.seed, inputs])
     curve = training.run(checkpoint, run.log_metrics)
@@ -84,7 +91,7 @@ def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
         hidden=list(task.learning.hidden),
         slope=task.learning.slope,
         configuration=asdict(task),
-        chosen_by="the last of the training",
+        chosen_by="the fastest in the identified drive, of those at the checkpoints and the last",
         measures=final(curve),
     )
     save_policy(gaussian, description, run.output / "policy")

@@ -7,6 +7,7 @@ from pathlib import Path
 import torch
 
 from pipeline.artifacts import progress, staged_directory
+from pipeline.policies.best import Best
 from pipeline.policies.collector import Collector
 from pipeline.policies.environment import Environment
 from pipeline.policies.ppo import Learner
@@ -24,10 +25,14 @@ class Training:
     Attributes:
         learner: networks and optimiser.
         curve: one entry per update, with `interactions` so far.
+        best: judges the policy at every checkpoint and at the end, and keeps the best; None: the last is kept.
     """
 
-    def __init__(self, environment: Environment, settings: Learning, seed: int) -> None:
+    def __init__(
+        self, environment: Environment, settings: Learning, seed: int, best: Best | None = None
+    ) -> None:
         self.settings = settings
+        self.best = best
         self.learner = Learner(environment, settings, seed)
         self.curve: Curve = []
         self._collector = Collector(environment, seed)
@@ -55,8 +60,13 @@ class Training:
         for update in progress(self._left(), "updates of the policy", len(self._left())):
             self.update()
             _tell(log, self.curve[-1], update)
-            if checkpoint is not None and len(self.curve) % self.settings.checkpoint_every == 0:
-                self._write(checkpoint)
+            if len(self.curve) % self.settings.checkpoint_every == 0:
+                self._consider()
+                if checkpoint is not None:
+                    self._write(checkpoint)
+        self._consider()
+        if self.best is not None:
+            self.best.restore(self.learner.gaussian)
         return self.curve
 
     def update(self) -> None:
@@ -71,6 +81,10 @@ class Training:
         done = float((len(self.curve) + 1) * self._per_update)
         self.curve.append({"interactions": done, **segment.measures, **told})
 
+    def _consider(self) -> None:
+        if self.best is not None:
+            self.best.consider(self.learner.gaussian)
+
     def _left(self) -> range:
         return range(len(self.curve), self.updates)
 
@@ -79,6 +93,7 @@ class Training:
             "learner": self.learner.snapshot(),
             "machines": self._collector.snapshot(),
             "curve": self.curve,
+            "best": None if self.best is None else self.best.snapshot(),
         }
         with staged_directory(folder, owned=True) as staging:
             torch.save(content, staging / CHECKPOINT_FILE)
@@ -88,6 +103,8 @@ class Training:
         self.learner.resume(content["learner"])
         self._collector.resume(content["machines"])
         self.curve = content["curve"]
+        if self.best is not None:
+            self.best.resume(content["best"])
 
 
 def _tell(log: Log | None, entry: dict[str, float], number: int) -> None:
