@@ -47,7 +47,6 @@ def artifacts(tmp_path_factory) -> Path:
     return artifacts
 
 
-@pytest.mark.slow
 def test_races_are_recorded_with_what_the_machine_believed(artifacts):
     recording = read_recording(artifacts / "deploy" / "recording.parquet")
     assert recording.kind == "quadrotor"

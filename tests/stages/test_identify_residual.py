@@ -27,7 +27,6 @@ def identified(recording, folder, *overrides):
     return json.loads((folder / "metrics.json").read_text())
 
 
-@pytest.mark.slow
 def test_flights_held_out_are_predicted_better_by_what_is_learned_and_best_by_what_is_named(
     recording, tmp_path
 ):
@@ -50,7 +49,6 @@ def test_flights_held_out_are_predicted_better_by_what_is_learned_and_best_by_wh
     assert found.values["coefficient"] == pytest.approx(0.5, rel=0.05)
 
 
-@pytest.mark.slow
 def test_so_many_seconds_are_used_as_asked_for(recording, tmp_path):
     few = ("residual.observation.samples=50", "residual.observation.iterations=2")
     ten = identified(recording, tmp_path / "ten", "residual.seconds=10", *few)

@@ -136,7 +136,6 @@ def test_a_mistake_on_the_command_line_is_one_line(planned, capsys):
     assert not (folder / "typed").exists()
 
 
-@pytest.mark.slow
 def test_the_command_line_drives_what_was_planned(planned, capsys):
     folder, _ = planned
     command = ["+experiment=motion_profile", f"artifacts={folder}", f"output={folder / 'driven'}"]

@@ -40,7 +40,6 @@ def proved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.slow
 def test_what_is_concealed_is_recorded_sealed_diagnosed_and_scored(proved: Path) -> None:
     results = json.loads((proved / "out" / "results.json").read_text())
     scores = {result["case"]["subject"]["category"]: result["score"] for result in results}
@@ -52,14 +51,12 @@ def test_what_is_concealed_is_recorded_sealed_diagnosed_and_scored(proved: Path)
     assert "| clear effects named first: 100%" in (proved / "out" / "proof.md").read_text()
 
 
-@pytest.mark.slow
 def test_the_key_is_nowhere_near_the_diagnosis(proved: Path) -> None:
     kept = [path for path in (proved / "cases").rglob("*") if path.is_file()]
     assert {path.name for path in kept} == {"log.txt", "result.json"}
     assert len(list((proved / "cases_keys").glob("*.json"))) == 2
 
 
-@pytest.mark.slow
 def test_a_finished_benchmark_is_not_run_again_and_a_changed_key_is_refused(proved: Path) -> None:
     config = configured(ProveStage, proved)
     before = {path: path.stat().st_mtime_ns for path in (proved / "cases").rglob("result.json")}
@@ -100,7 +97,6 @@ def drawn(config: ProveStage, kind: str, machine: str, **shares: float) -> Any:
     return case
 
 
-@pytest.mark.slow
 def test_a_faint_case_is_as_strong_as_the_noise_and_nothing_else_of_it_changes(tmp_path: Path) -> None:
     config = configured(ProveStage, tmp_path)
     usual = drawn(config, "joint", "servo", faint=1.0)
@@ -132,7 +128,6 @@ def test_a_delay_that_samples_cannot_tell_shows_nothing(tmp_path: Path) -> None:
     assert energy_over_noise(case.scaled("command_delay", 0.05), "command_delay", config) == 0.0
 
 
-@pytest.mark.slow
 def test_which_rotor_is_damaged_is_known_to_what_settles_the_strength(tmp_path: Path) -> None:
     """One concealed name stands for four effects of the catalogue, one for each rotor."""
     case, config = clear_case(tmp_path, "quadrotor", "racer", "rotor_fault")

@@ -174,7 +174,6 @@ def test_impossible_horizons_are_refused(horizons, tmp_path):
         run_stage(tmp_path, learnable.linear_joint(), settings=replace(QUICK, horizons=horizons))
 
 
-@pytest.mark.slow
 def test_a_sweep_keeps_the_outputs_of_its_jobs_apart(tmp_path):
     trained(tmp_path, "-m", "model=linear", "model.sequence_length=1,3")
     written = sorted((tmp_path / "artifacts").rglob("model.yaml"))
@@ -185,7 +184,6 @@ def test_a_sweep_keeps_the_outputs_of_its_jobs_apart(tmp_path):
     )
 
 
-@pytest.mark.slow
 def test_both_cores_give_the_numbers_of_one(tmp_path, monkeypatch):
     small = ("-m", "model=fnn,tcn", "model.hidden=[8]", "model.dropout=[0.1]", "train.max_epochs=2")
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)  # a job takes one thread by itself
@@ -201,7 +199,6 @@ def test_both_cores_give_the_numbers_of_one(tmp_path, monkeypatch):
         assert (tmp_path / "serial" / file).read_bytes() == (tmp_path / "parallel" / file).read_bytes()
 
 
-@pytest.mark.slow
 def test_a_killed_training_ends_like_an_undisturbed_one(tmp_path):
     settings = (
         "model=fnn",

@@ -89,7 +89,6 @@ def test_an_evaluation_writes_laps_a_flight_and_its_picture(trained):
     assert (folder / "line.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.slow
 def test_a_simulator_of_another_stage_changes_the_flight(trained, tmp_path):
     effect = effect_by_key("quadrotor", "rotor_drag")
     strong = {**effect.defaults(), **{name: 5.0 * value for name, value in effect.defaults().items()}}
@@ -102,7 +101,6 @@ def test_a_simulator_of_another_stage_changes_the_flight(trained, tmp_path):
     assert not np.allclose(ideal["velocity_x"][:common], other["velocity_x"][:common])
 
 
-@pytest.mark.slow
 def test_a_killed_training_of_a_policy_ends_like_an_undisturbed_one(trained, tmp_path):
     command = [sys.executable, "-m", "stages.train_policy", *FEW, f"artifacts={tmp_path}"]
     process = subprocess.Popen(command, cwd=ROOT, env={**os.environ, "OMP_NUM_THREADS": "1"})
@@ -121,9 +119,8 @@ def test_a_killed_training_of_a_policy_ends_like_an_undisturbed_one(trained, tmp
         ).read_bytes()
 
 
-@pytest.mark.slow
+@pytest.mark.slow(minutes=2)
 def test_the_tiny_track_is_learnt(tmp_path):
-    """In processes of their own: the checks of types that tests run under take as long as the training does."""
     for stage, settings in (("train_policy", RACE), ("evaluate", ("tracking.enabled=false",))):
         command = [sys.executable, "-W", "ignore", "-m", "stages", stage, *settings, f"artifacts={tmp_path}"]
         subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
