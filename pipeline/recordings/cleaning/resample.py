@@ -4,6 +4,7 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from scipy.sparse import csr_array
 
 from pipeline.recordings.cleaning.channels import ANGLES, INPUTS, QUATERNIONS, SLOW
@@ -19,6 +20,8 @@ _EQUAL = 1e-4  # of a time step: recorded times this close to the grid are taken
 _ROUNDING = 1.0 + 1e-6
 _NEAR = 0.5 * _ROUNDING  # time steps: a value this close to a measured one is as good as measured
 _SAME_STEP = 1e-3  # relative
+_FEW = 10  # samples, of which nobody can say whether they follow a clock
+_WANDERING = 0.5  # of the ratio that independent deviations from a clock's ticks have
 _LONG_LOSS = 20.0  # samples: beyond it nobody knows how many were lost
 _DIGITS = 10  # of the time step, so that 0.0099999999 is 0.01
 
@@ -67,6 +70,7 @@ class _Grid:
         moved: whether recorded times are off the grid.
         nearest: the recorded sample nearest to each new time.
         present: whether that is within half a time step.
+        ticking: whether recorded times scatter about a clock's ticks, rather than wander away from them.
     """
 
     time: np.ndarray
@@ -75,15 +79,16 @@ class _Grid:
     moved: bool
     nearest: np.ndarray
     present: np.ndarray
+    ticking: bool
 
 
 def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
     """Bring a run to one time step and interpolate what is missing.
 
     Measurements are interpolated linearly, attitudes by slerp; of the inputs of swerve and joint that command is taken
-    which acts for most of the coming step, and in a gap the earlier one. Recorded samples that are on time stay
-    untouched. Nothing is extrapolated, and nothing is interpolated between samples farther apart than the limits of
-    `settings`.
+    which acts for most of the coming step, and in a gap the earlier one; where the recorded times follow no clock, the
+    mean over the coming step, each command being held until the next. Recorded samples that are on time stay untouched.
+    Nothing is extrapolated, and nothing is interpolated between samples farther apart than the limits of `settings`.
     """
     grid = _grid(run, time_step, settings.jitter)
     result = RunUnderCleaning(
@@ -157,7 +162,24 @@ def _grid(run: RunUnderCleaning, time_step: float, jitter: float) -> _Grid:
         moved=any(moved for _, _, moved in pieces),
         nearest=nearest,
         present=np.abs(recorded[nearest] - new) <= _NEAR * run.time_step,
+        ticking=all(_is_ticking(part, run.time_step) for part in parts),
     )
+
+
+def _is_ticking(time: np.ndarray, own_step: float) -> bool:
+    """Whether times scatter about evenly spaced ticks independently, by von Neumann's ratio.
+
+    Of independent deviations, successive ones differ by twice their variance in the mean square; of deviations that
+    add up, by far less. Source: von Neumann 1941, Distribution of the ratio of the mean square successive difference
+    to the variance (Annals of Mathematical Statistics 12).
+    """
+    if len(time) < _FEW:
+        return True
+    ticks = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(np.diff(time) / own_step), 1.0))])
+    late = Polynomial.fit(ticks, time, 1)(ticks) - time
+    if np.ptp(late) <= _EQUAL * own_step:
+        return True
+    return bool(np.square(np.diff(late)).mean() > _WANDERING * 2.0 * late.var())
 
 
 def _piece(
@@ -210,6 +232,9 @@ def _fill(
     new = np.full((len(grid.time), len(places)), np.nan)
     new[exact] = values[left[exact]]
     new[between] = _between(run.kind, columns, values[left[between]], values[right[between]], share)
+    if columns[0] in INPUTS[run.kind] and not grid.ticking:
+        held = exact | between
+        new[held] = _mean_of_held(times, values, grid.time[held], result.time_step)
     result.values[:, places] = new
     distance = np.minimum(grid.time - times[left], times[right] - grid.time)
     _note_filled(run, result, grid, columns, between & (distance > _NEAR * run.time_step))
@@ -224,6 +249,26 @@ def _acting(share: np.ndarray, ahead: np.ndarray, own_step: float) -> np.ndarray
         own_step: of the recording, s.
     """
     return ((share > 0.5) & (ahead <= _NEAR * own_step)).astype(np.float64)
+
+
+def _mean_of_held(times: np.ndarray, values: np.ndarray, starts: np.ndarray, time_step: float) -> np.ndarray:
+    """Return the mean over the step that follows each start of what is held from one time to the next.
+
+    Where commands come at any time within a step, whichever of two acts for longer, its impulse alone would be wrong.
+
+    Args:
+        times: of the commands, s.
+        values: (commands, columns).
+        starts: of the steps, s.
+        time_step: s.
+    """
+    impulse = np.cumsum(np.diff(times, prepend=times[0])[:, None] * np.roll(values, 1, axis=0), axis=0)
+
+    def until(time: np.ndarray) -> np.ndarray:
+        last = np.clip(np.searchsorted(times, time, side="right") - 1, 0, None)
+        return impulse[last] + (time - times[last])[:, None] * values[last]
+
+    return (until(starts + time_step) - until(starts)) / time_step
 
 
 def _between(

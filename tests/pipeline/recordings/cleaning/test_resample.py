@@ -152,6 +152,24 @@ def test_a_held_command_keeps_its_step_when_the_logger_jitters(seed):
     np.testing.assert_allclose(result.channel("voltage")[:, 0], frame["voltage"], rtol=1e-12, atol=1e-14)
 
 
+@given(seed=st.integers(0, 1000))
+def test_the_impulse_of_held_commands_is_kept_where_the_controller_follows_no_clock(seed):
+    """Steps of the controller scatter and add up: its commands begin anywhere between two samples of the grid."""
+    from tests.pipeline.recordings.cleaning.conftest import joint_frame, run_of
+
+    frame = joint_frame()
+    random = np.random.default_rng(seed)
+    frame["voltage"] = random.normal(size=len(frame))
+    steps = frame["t"].diff().fillna(0.0) * random.uniform(0.8, 1.2, len(frame))
+    jittered = frame.assign(t=frame["t"].iloc[0] + np.cumsum(steps))
+    result = resampled(run_of(jittered, "joint"))
+    held = np.cumsum(jittered["voltage"].to_numpy()[:-1] * np.diff(jittered["t"]))
+    impulse = np.concatenate([[0.0], result.time_step * np.cumsum(result.channel("voltage")[:, 0])])[:-1]
+    np.testing.assert_allclose(
+        impulse, np.interp(result.time, jittered["t"], [0.0, *held]), rtol=0, atol=1e-12
+    )
+
+
 def test_samples_whose_input_was_made_up_are_marked_and_stay_so(joint, as_run):
     frame = joint()
     once = resampled(as_run(without(frame, [50, 51]), "joint"))
