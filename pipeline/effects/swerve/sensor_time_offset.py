@@ -13,8 +13,8 @@ class SwerveTimeOffset(TimeOffset):
     acts_on = "chassis"
     on_command_clock = ("drive_voltage", "steer_voltage")
     sentence = (
-        "The robot's motion was recorded {offset} s late with respect to the motors' voltages; shift the clocks before "
-        "anything is fitted."
+        "The robot's motion was recorded {offset} s late with respect to the motors' voltages, or drive and steering "
+        "both obey that much later, which looks the same; shift the clocks before anything is fitted."
     )
     excitation = (
         "fast chirps or steps of drive and steering voltage, so that voltage and acceleration can be aligned"
