@@ -27,6 +27,7 @@ class Backlash(ActuatorEffect):
     """The signal that crosses the gap: effort or torque."""
 
     remembers = True
+    smooths_commands = True
     order = 2
     name = "backlash"
     parameters = (

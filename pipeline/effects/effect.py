@@ -161,6 +161,8 @@ class ActuatorEffect(Effect):
     """
 
     remembers: ClassVar[bool] = False
+    smooths_commands: ClassVar[bool] = False
+    """Whether it passes on less of a command that jumps."""
     order: ClassVar[int] = 0
     """Place on the way from supply to load: 0 supply, 1 electrical, 2 mechanical, 3 what follows from the motion."""
 

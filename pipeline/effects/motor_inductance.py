@@ -22,6 +22,7 @@ class MotorInductance(ActuatorEffect):
     """The signal that follows the current: effort or torque."""
 
     remembers = True
+    smooths_commands = True
     order = 1
     name = "motor_inductance"
     parameters = (Parameter("inductance", "H", 5e-3, 0.0, 10.0),)

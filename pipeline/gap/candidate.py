@@ -23,7 +23,7 @@ _IMITATED = "smaller than the quadrature of the equations can tell"
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 BEYOND_NOISE = 4.0
 """Times the noise's energy: coloured noise may pass for more than the white noise it is measured by."""
-_SENT = "motor_command"  # by a program, which knows it without noise
+_SENT = "motor_command"
 _WORSE = 1.2  # times the energy in a channel; nothing that is there makes another equation that much worse
 _PRICE = 0.1  # of the logarithm that the other channels' energies fall by, which an imperfect law may cost
 FEWEST_MORE = 5
@@ -65,13 +65,17 @@ class Candidate:
     refusal: str = ""
 
 
-def _without_lags_of_commands(simulator: Simulator) -> Simulator:
-    """Return a simulator whose motors obey at once what was sent; voltages and efforts may have been measured."""
-    return simulator.with_effects(tuple(f for f in simulator.effects if not _lags_a_command(f.effect)))
+def _obeying(simulator: Simulator, held: bool) -> Simulator:
+    """Return a simulator without what smooths commands that a program sent: of those nothing is noise.
+
+    A multirotor's command is sent whenever it is read; a voltage may have been measured, unless it is `held`.
+    """
+    effects = tuple(fitted for fitted in simulator.effects if not _smooths(fitted.effect, held))
+    return simulator.with_effects(effects)
 
 
-def _lags_a_command(effect: Effect) -> bool:
-    return isinstance(effect, ActuatorEffect) and effect.remembers and _SENT in effect.needs
+def _smooths(effect: Effect, held: bool) -> bool:
+    return isinstance(effect, ActuatorEffect) and effect.smooths_commands and (held or _SENT in effect.needs)
 
 
 class Starts:
@@ -163,10 +167,10 @@ class Judge:
         """Return residuals of folds left out, (blocks, rows, channels), with the noise that a fit has silenced.
 
         An input that is mostly noise is best foretold by equations that hardly listen to it. What they pass on less of
-        its noise than those of the simulator before is no merit, and counts as left. A lag of what a flight controller
-        sent is: that holds no noise, however much it jumps.
+        its noise than those of the simulator before is no merit, and counts as left. To smooth what a program sent is one,
+        for that holds no noise, however much it jumps.
         """
-        heard = _without_lags_of_commands(fit.simulator)
+        heard = _obeying(fit.simulator, self.problem.blocks.held)
         passed_on = noise_of_rows(heard, self.problem.blocks, self.problem.functions)
         silenced = (self.problem.noise.square() - passed_on.square()).clamp_min(0.0)
         return (cross_validated(fit, self.fold).square() + silenced).sqrt()

@@ -12,6 +12,7 @@ class MotorLag(ActuatorEffect):
     """First-order response of the rotor speed to its command."""
 
     remembers = True
+    smooths_commands = True
     order = 2
     name = "motor_lag"
     kind = "quadrotor"
