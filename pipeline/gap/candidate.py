@@ -167,8 +167,8 @@ class Judge:
         """Return residuals of folds left out, (blocks, rows, channels), with the noise that a fit has silenced.
 
         An input that is mostly noise is best foretold by equations that hardly listen to it. What they pass on less of
-        its noise than those of the simulator before is no merit, and counts as left. To smooth what a program sent is one,
-        for that holds no noise, however much it jumps.
+        its noise than those of the simulator before is no merit, and counts as left. Smoothing what a program sent is
+        one: that holds no noise, however much it jumps.
         """
         heard = _obeying(fit.simulator, self.problem.blocks.held)
         passed_on = noise_of_rows(heard, self.problem.blocks, self.problem.functions)
