@@ -103,7 +103,7 @@ class Training:
         self.learner.resume(content["learner"])
         self._collector.resume(content["machines"])
         self.curve = content["curve"]
-        if self.best is not None:
+        if self.best is not None and content.get("best"):
             self.best.resume(content["best"])
 
 

@@ -70,7 +70,7 @@ class _Grid:
         moved: whether recorded times are off the grid.
         nearest: the recorded sample nearest to each new time.
         present: whether that is within half a time step.
-        ticking: whether recorded times scatter about a clock's ticks, rather than wander away from them.
+        ticking: whether recorded times off the grid scatter about a clock's ticks, rather than wander away from them.
     """
 
     time: np.ndarray
@@ -155,14 +155,15 @@ def _grid(run: RunUnderCleaning, time_step: float, jitter: float) -> _Grid:
     recorded = np.concatenate([recorded for _, recorded, _ in pieces])
     after = np.clip(np.searchsorted(recorded, new), 1, max(1, len(recorded) - 1)) % len(recorded)
     nearest = np.where(new - recorded[after - 1] < recorded[after] - new, after - 1, after)
+    moved = any(moved for _, _, moved in pieces)
     return _Grid(
         time=new,
         recorded=recorded,
         stretch=np.concatenate([np.full(len(time), number) for number, (time, _, _) in enumerate(pieces)]),
-        moved=any(moved for _, _, moved in pieces),
+        moved=moved,
         nearest=nearest,
         present=np.abs(recorded[nearest] - new) <= _NEAR * run.time_step,
-        ticking=all(_is_ticking(part, run.time_step) for part in parts),
+        ticking=not moved or all(_is_ticking(part, run.time_step) for part in parts),
     )
 
 
