@@ -72,10 +72,11 @@ def test_what_shows_only_beside_another_is_drawn_with_it():
     assert case.wanted == ("steady_wind",)
 
 
+@pytest.mark.slow
 def test_a_concealed_driver_is_not_recorded():
     short = PROVE["quadrotor"]["conditions"] | {"runs": 2, "duration": 1.0}
     table = PROVE["quadrotor"] | {"conditions": short}
-    for case in draw_cases("quadrotor", table, {"hidden": 1.0}, MACHINES["quadrotor"], 5, 2):
+    for case in draw_cases("quadrotor", table, {"hidden": 1.0}, MACHINES["quadrotor"], 5, 6):
         assert case.hiding["hidden"]
         shown, hidden = (record_concealed(c)[0].frame for c in (case.shown, case))
         assert set(shown) - set(hidden)
