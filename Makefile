@@ -32,8 +32,9 @@ prove: $(STAMP)
 lint: $(STAMP)
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
+	@$(BIN)/python -m tools.link_package build/package
 	@$(BIN)/mypy
-	@$(BIN)/lint-imports
+	@PYTHONPATH=build/package $(BIN)/lint-imports
 
 bench: $(STAMP) .venv-bench/.installed
 	@$(BIN)/python -m benchmarks --peers .venv-bench/bin/python --output docs/benchmark.md

@@ -5,13 +5,13 @@ import math
 import torch
 from torch import Tensor, nn
 
-from pipeline.policies.environment import Environment, Observation
-from pipeline.policies.ppo import networks
-from pipeline.policies.settings import Learning
+from simgap.policies.environment import Environment, Observation
+from simgap.policies.ppo import networks
+from simgap.policies.settings import Learning
 
 
 class BarePPO:
-    """The same networks, draws and updates as `pipeline.policies`, written as one loop.
+    """The same networks, draws and updates as `simgap.policies`, written as one loop.
 
     Attributes:
         gaussian: from which actions are drawn.

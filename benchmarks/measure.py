@@ -8,7 +8,7 @@ from benchmarks.contender import Contender
 from benchmarks.floors import copy_seconds, operations_per_second
 from benchmarks.laps import Laps, in_turns
 from benchmarks.ours import RACING, fused
-from pipeline.effects import ActuatorEffect, WrenchEffect, effects_of
+from simgap.effects import ActuatorEffect, WrenchEffect, effects_of
 
 OURS = "simgap"
 BATCHES = {"cpu": (1, 100, 10_000, 100_000), "cuda": (1, 100, 10_000, 100_000, 1_000_000)}

@@ -8,12 +8,12 @@ import yaml
 from torch import Tensor
 
 from benchmarks.contender import ROOT, Lap, serve
-from pipeline.effects import effect_by_key
-from pipeline.platforms import Quadrotor, platform_from_config
-from pipeline.simulation import FittedEffect
-from pipeline.simulation.flight import Flight, Memory, racing_flight
-from pipeline.simulation.fused import FusedStep
-from pipeline.simulation.knn_residual import NearestNeighbours
+from simgap.effects import effect_by_key
+from simgap.platforms import Quadrotor, platform_from_config
+from simgap.simulation import FittedEffect
+from simgap.simulation.flight import Flight, Memory, racing_flight
+from simgap.simulation.fused import FusedStep
+from simgap.simulation.knn_residual import NearestNeighbours
 
 RACING = ("grey_box_aerodynamics", "rotor_inertia_torque")
 _SAMPLES = 1000

@@ -10,7 +10,7 @@ import torch
 
 from benchmarks.laps import Laps
 from benchmarks.measure import OURS, Floor
-from pipeline.comparison.machine import processor
+from simgap.comparison.machine import processor
 
 _HEAD = """# Benchmark
 

@@ -19,15 +19,15 @@ from benchmarks.bare_ppo import BarePPO
 from benchmarks.laps import Laps, in_turns
 from benchmarks.ours import RACING, flight
 from benchmarks.page import machine, table
-from pipeline.policies.collector import Collector
-from pipeline.policies.ppo import Learner
-from pipeline.policies.racing.entry import race_in
-from pipeline.policies.racing.racing import Racing
-from pipeline.policies.settings import Learning
-from pipeline.policies.training import Training
-from pipeline.simulation import Simulator
-from pipeline.stage.compose import compose, typed
-from stages.train_policy import TrainPolicyStage
+from simgap.policies.collector import Collector
+from simgap.policies.ppo import Learner
+from simgap.policies.racing.entry import race_in
+from simgap.policies.racing.racing import Racing
+from simgap.policies.settings import Learning
+from simgap.policies.training import Training
+from simgap.runner.compose import compose, typed
+from simgap.simulation import Simulator
+from simgap.stages.train_policy import TrainPolicyStage
 
 OURS, BARE = "simgap", "bare loop"
 PUBLISHED = 1e8 / (50 * 60)  # Kaufmann et al. 2023, Nature 620, Methods: 10⁸ interactions in 50 minutes

@@ -18,12 +18,12 @@ from torch import nn
 
 from benchmarks.laps import Laps, in_turns
 from benchmarks.page import machine, table
-from pipeline.models.contract import FitContext
-from pipeline.models.examples import Examples
-from pipeline.models.settings import Training
-from pipeline.models.swerve_layout import SwerveLayout
-from pipeline.models.tcn import TemporalConvolutionModel, TemporalConvolutionSettings
-from pipeline.models.training import Regression, train_network
+from simgap.models.contract import FitContext
+from simgap.models.examples import Examples
+from simgap.models.settings import Training
+from simgap.models.swerve_layout import SwerveLayout
+from simgap.models.tcn import TemporalConvolutionModel, TemporalConvolutionSettings
+from simgap.models.training import Regression, train_network
 
 SETTINGS = TemporalConvolutionSettings()
 WINDOWS = 120_000

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 
 def check_positive(part: Any, keys: Iterable[str], where: str) -> None:

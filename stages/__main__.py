@@ -4,7 +4,7 @@ import importlib
 import sys
 from typing import NoReturn
 
-from pipeline.stage.project import commands, described, nearest
+from simgap.runner.project import commands, described, nearest
 
 ORDER = (
     "reproduce",
@@ -60,13 +60,13 @@ def main(argv: list[str] | None = None) -> NoReturn:
         print(f"simgap: unknown command {name!r}; {nearest(name, known)}", file=sys.stderr)
         sys.exit(2)
     if HELP & set(arguments) and (description := described(name)):
-        from pipeline.stage.command import stage_parser
+        from simgap.runner.command import stage_parser
 
         stage_parser(name, *description).print_help()
         sys.exit(0)
-    from pipeline.stage import Stage
+    from simgap.runner import Stage
 
-    module = importlib.import_module(f"stages.{name}")
+    module = importlib.import_module(f"simgap.stages.{name}")
     command = getattr(module, name)
     (command.main if isinstance(command, Stage) else module.main)(arguments[1:])
     sys.exit(0)

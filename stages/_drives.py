@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from pipeline.policies.profile.settings import Profile
-from pipeline.stage import StageConfig, StageRun
+from simgap.policies.profile.settings import Profile
+from simgap.runner import StageConfig, StageRun
 
 if TYPE_CHECKING:
-    from pipeline.policies.profile.drive import Drive
+    from simgap.policies.profile.drive import Drive
 
 
 def identified(platform: Mapping[str, Any], task: Profile, config: StageConfig, run: StageRun) -> "Drive":
@@ -16,9 +16,9 @@ def identified(platform: Mapping[str, Any], task: Profile, config: StageConfig, 
     Raises:
         InputError: when the platform is no swerve drive, or something is not known of its motors.
     """
-    from pipeline.errors import InputError
-    from pipeline.platforms import Swerve, platform_from_config
-    from pipeline.policies.profile.identified import identified_drive
+    from simgap.errors import InputError
+    from simgap.platforms import Swerve, platform_from_config
+    from simgap.policies.profile.identified import identified_drive
 
     swerve = platform_from_config(platform)
     if not isinstance(swerve, Swerve):

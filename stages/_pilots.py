@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.errors import InputError
-from pipeline.policies.racing.settings import RacingSettings, TrackSettings
-from pipeline.policies.settings import PolicyEvaluation, PolicyTraining
-from pipeline.stage import StageConfig, StageRun
+from simgap.errors import InputError
+from simgap.policies.racing.settings import RacingSettings, TrackSettings
+from simgap.policies.settings import PolicyEvaluation, PolicyTraining
+from simgap.runner import StageConfig, StageRun
 
 if TYPE_CHECKING:
-    from pipeline.policies.racing.laps import Pilot
+    from simgap.policies.racing.laps import Pilot
 
 POLICY, TIME_OPTIMAL = "policy", "time_optimal"
 
@@ -72,19 +72,19 @@ def entered(
 def _planned(
     platform: Mapping[str, Any], track: TrackSettings, settings: RacingSettings, chosen: PolicyEvaluation
 ) -> Entry:
-    from pipeline.platforms import platform_from_config
-    from pipeline.policies.racing.entry import as_flown
-    from pipeline.policies.racing.model_predictive import time_optimal_pilot
-    from pipeline.policies.racing.track import track_from
+    from simgap.platforms import platform_from_config
+    from simgap.policies.racing.entry import as_flown
+    from simgap.policies.racing.model_predictive import time_optimal_pilot
+    from simgap.policies.racing.track import track_from
 
     settings, gravity = as_flown(settings, chosen.powertrain), platform_from_config(platform).gravity
     return Entry(time_optimal_pilot(track_from(track), settings, gravity), platform, track, settings)
 
 
 def _trained(folder: Path, chosen: PolicyEvaluation, run: StageRun) -> Entry:
-    from pipeline.policies.networks import Policy
-    from pipeline.policies.racing.entry import race_from
-    from pipeline.policies.storage import load_policy
+    from simgap.policies.networks import Policy
+    from simgap.policies.racing.entry import race_from
+    from simgap.policies.storage import load_policy
 
     gaussian, description = load_policy(run.input(folder))
     track, settings = race_from(description.configuration, chosen.powertrain)
@@ -93,7 +93,7 @@ def _trained(folder: Path, chosen: PolicyEvaluation, run: StageRun) -> Entry:
 
 
 def _require_own(platform: Mapping[str, Any], entry: Entry, where: str) -> None:
-    from pipeline.platforms import platform_from_config
+    from simgap.platforms import platform_from_config
 
     if platform and platform_from_config(platform) != platform_from_config(entry.platform):
         remedy = "leave platform out, or train a policy for it"

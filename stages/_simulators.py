@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from pipeline.stage import StageConfig, StageRun
+from simgap.runner import StageConfig, StageRun
 
 if TYPE_CHECKING:
-    from pipeline.simulation import Simulator
+    from simgap.simulation import Simulator
 
 IDEAL = "ideal"
 _OF_STAGES = {"build_sim": "", "diagnose": "simulator", "identify_residual": "simulator"}
@@ -28,8 +28,8 @@ def chosen_simulator(
     """
     from pathlib import Path
 
-    from pipeline.platforms import platform_from_config
-    from pipeline.simulation import Simulator, read_simulator
+    from simgap.platforms import platform_from_config
+    from simgap.simulation import Simulator, read_simulator
 
     if choice == IDEAL:
         return Simulator(platform_from_config(platform)), ""

@@ -6,13 +6,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.policies.racing.settings import TASK, TrackSettings
-from pipeline.policies.settings import PolicyTraining
-from pipeline.stage import StageConfig, StageRun
+from simgap.policies.racing.settings import TASK, TrackSettings
+from simgap.policies.settings import PolicyTraining
+from simgap.runner import StageConfig, StageRun
 
 if TYPE_CHECKING:
-    from pipeline.policies.racing.racing import Misjudging
-    from pipeline.policies.training import Training
+    from simgap.policies.racing.racing import Misjudging
+    from simgap.policies.training import Training
 
 
 def trained(
@@ -34,11 +34,11 @@ def trained(
     Raises:
         InputError: when there is no such simulator, policy or residual, or a number is none to learn with.
     """
-    from pipeline.artifacts import checkpoint_folder, remove_checkpoint
-    from pipeline.policies.racing.entry import race_in
-    from pipeline.policies.racing.flying import left_out
-    from pipeline.policies.training import Training, final
-    from stages._simulators import chosen_simulator
+    from simgap.artifacts import checkpoint_folder, remove_checkpoint
+    from simgap.policies.racing.entry import race_in
+    from simgap.policies.racing.flying import left_out
+    from simgap.policies.training import Training, final
+    from simgap.stages._simulators import chosen_simulator
 
     chosen.learning.check("train_policy.learning")
     simulator, simulator_hash = chosen_simulator(chosen.simulator, platform, config, run)
@@ -66,8 +66,8 @@ def trained(
 
 
 def _misjudging(chosen: PolicyTraining, run: StageRun) -> "Misjudging | None":
-    from pipeline.policies.residual.misjudging import DrawnMisjudging
-    from pipeline.policies.residual.storage import load_observation
+    from simgap.policies.residual.misjudging import DrawnMisjudging
+    from simgap.policies.residual.storage import load_observation
 
     if chosen.observation is None:
         return None
@@ -76,7 +76,7 @@ def _misjudging(chosen: PolicyTraining, run: StageRun) -> "Misjudging | None":
 
 def _go_on(training: "Training", folder: Path) -> None:
     """Give a training the policy and the critic that another one ended with."""
-    from pipeline.policies.storage import load_critic, load_policy
+    from simgap.policies.storage import load_critic, load_policy
 
     learner = training.learner
     learner.gaussian.load_state_dict(load_policy(folder)[0].state_dict())
@@ -94,10 +94,10 @@ def _write(
     folder: Path,
 ) -> None:
     """Write the policy for this project, and for machines that know nothing of it."""
-    from pipeline.policies.export import export_policy
-    from pipeline.policies.racing.entry import described_race
-    from pipeline.policies.racing.racing import Racing
-    from pipeline.policies.storage import Description, save_policy
+    from simgap.policies.export import export_policy
+    from simgap.policies.racing.entry import described_race
+    from simgap.policies.racing.racing import Racing
+    from simgap.policies.storage import Description, save_policy
 
     configuration = {
         **described_race(track, chosen.racing),

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline.simulation.settings import SimulatorSettings
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.runner import StageConfig, StageRun, stage
+from simgap.simulation.settings import SimulatorSettings
 
 BLOCK_DURATION = 1.0  # s
 MARGIN = 0.1  # s
@@ -22,10 +22,10 @@ class BuildSimStage(StageConfig):
 @stage(BuildSimStage)
 def build_sim(config: BuildSimStage, run: StageRun) -> None:
     """Build the nominal simulator from platform, identified parameters and named effects."""
-    from pipeline.recordings.recording import read_recording, require_kind
-    from pipeline.simulation import replay_error, write_simulator
-    from pipeline.simulation.blocks import cut_blocks
-    from pipeline.simulation.build import build_simulator
+    from simgap.recordings.recording import read_recording, require_kind
+    from simgap.simulation import replay_error, write_simulator
+    from simgap.simulation.blocks import cut_blocks
+    from simgap.simulation.build import build_simulator
 
     path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
     recording = read_recording(path)

@@ -3,15 +3,15 @@
 import json
 from dataclasses import dataclass, field
 
-from pipeline.proof.settings import Proof
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.benchmark.settings import Benchmark
+from simgap.runner import StageConfig, StageRun, stage
 
 
 @dataclass
 class CalibrateStage(StageConfig):
     """What calibration reads of the configuration."""
 
-    prove: Proof = field(default_factory=Proof)
+    prove: Benchmark = field(default_factory=Benchmark)
 
 
 @stage(CalibrateStage)
@@ -19,9 +19,9 @@ def calibrate(config: CalibrateStage, run: StageRun) -> None:
     """Fit stated probabilities to how often names were right, on benchmarks that score nothing."""
     import yaml
 
-    from pipeline.errors import InputError
-    from pipeline.gap.probability import CALIBRATION
-    from pipeline.proof.calibration import fit_calibration, statements_of
+    from simgap.benchmark.calibration import fit_calibration, statements_of
+    from simgap.errors import InputError
+    from simgap.gap.probability import CALIBRATION
 
     if not config.prove.results:
         raise InputError("no results are given", "prove.results", "give [FILE, ...] of simgap prove")

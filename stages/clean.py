@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, field
 
-from pipeline.recordings.cleaning import Cleaning
-from pipeline.recordings.dataset import Dataset
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.recordings.cleaning import Cleaning
+from simgap.recordings.dataset import Dataset
+from simgap.runner import StageConfig, StageRun, stage
 
 
 @dataclass
@@ -19,9 +19,9 @@ class CleanStage(StageConfig):
 @stage(CleanStage)
 def clean(config: CleanStage, run: StageRun) -> None:
     """Clean a recording: resample, fill, cut, split, and say what was changed."""
-    from pipeline.recordings.cleaning import clean_with_coverage, summary
-    from pipeline.recordings.cleaning.figure import coverage_figure
-    from pipeline.recordings.recording import read_recording, write_recording
+    from simgap.recordings.cleaning import clean_with_coverage, summary
+    from simgap.recordings.cleaning.figure import coverage_figure
+    from simgap.recordings.recording import read_recording, write_recording
 
     path = run.input(config.recording or config.artifact("record", "recording.parquet"))
     recording = read_recording(path)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.runner import StageConfig, StageRun, stage
 
 
 @dataclass
@@ -52,12 +52,12 @@ def check(values: dict[str, Any]) -> None:
     """
     from importlib import import_module
 
-    from pipeline.stage.compose import typed
-    from pipeline.stage.project import commands, described
+    from simgap.runner.compose import typed
+    from simgap.runner.project import commands, described
 
     for name in commands():
         if described(name):
-            typed(getattr(import_module(f"stages.{name}"), name).config_class, values)
+            typed(getattr(import_module(f"simgap.stages.{name}"), name).config_class, values)
 
 
 if __name__ == "__main__":

@@ -5,17 +5,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.policies.profile.settings import Profile
-from pipeline.policies.racing.settings import TrackSettings
-from pipeline.policies.settings import Deployment, PolicyEvaluation, PolicyTraining
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.policies.profile.settings import Profile
+from simgap.policies.racing.settings import TrackSettings
+from simgap.policies.settings import Deployment, PolicyEvaluation, PolicyTraining
+from simgap.runner import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from pipeline.policies.profile.motion import Motion
-    from pipeline.reality.swerve.open_loop import Trial
+    from simgap.plants.swerve.open_loop import Trial
+    from simgap.policies.profile.motion import Motion
 
 FIGURE = "trials.svg"
 TRIALS = "trials.parquet"
@@ -37,8 +37,8 @@ class DeployStage(StageConfig):
 @stage(DeployStage)
 def deploy(config: DeployStage, run: StageRun) -> None:
     """Take it to the concealed plant: a quadrotor races its policy, a swerve drive is driven by what was planned."""
-    from pipeline.platforms import Quadrotor, platform_from_config
-    from stages._pilots import is_entered
+    from simgap.platforms import Quadrotor, platform_from_config
+    from simgap.stages._pilots import is_entered
 
     config.deploy.check()
     races = isinstance(platform_from_config(config.platform), Quadrotor)
@@ -52,15 +52,15 @@ def deploy(config: DeployStage, run: StageRun) -> None:
 
 def race(config: DeployStage, run: StageRun) -> None:
     """Race as `evaluate` does, on concealed machines, and record some of the flights."""
-    from pipeline.platforms import platform_from_config
-    from pipeline.policies.racing.deployed import Deployed, RateLoop
-    from pipeline.policies.racing.entry import race_deployed
-    from pipeline.policies.racing.laps import fly_laps
-    from pipeline.reality import case_from_config
-    from pipeline.reality.race import RacedMachines
-    from pipeline.recordings.recording import write_recording
-    from stages._flown import write_laps
-    from stages._pilots import entered
+    from simgap.plants import case_from_config
+    from simgap.plants.race import RacedMachines
+    from simgap.platforms import platform_from_config
+    from simgap.policies.racing.deployed import Deployed, RateLoop
+    from simgap.policies.racing.entry import race_deployed
+    from simgap.policies.racing.laps import fly_laps
+    from simgap.recordings.recording import write_recording
+    from simgap.stages._lap_tables import write_laps
+    from simgap.stages._pilots import entered
 
     chosen = config.evaluate
     entry = entered(chosen, config.platform, config.track, config.train_policy, config, run)
@@ -90,12 +90,12 @@ def _recorded(lengths: "NDArray[np.float64]", chosen: Deployment) -> "NDArray[np
 
 def _drive(config: DeployStage, run: StageRun) -> None:
     """Drive the smoothed voltages of a motion, trial by trial, and say where it came to rest."""
-    from pipeline.policies.profile.contenders import measures
-    from pipeline.policies.profile.motion import drive_open_loop
-    from pipeline.policies.profile.smoothing import smoothed
-    from pipeline.policies.profile.storage import read_motions
-    from pipeline.report.motions import draw_motions
-    from stages._drives import identified
+    from simgap.policies.profile.contenders import measures
+    from simgap.policies.profile.motion import drive_open_loop
+    from simgap.policies.profile.smoothing import smoothed
+    from simgap.policies.profile.storage import read_motions
+    from simgap.report.motions import draw_motions
+    from simgap.stages._drives import identified
 
     task = config.profile
     drive = identified(config.platform, task, config, run)
@@ -112,14 +112,14 @@ def _drive(config: DeployStage, run: StageRun) -> None:
 
 def _plan(config: DeployStage) -> Path:
     """Return where the motions are that may be driven, whether or not they are there."""
-    from pipeline.policies.profile.storage import FILE
+    from simgap.policies.profile.storage import FILE
 
     return Path(config.deploy.plan) / FILE if config.deploy.plan else config.artifact("profile", FILE)
 
 
 def _chosen(motions: "Mapping[str, Motion]", name: str) -> "Motion":
-    from pipeline.errors import InputError
-    from pipeline.stage.project import nearest
+    from simgap.errors import InputError
+    from simgap.runner.project import nearest
 
     if name not in motions:
         raise InputError(f"there is no motion {name!r}", "deploy.motion", nearest(name, motions))
@@ -127,9 +127,9 @@ def _chosen(motions: "Mapping[str, Motion]", name: str) -> "Motion":
 
 
 def _driven(config: DeployStage, motion: "Motion") -> "list[Trial]":
-    from pipeline.platforms import platform_from_config
-    from pipeline.reality import case_from_config
-    from pipeline.reality.swerve.open_loop import drive_trials
+    from simgap.plants import case_from_config
+    from simgap.plants.swerve.open_loop import drive_trials
+    from simgap.platforms import platform_from_config
 
     platform: Any = platform_from_config(config.platform)
     case: Any = case_from_config("swerve", config.record)

@@ -4,15 +4,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline.errors import InputError
-from pipeline.gap.settings import Gap
-from pipeline.recordings.cleaning.settings import Cleaning
-from pipeline.recordings.dataset import Dataset
-from pipeline.recordings.recording import Recording
-from pipeline.simulation.settings import SimulatorSettings
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.errors import InputError
+from simgap.gap.settings import Gap
+from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.dataset import Dataset
+from simgap.recordings.recording import Recording
+from simgap.runner import StageConfig, StageRun, stage
+from simgap.simulation.settings import SimulatorSettings
 
-_MUCH = 2.0  # times the noise's standard deviation, left beside which nobody should believe that all is found
+_TIMES_NOISE = (
+    2.0  # times the noise's standard deviation, left beside which nobody should believe that all is found
+)
 
 
 @dataclass
@@ -32,10 +34,10 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     """Say where a simulator and a recording differ, which physics was left out, and prove it."""
     import torch
 
-    from pipeline.gap.contract import diagnosis_document, write_json
-    from pipeline.gap.diagnosis import diagnose as find_gap
-    from pipeline.gap.evidence import write_evidence
-    from pipeline.simulation import read_simulator, write_simulator
+    from simgap.gap.contract import diagnosis_document, write_json
+    from simgap.gap.diagnosis import diagnose as find_gap
+    from simgap.gap.evidence import write_evidence
+    from simgap.simulation import read_simulator, write_simulator
 
     # The tensors of a diagnosis are small: a second thread waits more than it works.
     torch.set_num_threads(1)
@@ -63,10 +65,10 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
 
 def _recording_and_nominal(config: DiagnoseStage, run: StageRun, nominal: Any) -> tuple[Recording, Any]:
     """Return the recording, cleaned if it is not yet, and the simulator to diagnose."""
-    from pipeline.platforms import platform_from_config
-    from pipeline.recordings.cleaning import clean_with_coverage
-    from pipeline.recordings.recording import read_recording, require_kind, write_recording
-    from pipeline.simulation.build import build_simulator
+    from simgap.platforms import platform_from_config
+    from simgap.recordings.cleaning import clean_with_coverage
+    from simgap.recordings.recording import read_recording, require_kind, write_recording
+    from simgap.simulation.build import build_simulator
 
     path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
     kind = nominal.platform.kind if nominal else platform_from_config(config.platform).kind
@@ -85,7 +87,7 @@ def _recording_and_nominal(config: DiagnoseStage, run: StageRun, nominal: Any) -
 
 
 def _write_page(config: DiagnoseStage, run: StageRun) -> None:
-    from pipeline.report import ReportInputs, write_page
+    from simgap.report import ReportInputs, write_page
 
     clean = run.output / "clean"
     name = Path(config.recording or config.name).name
@@ -110,13 +112,15 @@ def _say(document: dict[str, Any]) -> None:
 
 def _say_what_closed(fit: dict[str, Any]) -> None:
     """Print the share of the gap that closed, never rounded up to all of it, and how much is left beside the noise."""
-    from pipeline.report.text import NARROW_SPACE, percent
+    from simgap.report.text import NARROW_SPACE, percent
 
     closed, left = fit["gap_closed"], fit["after"] / fit["noise_floor"] if fit["noise_floor"] else None
     if closed is None:
         return
     share = percent(closed).replace(NARROW_SPACE, "")
-    rest = f" (what is left is {left:.2g} times the noise)" if left is not None and left > _MUCH else ""
+    rest = (
+        f" (what is left is {left:.2g} times the noise)" if left is not None and left > _TIMES_NOISE else ""
+    )
     print(f"gap closed on held-out runs: {share}{rest}")
 
 

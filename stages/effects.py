@@ -5,15 +5,15 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
-from pipeline.errors import InputError
-from pipeline.stage.command import report_mistakes
-from pipeline.stage.project import nearest
+from simgap.errors import InputError
+from simgap.runner.command import report_mistakes
+from simgap.runner.project import nearest
 
 
 def effects(kind: str | None = None, name: str | None = None) -> None:
     """List the physics that a diagnosis can name; with a kind and a name, say everything about an effect."""
-    from pipeline.effects import effect_by_key, effects_of, kinds
-    from pipeline.effects.listing import description, listing
+    from simgap.effects import effect_by_key, effects_of, kinds
+    from simgap.effects.listing import description, listing
 
     if kind is not None and kind not in kinds():
         raise InputError(f"unknown kind {kind!r}", remedy=_remedy(kind))
@@ -26,7 +26,7 @@ def effects(kind: str | None = None, name: str | None = None) -> None:
 
 def write(path: Path) -> None:
     """Write the whole catalogue as a page in Markdown."""
-    from pipeline.effects.page import catalogue_page
+    from simgap.effects.page import catalogue_page
 
     path.write_text(catalogue_page(), encoding="utf-8")
     print(f"effects: wrote {path}")
@@ -34,7 +34,7 @@ def write(path: Path) -> None:
 
 def _remedy(kind: str) -> str:
     """Say which kind was meant, or of which kinds the effect is that was named alone."""
-    from pipeline.effects import effects_of, kinds
+    from simgap.effects import effects_of, kinds
 
     having = [each for each in kinds() if kind in {effect.name for effect in effects_of(each)}]
     return f"name a kind first: simgap effects {having[0]} {kind}" if having else nearest(kind, kinds())

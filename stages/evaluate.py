@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline.policies.racing.settings import TrackSettings
-from pipeline.policies.settings import PolicyEvaluation, PolicyTraining
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.policies.racing.settings import TrackSettings
+from simgap.policies.settings import PolicyEvaluation, PolicyTraining
+from simgap.runner import StageConfig, StageRun, stage
 
 
 @dataclass
@@ -21,7 +21,7 @@ class EvaluateStage(StageConfig):
 @stage(EvaluateStage)
 def evaluate(config: EvaluateStage, run: StageRun) -> None:
     """Race a policy through its track from perturbed starts, and say how fast and how safely it flew."""
-    from stages._pilots import is_entered
+    from simgap.stages._pilots import is_entered
 
     if not is_entered(config.evaluate, config):
         run.leave_out("evaluate: nothing is flown, since no policy was trained")
@@ -30,12 +30,12 @@ def evaluate(config: EvaluateStage, run: StageRun) -> None:
 
 
 def _race(config: EvaluateStage, run: StageRun) -> None:
-    from pipeline.policies.racing.entry import race_in
-    from pipeline.policies.racing.flying import left_out
-    from pipeline.policies.racing.laps import fly_laps
-    from stages._flown import write_laps
-    from stages._pilots import entered
-    from stages._simulators import chosen_simulator
+    from simgap.policies.racing.entry import race_in
+    from simgap.policies.racing.flying import left_out
+    from simgap.policies.racing.laps import fly_laps
+    from simgap.stages._lap_tables import write_laps
+    from simgap.stages._pilots import entered
+    from simgap.stages._simulators import chosen_simulator
 
     chosen = config.evaluate
     entry = entered(chosen, config.platform, config.track, config.train_policy, config, run)

@@ -4,12 +4,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.policies.settings import PolicyFinetuning, PolicyTraining
-from pipeline.stage import StageConfig, StageRun, stage
-from stages._trainings import trained
+from simgap.policies.settings import PolicyFinetuning, PolicyTraining
+from simgap.runner import StageConfig, StageRun, stage
+from simgap.stages._trainings import trained
 
 if TYPE_CHECKING:
-    from pipeline.policies.storage import Description
+    from simgap.policies.storage import Description
 
 
 @dataclass
@@ -23,8 +23,8 @@ class FinetuneStage(StageConfig):
 @stage(FinetuneStage)
 def finetune(config: FinetuneStage, run: StageRun) -> None:
     """Train a policy further in the simulator with the residuals that its flights in reality showed."""
-    from pipeline.policies.racing.entry import gone_on_with, trained_race
-    from pipeline.policies.storage import load_policy
+    from simgap.policies.racing.entry import gone_on_with, trained_race
+    from simgap.policies.storage import load_policy
 
     chosen = config.finetune
     if not chosen.enabled:

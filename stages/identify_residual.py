@@ -4,15 +4,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.gap.settings import Gap
-from pipeline.policies.residual.settings import DynamicsSettings, ObservationSettings, ResidualSettings
-from pipeline.recordings.cleaning.settings import Cleaning
-from pipeline.recordings.dataset import Dataset
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.gap.settings import Gap
+from simgap.policies.residual.settings import DynamicsSettings, ObservationSettings, ResidualSettings
+from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.dataset import Dataset
+from simgap.runner import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
-    from pipeline.recordings.recording import Recording
-    from pipeline.simulation import Simulator
+    from simgap.recordings.recording import Recording
+    from simgap.simulation import Simulator
 
 
 @dataclass
@@ -29,9 +29,9 @@ class IdentifyResidualStage(StageConfig):
 @stage(IdentifyResidualStage)
 def identify_residual(config: IdentifyResidualStage, run: StageRun) -> None:
     """Find what the on-board estimate and the simulator get wrong along recorded flights."""
-    from pipeline.platforms import Quadrotor, platform_from_config
-    from pipeline.simulation import write_simulator
-    from stages._simulators import chosen_simulator
+    from simgap.platforms import Quadrotor, platform_from_config
+    from simgap.simulation import write_simulator
+    from simgap.stages._simulators import chosen_simulator
 
     chosen, path = config.residual, _recorded(config)
     unflown = not chosen.recording and not path.exists()
@@ -52,14 +52,14 @@ def identify_residual(config: IdentifyResidualStage, run: StageRun) -> None:
 
 def _physics(simulator: "Simulator") -> "Simulator":
     """Return a simulator without a residual that was found before: this stage finds all that the physics leaves."""
-    from pipeline.simulation.knn_residual import RecordedResidual
+    from simgap.simulation.knn_residual import RecordedResidual
 
     kept = [fitted for fitted in simulator.effects if not isinstance(fitted.effect, RecordedResidual)]
     return simulator.with_effects(tuple(kept))
 
 
 def _named(recording: "Recording", simulator: "Simulator", settings: Gap) -> "Simulator":
-    from pipeline.gap.diagnosis import diagnose
+    from simgap.gap.diagnosis import diagnose
 
     return diagnose(recording, simulator, settings).simulator
 
@@ -74,8 +74,8 @@ def _recorded(config: IdentifyResidualStage) -> Path:
 
 def _flights(config: IdentifyResidualStage, path: Path) -> "Recording":
     """Return the flights to learn from: none that is held out to be predicted, and no longer than asked for."""
-    from pipeline.recordings.excerpt import first_seconds, of_runs
-    from pipeline.recordings.split import runs_of
+    from simgap.recordings.excerpt import first_seconds, of_runs
+    from simgap.recordings.split import runs_of
 
     recording, chosen = _cleaned(config, path), config.residual
     if chosen.scored_on:
@@ -86,8 +86,8 @@ def _flights(config: IdentifyResidualStage, path: Path) -> "Recording":
 
 def _cleaned(config: IdentifyResidualStage, path: Path) -> "Recording":
     """Return a recording, cleaned if it is not yet."""
-    from pipeline.recordings.cleaning import clean_recording
-    from pipeline.recordings.recording import read_recording, require_kind
+    from simgap.recordings.cleaning import clean_recording
+    from simgap.recordings.recording import read_recording, require_kind
 
     recording = read_recording(path, "quadrotor")
     require_kind(recording, "quadrotor", str(path))
@@ -100,8 +100,8 @@ def _dynamics(
     simulator: "Simulator", recording: "Recording", chosen: DynamicsSettings
 ) -> "tuple[Simulator, dict[str, float]]":
     """Return the simulator with what it leaves over, and how much that is, m/s²."""
-    from pipeline.policies.residual.accelerations import left_over, nearest_of
-    from pipeline.simulation import FittedEffect
+    from simgap.policies.residual.accelerations import left_over, nearest_of
+    from simgap.simulation import FittedEffect
 
     if not chosen.enabled:
         return simulator, {}
@@ -115,10 +115,10 @@ def _dynamics(
 
 def _predicted(simulator: "Simulator", config: IdentifyResidualStage, run: StageRun) -> dict[str, float]:
     """Return how far predictions of runs that were held out are off, in SI units."""
-    from pipeline.recordings.excerpt import of_runs
-    from pipeline.recordings.split import require_holdout, runs_of
-    from pipeline.simulation import replay_error
-    from pipeline.simulation.blocks import cut_blocks
+    from simgap.recordings.excerpt import of_runs
+    from simgap.recordings.split import require_holdout, runs_of
+    from simgap.simulation import replay_error
+    from simgap.simulation.blocks import cut_blocks
 
     metrics: dict[str, float] = {}
     horizon = config.residual.score_horizon
@@ -136,11 +136,11 @@ def _observation(
     recording: "Recording", chosen: ObservationSettings, seed: int, run: StageRun
 ) -> dict[str, float]:
     """Write drawn residuals of the estimate and their picture; return how large the residuals are, m, m/s and rad."""
-    from pipeline.policies.residual.beliefs import RESIDUALS, recorded_beliefs
-    from pipeline.policies.residual.gaussian_processes import fit
-    from pipeline.policies.residual.realisations import draw
-    from pipeline.policies.residual.storage import save_observation
-    from pipeline.report.realisations import draw_realisations
+    from simgap.policies.residual.beliefs import RESIDUALS, recorded_beliefs
+    from simgap.policies.residual.gaussian_processes import fit
+    from simgap.policies.residual.realisations import draw
+    from simgap.policies.residual.storage import save_observation
+    from simgap.report.realisations import draw_realisations
 
     beliefs = recorded_beliefs(recording.frame, chosen.samples)
     processes = fit(*beliefs, chosen.judged_by, chosen.iterations)

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from pipeline.artifacts import checkpoint_folder, remove_checkpoint
-from pipeline.comparison.comparison import Metrics
-from pipeline.policies.profile.settings import Profile
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.artifacts import checkpoint_folder, remove_checkpoint
+from simgap.comparison.comparison import Metrics
+from simgap.policies.profile.settings import Profile
+from simgap.runner import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
-    from pipeline.policies.profile.drive import Drive
-    from pipeline.policies.profile.motion import Motion
+    from simgap.policies.profile.drive import Drive
+    from simgap.policies.profile.motion import Motion
 
 FIGURE = "motions.svg"
 
@@ -27,7 +27,7 @@ class ProfileStage(StageConfig):
 
 def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
     """Return the measures of the policy, and those of all that it is held against."""
-    from pipeline.policies.profile.contenders import POLICY
+    from simgap.policies.profile.contenders import POLICY
 
     found: dict[str, Metrics] = {}
     for key, value in metrics.items():
@@ -40,10 +40,10 @@ def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
 @stage(ProfileStage, compared)
 def profile(config: ProfileStage, run: StageRun) -> None:
     """Drive straight from rest to rest: classical profiles, a policy trained by PPO, and the time-optimal bound."""
-    from pipeline.policies.profile import contenders
-    from pipeline.policies.profile.storage import write_motions
-    from pipeline.report.motions import draw_motions
-    from stages._drives import identified
+    from simgap.policies.profile import contenders
+    from simgap.policies.profile.storage import write_motions
+    from simgap.report.motions import draw_motions
+    from simgap.stages._drives import identified
 
     task = config.profile
     drive = identified(config.platform, task, config, run)
@@ -60,13 +60,13 @@ def profile(config: ProfileStage, run: StageRun) -> None:
 
 def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
     """Train the policy, or go on where a training was killed; return what the fastest of its checkpoints does."""
-    from pipeline.policies.best import Best
-    from pipeline.policies.export import export_policy
-    from pipeline.policies.networks import Gaussian, Policy
-    from pipeline.policies.profile.environment import MotionProfile
-    from pipeline.policies.profile.rollout import drive_by_policy
-    from pipeline.policies.storage import Description, save_policy
-    from pipeline.policies.training import Training, final
+    from simgap.policies.best import Best
+    from simgap.policies.export import export_policy
+    from simgap.policies.networks import Gaussian, Policy
+    from simgap.policies.profile.environment import MotionProfile
+    from simgap.policies.profile.rollout import drive_by_policy
+    from simgap.policies.storage import Description, save_policy
+    from simgap.policies.training import Training, final
 
     task = config.profile
     task.learning.check("profile.learning")
@@ -101,7 +101,7 @@ def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
 
 def _compared_measures(motions: "Mapping[str, Motion]", task: Profile) -> dict[str, float]:
     """Return the measures of all motions, with how much faster each is than as published, and over the bound."""
-    from pipeline.policies.profile.contenders import BOUND, PUBLISHED, measures
+    from simgap.policies.profile.contenders import BOUND, PUBLISHED, measures
 
     found = {name: measures(motion, task) for name, motion in motions.items()}
     published, bound = found[PUBLISHED]["time"], found[BOUND]["time"]

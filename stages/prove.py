@@ -3,17 +3,17 @@
 from pathlib import Path
 from typing import Any
 
-from pipeline.stage import StageRun, stage
-from stages._examined import Concealed, ProveStage, Published, examine
+from simgap.runner import StageRun, stage
+from simgap.stages._benchmark_case import Concealed, ProveStage, Published, examine
 
 
 @stage(ProveStage)
 def prove(config: ProveStage, run: StageRun) -> None:
     """Draw concealed cases, diagnose them, and score the answers against their sealed keys."""
-    from pipeline.errors import InputError
-    from pipeline.proof.calibration import is_for_calibration
-    from pipeline.proof.page import results_text, write_docs
-    from pipeline.proof.running import run_cases, write_whole
+    from simgap.benchmark.calibration import is_for_calibration
+    from simgap.benchmark.page import results_text, write_docs
+    from simgap.benchmark.running import run_cases, write_whole
+    from simgap.errors import InputError
 
     tasks: dict[str, Any] = _concealed(config) | _published(config)
     answers = run_cases(tasks, examine, _folder(config), config.prove.jobs, _identity)
@@ -29,8 +29,8 @@ def prove(config: ProveStage, run: StageRun) -> None:
 
 
 def _concealed(config: ProveStage) -> dict[str, Concealed]:
-    from pipeline.proof.settings import table_of
-    from stages.record import draw_cases
+    from simgap.benchmark.settings import table_of
+    from simgap.stages.record import draw_cases
 
     folder = _folder(config)
     tasks = {}
@@ -58,8 +58,8 @@ def _scored(
     name: str, task: Concealed | Published, answer: dict[str, Any], config: ProveStage
 ) -> dict[str, Any]:
     """Open the key only now, when the answer is written, and hold the answer against it."""
-    from pipeline.proof.published import score_published
-    from pipeline.proof.score import open_key, score_case
+    from simgap.benchmark.published import score_published
+    from simgap.benchmark.score import open_key, score_case
 
     if isinstance(task, Published):
         known = config.prove.real[task.branch]
@@ -76,15 +76,15 @@ def _folder(config: ProveStage) -> Path:
 
 
 def _composed(override: str) -> dict[str, Any]:
-    from pipeline.stage.compose import compose
+    from simgap.runner.compose import compose
 
     return compose([override])
 
 
 def _identity(task: Concealed | Published) -> str:
     """Return what an answer belongs to: the case with its settings, and the code that decides."""
-    from pipeline.artifacts import hash_value
-    from pipeline.proof.settings import hash_of_code
+    from simgap.artifacts import hash_value
+    from simgap.benchmark.settings import hash_of_code
 
     return hash_value([task.identity, hash_of_code()])
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline.recordings.dataset import Dataset
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.recordings.dataset import Dataset
+from simgap.runner import StageConfig, StageRun, stage
 
 
 @dataclass
@@ -21,8 +21,8 @@ class RecordStage(StageConfig):
 @stage(RecordStage)
 def record(config: RecordStage, run: StageRun) -> None:
     """Record: fetch and import a dataset, or run a concealed plant and seal its answer."""
-    from pipeline.recordings.load import load_dataset
-    from pipeline.recordings.recording import write_recording
+    from simgap.recordings.load import load_dataset
+    from simgap.recordings.recording import write_recording
 
     concealed = config.dataset.source == "reality"
     recording = _made(config, run) if concealed else load_dataset(config.dataset)
@@ -35,9 +35,9 @@ def record(config: RecordStage, run: StageRun) -> None:
 
 def _made(config: RecordStage, run: StageRun) -> Any:
     """Run the configured case of the platform's kind; its key goes where no other stage looks."""
-    from pipeline.platforms import platform_from_config
-    from pipeline.reality import case_from_config, record_case
-    from pipeline.reality.fly import key_text
+    from simgap.plants import case_from_config, record_case
+    from simgap.plants.fly import key_text
+    from simgap.platforms import platform_from_config
 
     platform = platform_from_config(config.platform)
     case = case_from_config(platform.kind, config.record)
@@ -56,15 +56,15 @@ def draw_cases(
     seed: int,
     count: int,
 ) -> list[Any]:
-    """Draw the concealed cases of a benchmark; see `pipeline.reality.concealed`."""
-    from pipeline.reality import concealed
+    """Draw the concealed cases of a benchmark; see `simgap.plants.concealed`."""
+    from simgap.plants import concealed
 
     return concealed.draw_cases(kind, table, shares, machines, seed, count)
 
 
 def record_drawn(case: Any) -> tuple[Any, dict[str, Any]]:
-    """Return the recording of a drawn case and its key; see `pipeline.reality.concealed`."""
-    from pipeline.reality.concealed import record_concealed
+    """Return the recording of a drawn case and its key; see `simgap.plants.concealed`."""
+    from simgap.plants.concealed import record_concealed
 
     return record_concealed(case)
 
@@ -80,8 +80,8 @@ def record_sealed(case: Any, path: Path, sealed: Path) -> str:
     Returns:
         The recording's source, which names the hash of the key.
     """
-    from pipeline.reality.fly import key_text
-    from pipeline.recordings.recording import write_recording
+    from simgap.plants.fly import key_text
+    from simgap.recordings.recording import write_recording
 
     recording, key = record_drawn(case)
     path.parent.mkdir(parents=True, exist_ok=True)

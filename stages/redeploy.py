@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from pipeline.stage import StageRun, stage
-from stages.deploy import DeployStage, race
+from simgap.runner import StageRun, stage
+from simgap.stages.deploy import DeployStage, race
 
 
 @stage(DeployStage)

@@ -4,9 +4,9 @@ import json
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from pipeline.report import Drawing, ReportInputs, write_page
-from pipeline.report.text import is_number
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.report import Drawing, ReportInputs, write_page
+from simgap.report.text import is_number
+from simgap.runner import StageConfig, StageRun, stage
 
 FINAL = ("gap_closed", "before", "after", "noise_floor")
 

@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
-from pipeline.artifacts import PROJECT_ROOT
-from pipeline.errors import InputError
-from pipeline.stage.command import report_mistakes
+from simgap.artifacts import PROJECT_ROOT
+from simgap.errors import InputError
+from simgap.runner.command import report_mistakes
 
 PREFERRED = "nanodrone"
 FALLBACK = "embedded"
@@ -34,7 +34,7 @@ def reproduce(branch: str | None = None) -> None:
 
 
 def _reproduce(stage: str, branch: str) -> None:
-    from pipeline.stage.reproduction import reproduce_target
+    from simgap.runner.reproduction import reproduce_target
 
     if reproduce_target(f"{stage}@{branch}") != 0:
         raise InputError("did not finish", f"branch {branch}", "see the lines above")
@@ -42,7 +42,7 @@ def _reproduce(stage: str, branch: str) -> None:
 
 def write_first_page(artifacts: Path, branch: str) -> Path:
     """Write what is known before anything is trained: it can be read while a policy takes its minutes."""
-    from pipeline.report import ReportInputs, write_page
+    from simgap.report import ReportInputs, write_page
 
     page = artifacts / "diagnosis.html"
     clean, sysid, diagnosis = (artifacts / stage for stage in ("clean", "sysid", "diagnose"))
@@ -70,8 +70,8 @@ def origin(branch: str) -> str:
     Raises:
         InputError: when they cannot be reached.
     """
-    from pipeline.recordings.registry import fetch, locate
-    from pipeline.stage.compose import compose
+    from simgap.recordings.registry import fetch, locate
+    from simgap.runner.compose import compose
 
     dataset = compose([f"branch={branch}"])["dataset"]
     if dataset["source"] != "published":

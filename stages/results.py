@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from pipeline.artifacts import PROJECT_ROOT
-from pipeline.errors import InputError
-from pipeline.stage.command import report_mistakes
+from simgap.artifacts import PROJECT_ROOT
+from simgap.errors import InputError
+from simgap.runner.command import report_mistakes
 
 SWEEPS = "artifacts/*/sweeps/*"
 
 
 def results(sweeps: Sequence[Path], docs: Path) -> None:
     """Write the sections of docs/results.md from the sweeps that were run; the sections of others stay as they are."""
-    from pipeline.comparison.page import PAGE, write_section
-    from pipeline.stage.comparing import FOLDER
+    from simgap.comparison.page import PAGE, write_section
+    from simgap.runner.comparing import FOLDER
 
     folders = [sweep / FOLDER for sweep in sweeps] or _titled()
     if not folders:
@@ -29,8 +29,8 @@ def results(sweeps: Sequence[Path], docs: Path) -> None:
 
 def _titled() -> list[Path]:
     """Return the comparisons below the working directory that are meant for the documentation."""
-    from pipeline.comparison.comparison import FILE, Comparison
-    from pipeline.stage.comparing import FOLDER
+    from simgap.comparison.comparison import FILE, Comparison
+    from simgap.runner.comparing import FOLDER
 
     folders = sorted(path.parent for path in Path().glob(f"{SWEEPS}/{FOLDER}/{FILE}"))
     return [folder for folder in folders if Comparison.read(folder).results.title]

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline.models.settings import SystemIdentification
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.models.settings import SystemIdentification
+from simgap.runner import StageConfig, StageRun, stage
 
 
 @dataclass
@@ -21,10 +21,10 @@ def sysid(config: SysidStage, run: StageRun) -> None:
     """Identify nominal parameters by least squares, with standard errors."""
     import json
 
-    from pipeline.models.identify import identify
-    from pipeline.models.parameters import write_parameters
-    from pipeline.platforms import platform_from_config
-    from pipeline.recordings.recording import read_recording, require_kind
+    from simgap.models.identify import identify
+    from simgap.models.parameters import write_parameters
+    from simgap.platforms import platform_from_config
+    from simgap.recordings.recording import read_recording, require_kind
 
     path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
     recording = read_recording(path)

@@ -6,16 +6,16 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from pipeline.artifacts import checkpoint_folder, remove_checkpoint
-from pipeline.comparison.comparison import Metrics, flat
-from pipeline.models.settings import Training
-from pipeline.stage import StageConfig, StageRun, stage
+from simgap.artifacts import checkpoint_folder, remove_checkpoint
+from simgap.comparison.comparison import Metrics, flat
+from simgap.models.settings import Training
+from simgap.runner import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
-    from pipeline.models.contract import DynamicsModel
-    from pipeline.models.layout import Layout
-    from pipeline.models.windows import Series
-    from pipeline.recordings.recording import Recording
+    from simgap.models.contract import DynamicsModel
+    from simgap.models.layout import Layout
+    from simgap.models.windows import Series
+    from simgap.recordings.recording import Recording
 
 VALIDATION_SHARE = 0.2
 NAIVE = "/naive"  # ends the names of the errors of the assumption that nothing changes
@@ -52,11 +52,11 @@ def train(config: TrainStage, run: StageRun) -> None:
 
 def _train(config: TrainStage, run: StageRun) -> None:
     """Fit a model to the recording, write it and score it."""
-    from pipeline.models.contract import FitContext, Provenance
-    from pipeline.models.layout import layout_of
-    from pipeline.models.registry import model_class, model_settings
-    from pipeline.recordings.recording import read_recording
-    from pipeline.recordings.split import require_holdout
+    from simgap.models.contract import FitContext, Provenance
+    from simgap.models.layout import layout_of
+    from simgap.models.registry import model_class, model_settings
+    from simgap.recordings.recording import read_recording
+    from simgap.recordings.split import require_holdout
 
     path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
     data = run.inputs[str(path)]
@@ -92,15 +92,15 @@ def _train(config: TrainStage, run: StageRun) -> None:
 
 def _prepared(recording: "Recording", settings: Training) -> "Recording":
     """Return the recording filtered, where that is asked for."""
-    from pipeline.models.zero_phase import zero_phase
+    from simgap.models.zero_phase import zero_phase
 
     return recording if settings.zero_phase is None else zero_phase(recording, settings.zero_phase)
 
 
 def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[Series, Series, Series]":
     """Return the series to fit, to choose by and to score on."""
-    from pipeline.models.windows import series_of
-    from pipeline.recordings.split import runs_of
+    from simgap.models.windows import series_of
+    from simgap.recordings.split import runs_of
 
     fitted, chosen, held = (
         series_of(recording, layout, runs_of(recording.split, part))
@@ -114,8 +114,8 @@ def _series(recording: "Recording", layout: "Layout", run: StageRun) -> "tuple[S
 
 def _machines(recording: "Recording", layout: "Layout") -> "dict[str, Series]":
     """Return the held-out series of each of a layout's machines."""
-    from pipeline.models.windows import series_of
-    from pipeline.recordings.split import runs_of
+    from simgap.models.windows import series_of
+    from simgap.recordings.split import runs_of
 
     runs = runs_of(recording.split, "holdout")
     return {name: series_of(recording, layout, runs, [name]) for name in layout.machines()}
@@ -125,7 +125,7 @@ def _steps(
     model: "DynamicsModel", machines: "dict[str, Series]", history: int
 ) -> dict[str, dict[str, float]]:
     """Return one-step scores by target, of all machines together and of each."""
-    from pipeline.models.step_scores import step_scores
+    from simgap.models.step_scores import step_scores
 
     return {
         f"{target}{name}": scores
@@ -142,10 +142,10 @@ def _score(
     run: StageRun,
 ) -> None:
     """Write the errors on held-out runs, one-step errors beside those before a correction."""
-    from pipeline.models.error_distribution import error_quantiles
-    from pipeline.models.evaluation import rollout_errors
-    from pipeline.models.free_run import free_run_scores
-    from pipeline.models.residual_ratios import residual_ratios
+    from simgap.models.error_distribution import error_quantiles
+    from simgap.models.evaluation import rollout_errors
+    from simgap.models.free_run import free_run_scores
+    from simgap.models.residual_ratios import residual_ratios
 
     history = settings.evaluation_history
     held = machines[""]

@@ -3,11 +3,11 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline.errors import InputError
-from pipeline.policies.racing.settings import TASK, TrackSettings
-from pipeline.policies.settings import PolicyTraining
-from pipeline.stage import StageConfig, StageRun, stage
-from stages._trainings import trained
+from simgap.errors import InputError
+from simgap.policies.racing.settings import TASK, TrackSettings
+from simgap.policies.settings import PolicyTraining
+from simgap.runner import StageConfig, StageRun, stage
+from simgap.stages._trainings import trained
 
 
 @dataclass

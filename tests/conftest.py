@@ -19,8 +19,8 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("markexpr") != "slow":
         # What is compiled takes no checks, so it is imported before they are on.
         for compiled in ("cable_steps", "play_steps"):
-            importlib.import_module(f"pipeline.physics.{compiled}")
-        install_import_hook("pipeline", "beartype.beartype")
+            importlib.import_module(f"simgap.physics.{compiled}")
+        install_import_hook("simgap", "beartype.beartype")
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -1,13 +1,17 @@
 """Floor 0: files that are whole or not there, hashed, and long work that shows how far it is."""
 
-from pipeline.artifacts.atomic import staged_directory
-from pipeline.artifacts.checkpoints import checkpoint_folder, remove_checkpoint
-from pipeline.artifacts.hashing import hash_path, hash_value
-from pipeline.artifacts.progress import Pace, progress
-from pipeline.artifacts.project import PROJECT_ROOT
+from simgap.artifacts.atomic import staged_directory
+from simgap.artifacts.checkpoints import checkpoint_folder, remove_checkpoint
+from simgap.artifacts.hashing import hash_path, hash_value
+from simgap.artifacts.progress import Pace, progress
+from simgap.artifacts.project import CHECKOUT, CONFIGURATION, PACKAGE, PROJECT_ROOT, STAGES
 
 __all__ = [
+    "CHECKOUT",
+    "CONFIGURATION",
+    "PACKAGE",
     "PROJECT_ROOT",
+    "STAGES",
     "Pace",
     "checkpoint_folder",
     "hash_path",

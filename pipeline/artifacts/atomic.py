@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 _PREFIX = ".partial-"
 _REPLACED = ".replaced"

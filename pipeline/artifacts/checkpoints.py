@@ -5,7 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from pipeline.artifacts.hashing import hash_value
+from simgap.artifacts.hashing import hash_value
 
 _FOLDER = "checkpoints"
 

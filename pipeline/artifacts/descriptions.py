@@ -13,8 +13,8 @@ from safetensors.torch import load as tensors_from_bytes
 from safetensors.torch import save as tensors_to_bytes
 from torch import Tensor
 
-from pipeline.artifacts.hashing import hash_path
-from pipeline.errors import InputError
+from simgap.artifacts.hashing import hash_path
+from simgap.errors import InputError
 
 
 def write_description(document: Mapping[str, Any], path: Path) -> None:

@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 
 def hash_path(path: str | Path) -> str:

@@ -1,5 +1,15 @@
-"""Where the project lies, whatever the working directory of the person who calls it."""
+"""Where the package and its configuration lie, in a checkout and in an installation."""
 
 from pathlib import Path
 
-PROJECT_ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = Path(__file__).resolve().parents[1]
+"""The folder of the package `simgap`; in a checkout it is called `pipeline`."""
+
+CHECKOUT = PACKAGE.parent if (PACKAGE.parent / "dvc.yaml").is_file() and PACKAGE.name == "pipeline" else None
+"""The repository that the package is part of; None for an installed one."""
+
+PROJECT_ROOT = CHECKOUT or Path.cwd()
+"""Where what a person keeps lies: the checkout, else the folder in which the command was called."""
+
+CONFIGURATION = (CHECKOUT or PACKAGE) / "conf"
+STAGES = (CHECKOUT or PACKAGE) / "stages"

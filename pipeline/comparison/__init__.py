@@ -1,5 +1,5 @@
 """Floor 0: what the jobs of a sweep have shown, side by side: tables, a figure, a page."""
 
-from pipeline.comparison.settings import Results
+from simgap.comparison.settings import Results
 
 __all__ = ["Results"]

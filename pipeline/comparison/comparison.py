@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline.comparison.settings import Results, TableOf
-from pipeline.errors import InputError
+from simgap.comparison.settings import Results, TableOf
+from simgap.errors import InputError
 
 SCHEMA = "simgap.comparison/1"
 FILE = "comparison.json"

@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline.comparison.comparison import Comparison, Value
-from pipeline.comparison.table import Row, Table, tables_of
+from simgap.comparison.comparison import Comparison, Value
+from simgap.comparison.table import Row, Table, tables_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

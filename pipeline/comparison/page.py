@@ -5,9 +5,9 @@ import re
 import shutil
 from pathlib import Path
 
-from pipeline.comparison.comparison import Comparison
-from pipeline.comparison.figure import FIGURE
-from pipeline.comparison.table import UNSWEPT, Row, Table, tables_of
+from simgap.comparison.comparison import Comparison
+from simgap.comparison.figure import FIGURE
+from simgap.comparison.table import UNSWEPT, Row, Table, tables_of
 
 PAGE = "results.md"
 IMAGES = "images"

@@ -7,8 +7,8 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from pipeline.comparison.comparison import Comparison, Metrics, Value
-from pipeline.comparison.settings import TableOf
+from simgap.comparison.comparison import Comparison, Metrics, Value
+from simgap.comparison.settings import TableOf
 
 MEAN = "mean"
 UNSWEPT = "as configured"  # what the one row is called where nothing but seeds was swept

@@ -1,8 +1,8 @@
 """Floor 3: the catalogue of physics that the tool can name, one file per effect."""
 
-from pipeline.effects.catalogue import effect_by_key, effects_of, kinds
-from pipeline.effects.dry_friction import DryFriction
-from pipeline.effects.effect import (
+from simgap.effects.catalogue import effect_by_key, effects_of, kinds
+from simgap.effects.dry_friction import DryFriction
+from simgap.effects.effect import (
     ActuatorEffect,
     CommandEffect,
     ConstantEffect,

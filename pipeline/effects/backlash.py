@@ -12,8 +12,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
-from pipeline.effects.scan import scan
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.effects.scan import scan
 
 Array = NDArray[Any]
 
@@ -115,7 +115,7 @@ def _slips(
     effort: Array, velocity: Array, half: float, inertia: float, braking: float, time_step: float
 ) -> Array:
     """Return how fast the motor runs ahead of the axis, (blocks, samples, ...)."""
-    from pipeline.physics.play_steps import slips_in_play  # its import takes longer than all effects
+    from simgap.physics.play_steps import slips_in_play  # its import takes longer than all effects
 
     damped = 1.0 / (1.0 + time_step * braking / inertia)
     push = time_step / inertia * _by_motor(effort)

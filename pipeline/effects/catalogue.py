@@ -6,10 +6,10 @@ import importlib
 import inspect
 import pkgutil
 
-from pipeline.effects.effect import Effect
-from pipeline.errors import InputError
+from simgap.effects.effect import Effect
+from simgap.errors import InputError
 
-_PACKAGE = "pipeline.effects"
+_PACKAGE = "simgap.effects"
 
 
 @functools.cache

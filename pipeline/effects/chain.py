@@ -6,7 +6,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import Signals
+from simgap.effects.effect import Signals
 
 _CLOSE = 0.1  # samples, by which a stretch may start beside a sample of the one before
 

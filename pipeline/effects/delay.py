@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import CommandEffect, Parameter, Signals, Values
-from pipeline.effects.shift import shift_in_time
+from simgap.effects.effect import CommandEffect, Parameter, Signals, Values
+from simgap.effects.shift import shift_in_time
 
 
 class CommandDelay(CommandEffect):

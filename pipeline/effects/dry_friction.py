@@ -6,7 +6,7 @@ from typing import ClassVar, NamedTuple
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import Signals, Values, WrenchEffect
+from simgap.effects.effect import Signals, Values, WrenchEffect
 
 Value = Tensor | float
 

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from pipeline.physics import rotations
-from pipeline.physics.cable import Cable, across, along, pooled, pull, swing
+from simgap.physics import rotations
+from simgap.physics.cable import Cable, across, along, pooled, pull, swing
 
 _COARSE = 0.15  # rad that a cable swings by in a step: an error of the start is no finer than what is felt
 _USUAL = 1.0  # rad, by which a cable may be off the apparent gravity at first

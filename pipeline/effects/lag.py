@@ -6,7 +6,7 @@ Source: Krishnan 2001, Electric motor drives, §2; exact for an input held over 
 import torch
 from torch import Tensor
 
-from pipeline.effects.recurrence import accumulated
+from simgap.effects.recurrence import accumulated
 
 _FORGOTTEN = 1 / 40  # of a step: so short a lag has decayed to e⁻⁴⁰ at the end of the step
 

@@ -4,7 +4,7 @@ import inspect
 import textwrap
 from collections.abc import Sequence
 
-from pipeline.effects.effect import Effect, Parameter
+from simgap.effects.effect import Effect, Parameter
 
 WIDTH = 120
 _MOST_PARAMETERS = 4  # of an effect in a listing; of more, the first ones stand for all

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 from torch import Tensor
 
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
-from pipeline.effects.lag import lag_along_time, lag_step
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.effects.lag import lag_along_time, lag_step
 
 _SLOWEST = 0.05  # s; a few milliseconds are usual, for large machines some twenty
 

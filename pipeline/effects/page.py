@@ -3,9 +3,9 @@
 import re
 from collections.abc import Iterable, Sequence
 
-from pipeline.effects.catalogue import effects_of, kinds
-from pipeline.effects.effect import Effect
-from pipeline.effects.listing import facts, meaning, shown_parameters
+from simgap.effects.catalogue import effects_of, kinds
+from simgap.effects.effect import Effect
+from simgap.effects.listing import facts, meaning, shown_parameters
 
 _HEAD = """\
 # Effects

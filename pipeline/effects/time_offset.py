@@ -4,8 +4,8 @@ from typing import ClassVar
 
 from torch import Tensor
 
-from pipeline.effects.effect import MeasurementEffect, Parameter, Signals, Values
-from pipeline.effects.shift import shift_in_time
+from simgap.effects.effect import MeasurementEffect, Parameter, Signals, Values
+from simgap.effects.shift import shift_in_time
 
 
 class TimeOffset(MeasurementEffect):

@@ -11,8 +11,8 @@ from scipy import stats
 from torch import Tensor
 
 if TYPE_CHECKING:
-    from pipeline.effects import Effect
-    from pipeline.gap.candidate import Candidate
+    from simgap.effects import Effect
+    from simgap.gap.candidate import Candidate
 
 _CHANCE = 0.05
 _STRICT_CHANCE = 0.01  # where the catalogue calls the other the likelier cause

@@ -7,13 +7,13 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.effects import ActuatorEffect, Effect, ParameterError
-from pipeline.gap.fit import Fit, Problem, columns_of
-from pipeline.gap.residuals import channels_on, noise_of_rows
-from pipeline.gap.resolution import is_short
-from pipeline.gap.scoring import cross_validated, folds_of, predictive_score, significance_of
-from pipeline.gap.settings import Gap
-from pipeline.simulation import Simulator
+from simgap.effects import ActuatorEffect, Effect, ParameterError
+from simgap.gap.fit import Fit, Problem, columns_of
+from simgap.gap.residuals import channels_on, noise_of_rows
+from simgap.gap.resolution import is_short
+from simgap.gap.scoring import cross_validated, folds_of, predictive_score, significance_of
+from simgap.gap.settings import Gap
+from simgap.simulation import Simulator
 
 _Z95 = 1.96
 _LEAST_ERROR = (
@@ -29,7 +29,9 @@ _PRICE = 0.1  # of the logarithm that the other channels' energies fall by, whic
 FEWEST_MORE = 5
 """So many more clusters than parameters a name needs: errors from fewer are anything."""
 _NOTHING = 0.05  # of the strength of what drives a machine, which no machine that was recorded has left of it
-_MOST = 0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
+_SHARE_OF_REST = (
+    0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
+)
 
 
 @dataclass(frozen=True)
@@ -294,7 +296,7 @@ class Judge:
         """Whether a candidate explains enough of the whole gap, or else most of what is left, and more than noise."""
         if candidate.share < self.settings.least_share:
             return False
-        rest = candidate.share >= _MOST and candidate.signal > 1.0
+        rest = candidate.share >= _SHARE_OF_REST and candidate.signal > 1.0
         return candidate.part >= self.settings.least_share or rest
 
     def rest(self, effect: Effect) -> dict[str, float]:

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 from torch import Tensor
 
-from pipeline.effects import Effect, effect_by_key, effects_of
-from pipeline.simulation import Simulator
+from simgap.effects import Effect, effect_by_key, effects_of
+from simgap.simulation import Simulator
 
 
 def candidates_for(

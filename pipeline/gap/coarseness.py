@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
-from pipeline.gap.candidate import BEYOND_NOISE
-from pipeline.gap.fit import Fit, Problem, excess_of
-from pipeline.platforms.mechanism import Channel
+from simgap.gap.candidate import BEYOND_NOISE
+from simgap.gap.fit import Fit, Problem, excess_of
+from simgap.platforms.mechanism import Channel
 
 _COARSE = (
     0.5  # of the time in which an axis settles, from which on samples are too far apart to show how it does

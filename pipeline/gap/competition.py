@@ -4,26 +4,26 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from pipeline.artifacts import Pace
-from pipeline.effects import Effect
-from pipeline.gap.ambiguity import (
+from simgap.artifacts import Pace
+from simgap.effects import Effect
+from simgap.gap.ambiguity import (
     Rivalry,
     predicts_better,
     rivalry_of,
     rivals_of,
     total_score,
 )
-from pipeline.gap.candidate import BEYOND_NOISE, Candidate, Judge, Starts
-from pipeline.gap.candidates import candidates_for
-from pipeline.gap.fit import Fit, Problem, excess_of, fit
-from pipeline.gap.model import drifts_of
-from pipeline.gap.parsimony import single_cause
-from pipeline.gap.probability import presence_of
-from pipeline.gap.refit import extend, remove, shrink
-from pipeline.gap.scoring import predictive_score
-from pipeline.gap.settings import Gap
-from pipeline.gap.signs import signs_of
-from pipeline.simulation import FittedEffect, Simulator
+from simgap.gap.candidate import BEYOND_NOISE, Candidate, Judge, Starts
+from simgap.gap.candidates import candidates_for
+from simgap.gap.drift import drifts_of
+from simgap.gap.features import features_of
+from simgap.gap.fit import Fit, Problem, excess_of, fit
+from simgap.gap.parsimony import single_cause
+from simgap.gap.probability import presence_of
+from simgap.gap.refit import extend, remove, shrink
+from simgap.gap.scoring import predictive_score
+from simgap.gap.settings import Gap
+from simgap.simulation import FittedEffect, Simulator
 
 _REDUNDANT = 0.2
 _INCREDIBLE = 0.1  # a probability below which an effect carries no other
@@ -302,7 +302,7 @@ class Competition:
     def presence(self, candidate: Candidate) -> float:
         """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
         drifts = drifts_of(self.current, candidate.effect, self.problem.blocks, self.problem.cluster)
-        return presence_of(signs_of(candidate, self.current, self.problem, drifts))
+        return presence_of(features_of(candidate, self.current, self.problem, drifts))
 
     def without(self, effect: Effect) -> Fit:
         """Return the current fit without an effect, or with what was known of it before."""

@@ -5,10 +5,10 @@ import math
 from pathlib import Path
 from typing import Any
 
-from pipeline.gap.ambiguity import Rivalry
-from pipeline.gap.candidate import Candidate
-from pipeline.gap.diagnosis import Diagnosis
-from pipeline.simulation import FittedEffect
+from simgap.gap.ambiguity import Rivalry
+from simgap.gap.candidate import Candidate
+from simgap.gap.diagnosis import Diagnosis
+from simgap.simulation import FittedEffect
 
 SCHEMA = "simgap.diagnosis/1"
 
@@ -19,7 +19,7 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
     effects = [
         _effect(diagnosis, candidate, fitted[candidate.effect.key]) for candidate in diagnosis.naming.named
     ]
-    proof = diagnosis.proof
+    validation = diagnosis.validation
     return {
         "schema": SCHEMA,
         "verdict": diagnosis.verdict,
@@ -37,13 +37,13 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
             for u in diagnosis.unnamed
         ],
         "fit": {
-            "metric": proof.metric,
-            "held_out_runs": list(proof.held_out_runs),
-            "before": proof.before,
-            "after": proof.after,
-            "noise_floor": proof.noise_floor,
-            "gap_closed": proof.gap_closed,
-            "gap_closed_interval": list(proof.interval) if proof.interval else None,
+            "metric": validation.metric,
+            "held_out_runs": list(validation.held_out_runs),
+            "before": validation.before,
+            "after": validation.after,
+            "noise_floor": validation.noise_floor,
+            "gap_closed": validation.gap_closed,
+            "gap_closed_interval": list(validation.interval) if validation.interval else None,
         },
     }
 

@@ -11,23 +11,23 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from pipeline.effects import ActuatorEffect
-from pipeline.gap.candidates import candidates_for
-from pipeline.gap.fit import Problem
-from pipeline.gap.preparation import Prepared
-from pipeline.gap.residuals import channels_on
-from pipeline.recordings.plausibility import contradicting_rates
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import Simulator
-from pipeline.simulation.blocks import Blocks
+from simgap.effects import ActuatorEffect
+from simgap.gap.candidates import candidates_for
+from simgap.gap.fit import Problem
+from simgap.gap.prepare import Prepared
+from simgap.gap.residuals import channels_on
+from simgap.recordings.plausibility import contradicting_rates
+from simgap.recordings.recording import Recording
+from simgap.simulation import Simulator
+from simgap.simulation.blocks import Blocks
 
 _DRIVING = 3.0  # times the noise, which what is commanded, or needed, has to make for the two to be compared
 _AGAINST = (
     -0.5
 )  # correlation; a tenth of a second of delay does not make it negative on a machine that is controlled
 _ALIKE = 0.7  # correlation, with which sizes can be compared
-_LEAST = 1 / 30  # of need over what is commanded: a motor may be capped at a tenth of its strength
-_MOST = 8.0  # of the same: no single number of a platform is taken to be wrong by so much
+_LEAST_RATIO = 1 / 30  # of need over what is commanded: a motor may be capped at a tenth of its strength
+_GREATEST_RATIO = 8.0  # of the same: no single number of a platform is taken to be wrong by so much
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def _driven_otherwise(prepared: Prepared) -> Iterator[str]:
                 f"{channel}: the machine moves against what is commanded (correlation {agreement.correlation:.2f}): a "
                 "sign, a frame or the order of the motors is not the platform's"
             )
-        elif agreement.correlation > _ALIKE and not _LEAST < agreement.ratio < _MOST:
+        elif agreement.correlation > _ALIKE and not _LEAST_RATIO < agreement.ratio < _GREATEST_RATIO:
             ratio = agreement.ratio
             much = f"{ratio:.0f} times what" if ratio > 1.0 else f"1/{1.0 / ratio:.0f} of what"
             yield (

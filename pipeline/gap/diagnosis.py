@@ -3,38 +3,38 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from pipeline.effects import MeasurementEffect, ParameterError
-from pipeline.gap.candidate import BEYOND_NOISE, FEWEST_MORE
-from pipeline.gap.coarseness import coarse_axes, coarseness_of
-from pipeline.gap.contradiction import contradictions
-from pipeline.gap.drivers import name_with_drivers
-from pipeline.gap.fit import Problem, channels_of, excess_of
-from pipeline.gap.horizon import HorizonError, horizon_errors
-from pipeline.gap.learned import LearnedResidual, learn, learned_rows
-from pipeline.gap.locate import Mismatch, locate
-from pipeline.gap.model import Drift, drifts_of
-from pipeline.gap.name import Naming
-from pipeline.gap.preparation import prepare
-from pipeline.gap.probability import Signs, presence_of, probability_of
-from pipeline.gap.prove import Proof, prove
-from pipeline.gap.reading import name_as_read
-from pipeline.gap.regimes import Regime, regimes_of
-from pipeline.gap.residuals import channels_on, noise_of_rows
-from pipeline.gap.rollout_fit import refit_through_rollouts
-from pipeline.gap.scoring import cross_validated, folds_of
-from pipeline.gap.settings import Gap
-from pipeline.gap.signs import signs_of
-from pipeline.gap.unnamed import Unnamed, find_unnamed
-from pipeline.gap.whiteness import Memory, memories_of, remembered
-from pipeline.platforms.mechanism import Channel
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import Simulator
-from pipeline.simulation.blocks import Blocks
-from pipeline.simulation.driver import with_drivers
+from simgap.effects import MeasurementEffect, ParameterError
+from simgap.gap.candidate import BEYOND_NOISE, FEWEST_MORE
+from simgap.gap.coarseness import coarse_axes, coarseness_of
+from simgap.gap.command_hold import name_with_hold
+from simgap.gap.contradiction import contradictions
+from simgap.gap.drift import Drift, drifts_of
+from simgap.gap.features import features_of
+from simgap.gap.fit import Problem, channels_of, excess_of
+from simgap.gap.horizon import HorizonError, horizon_errors
+from simgap.gap.latent_inputs import name_with_latent_inputs
+from simgap.gap.learned import LearnedResidual, learn, learned_rows
+from simgap.gap.locate import Mismatch, locate
+from simgap.gap.name import Naming
+from simgap.gap.prepare import prepare
+from simgap.gap.probability import Features, presence_of, probability_of
+from simgap.gap.regimes import Regime, regimes_of
+from simgap.gap.residuals import channels_on, noise_of_rows
+from simgap.gap.rollout_fit import refit_through_rollouts
+from simgap.gap.scoring import cross_validated, folds_of
+from simgap.gap.settings import Gap
+from simgap.gap.unnamed import Unnamed, find_unnamed
+from simgap.gap.validate import Validation, validate
+from simgap.gap.whiteness import Memory, memories_of, remembered
+from simgap.platforms.mechanism import Channel
+from simgap.recordings.recording import Recording
+from simgap.simulation import Simulator
+from simgap.simulation.blocks import Blocks
+from simgap.simulation.driver import with_drivers
 
 _FEW_CLUSTERS = 10  # so few that a person should know
 _BELIEVED = 0.5  # a probability from which on an effect says what kind of gap there is
-_MUCH = 0.1  # of the energy that was left before
+_NOTABLE_SHARE = 0.1  # of the energy that was left before
 _NEVER_FITTED = "what they do is in no fitted run; record more like them"
 _LAW_FAILS = "what has no name, or a law that only nearly holds, does more there"
 
@@ -48,12 +48,12 @@ class Diagnosis:
         warnings: doubts about recording and result.
         mismatches: where the nominal simulator fails.
         naming: the competition and its result.
-        signs: what speaks for each named effect and against it, by key.
+        features: what speaks for each named effect and against it, by key.
         drifts: of each named effect's parameters between runs, by key.
         unnamed: what no effect of the catalogue accounts for.
         learned: the same, looked up in recorded windows: it predicts, and explains nothing.
         memories: how what is left follows its own past and past inputs.
-        proof: errors before and after on held-out runs.
+        validation: errors before and after on held-out runs.
         horizons: errors of open-loop predictions.
         fitting: the problem that was fitted.
         proving: the blocks that it was proved on.
@@ -65,12 +65,12 @@ class Diagnosis:
     warnings: tuple[str, ...]
     mismatches: list[Mismatch]
     naming: Naming
-    signs: dict[str, Signs]
+    features: dict[str, Features]
     drifts: dict[str, list[Drift]]
     unnamed: list[Unnamed]
     learned: list[LearnedResidual]
     memories: list[Memory]
-    proof: Proof
+    validation: Validation
     horizons: list[HorizonError]
     fitting: Problem
     proving: Blocks
@@ -80,7 +80,7 @@ class Diagnosis:
     @property
     def probabilities(self) -> dict[str, float]:
         """The probability of each named effect, by key."""
-        return {key: probability_of(signs) for key, signs in self.signs.items()}
+        return {key: probability_of(features) for key, features in self.features.items()}
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -105,8 +105,8 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     if contradicted:
         contradicted.append("nothing is named as long as the recording contradicts itself or the platform")
         settings = replace(settings, effects=[])
-    read = name_as_read(prepared, recording, nominal, settings)
-    prepared, naming = name_with_drivers(*read, settings)
+    read = name_with_hold(prepared, recording, nominal, settings)
+    prepared, naming = name_with_latent_inputs(*read, settings)
     nominal, problem, proving = prepared.nominal, prepared.problem, prepared.proving
     fitted, functions, cluster, held_out = (
         problem.blocks,
@@ -127,9 +127,9 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     drifts = {c.effect.key: drifts_of(naming.fit, c.effect, fitted, cluster) for c in naming.named}
     weights = {rivalry.winner.key: rivalry.weight for rivalry in naming.rivalries}
     coarse = coarse_axes(naming.fit, problem, channels) if naming.named else {}
-    signs = {
+    features = {
         c.effect.key: replace(
-            signs_of(c, naming.fit, problem, drifts[c.effect.key], weights.get(c.effect.key, 1.0)),
+            features_of(c, naming.fit, problem, drifts[c.effect.key], weights.get(c.effect.key, 1.0)),
             coarse=channels[c.channel].name in coarse,
         )
         for c in naming.named
@@ -138,29 +138,31 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     memories = memories_of(residual, channels, problem)
     learned = learn(residual, channels, regimes, problem, fold)
     beside = learned_rows(learned, channels, regimes_on(proving, simulator), functions)
-    proof = prove(nominal, simulator, proving, functions, counted, held_out, settings.resamples, beside)
-    if proof.refutes:
-        signs = {key: replace(each, refuted=True) for key, each in signs.items()}
-    unseen = _unseen(proof, naming, problem, channels)
+    validation = validate(
+        nominal, simulator, proving, functions, counted, held_out, settings.resamples, beside
+    )
+    if validation.refutes:
+        features = {key: replace(each, refuted=True) for key, each in features.items()}
+    unseen = _unseen(validation, naming, problem, channels)
     gap = bool(unnamed or unseen) or any(m.excess > BEYOND_NOISE for m in mismatches)
     doubts = (
-        *_disproved(naming, proof),
+        *_disproved(naming, validation),
         *_shortness(problem),
         *coarseness_of(coarse, fitted.time_step),
         *_doubts(naming, drifts, memories, held_out),
         *unseen,
     )
     return Diagnosis(
-        verdict=_verdict(naming, signs, gap, _remains(naming, problem, proof)),
+        verdict=_verdict(naming, features, gap, _remains(naming, problem, validation)),
         warnings=tuple(dict.fromkeys((*contradicted, *recording.warnings, *prepared.remarks, *doubts))),
         mismatches=mismatches,
         naming=naming,
-        signs=signs,
+        features=features,
         drifts=drifts,
         unnamed=unnamed,
         learned=learned,
         memories=memories,
-        proof=proof,
+        validation=validation,
         horizons=horizon_errors(nominal, simulator, proving, settings.horizon, settings.resamples),
         fitting=problem,
         proving=proving,
@@ -184,12 +186,12 @@ def _counted(naming: Naming, mismatches: Sequence[Mismatch], channels: Sequence[
     return [channel for channel in counted if channel.name in failing] or counted
 
 
-def _verdict(naming: Naming, signs: Mapping[str, Signs], gap: bool, remains: bool) -> str:
+def _verdict(naming: Naming, features: Mapping[str, Features], gap: bool, remains: bool) -> str:
     """Say it in a word; a gap for which there is no name, or none that is believed and accounts for it, is unexplained.
 
     Args:
         naming: what was named.
-        signs: of each, by key.
+        features: of each, by key.
         gap: whether there is one, however small and whatever its name.
         remains: whether much of one is left beside the names.
     """
@@ -198,20 +200,22 @@ def _verdict(naming: Naming, signs: Mapping[str, Signs], gap: bool, remains: boo
     physics = [c.effect.key for c in naming.named if not isinstance(c.effect, ParameterError)]
     if not remains:
         return "missing_physics" if physics else "parameter_mismatch"
-    believed = any(presence_of(signs[key]) >= _BELIEVED for key in physics)
+    believed = any(presence_of(features[key]) >= _BELIEVED for key in physics)
     return "missing_physics" if believed else "unexplained"
 
 
-def _remains(naming: Naming, problem: Problem, proof: Proof) -> bool:
+def _remains(naming: Naming, problem: Problem, validation: Validation) -> bool:
     """Whether some equation leaves more than noise and much of what it left before, or held-out runs are worse."""
     before, after = (excess_of(each, problem.noise) for each in (naming.base, naming.fit))
-    much = (after > BEYOND_NOISE) & (after > _MUCH * before)
-    return bool(much.any()) or bool(_disproved(naming, proof))
+    much = (after > BEYOND_NOISE) & (after > _NOTABLE_SHARE * before)
+    return bool(much.any()) or bool(_disproved(naming, validation))
 
 
-def _unseen(proof: Proof, naming: Naming, problem: Problem, channels: Sequence[Channel]) -> list[str]:
+def _unseen(
+    validation: Validation, naming: Naming, problem: Problem, channels: Sequence[Channel]
+) -> list[str]:
     """Say in which channels the held-out runs show what none of the fitted runs does: no competition could name it."""
-    _, after, noise = proof.channels.square().unbind(1)
+    _, after, noise = validation.channels.square().unbind(1)
     fitted = excess_of(naming.fit, problem.noise).clamp_min(1.0)
     return [
         f"{channel.name}: the held-out runs leave {proved:.2g} times the noise's energy, the fitted ones {known:.2g}; "
@@ -221,9 +225,9 @@ def _unseen(proof: Proof, naming: Naming, problem: Problem, channels: Sequence[C
     ]
 
 
-def _disproved(naming: Naming, proof: Proof) -> list[str]:
+def _disproved(naming: Naming, validation: Validation) -> list[str]:
     """Say that runs which were used for nothing else speak against what was named, where they do."""
-    if not (naming.named and proof.disproves):
+    if not (naming.named and validation.disproves):
         return []
     return [
         "the held-out runs are predicted worse with what was named than without: do not build on it; record more runs "

@@ -9,16 +9,16 @@ import pandas as pd
 import torch
 from torch import Tensor
 
-from pipeline.gap.candidate import Candidate
-from pipeline.gap.contract import write_json
-from pipeline.gap.diagnosis import Diagnosis, regimes_on
-from pipeline.gap.learned import LearnedResidual
-from pipeline.gap.prove import gap_closed
-from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
-from pipeline.gap.residuals import channel_series, measured_rows, residual_rows
-from pipeline.physics.weak_form import mean_of
-from pipeline.simulation import Simulator
-from pipeline.simulation.blocks import Blocks
+from simgap.gap.candidate import Candidate
+from simgap.gap.contract import write_json
+from simgap.gap.diagnosis import Diagnosis, regimes_on
+from simgap.gap.learned import LearnedResidual
+from simgap.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
+from simgap.gap.residuals import channel_series, measured_rows, residual_rows
+from simgap.gap.validate import gap_closed
+from simgap.physics.weak_form import mean_of
+from simgap.simulation import Simulator
+from simgap.simulation.blocks import Blocks
 
 _BINS = 8
 _LAW_BINS = 15
@@ -35,7 +35,9 @@ def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
     traces(diagnosis).to_parquet(folder / "traces.parquet", index=False)
     residuals(diagnosis).to_parquet(folder / "residuals.parquet", index=False)
     write_json(competition(diagnosis), folder / "competition.json")
-    write_json({key: asdict(signs) for key, signs in diagnosis.signs.items()}, folder / "signs.json")
+    write_json(
+        {key: asdict(features) for key, features in diagnosis.features.items()}, folder / "features.json"
+    )
     write_json(laws(diagnosis), folder / "laws.json")
     write_json(horizons(diagnosis), folder / "horizon.json")
     write_json(regime_maps(diagnosis), folder / "regimes.json")
@@ -116,10 +118,14 @@ def memories(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 
 def learned(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the error with what was learned of the rest, in the metric of the fit, and how it was learned."""
-    proof = diagnosis.proof
-    closed = None if proof.learned is None else gap_closed(proof.before, proof.learned, proof.noise_floor)
+    validation = diagnosis.validation
+    closed = (
+        None
+        if validation.learned is None
+        else gap_closed(validation.before, validation.learned, validation.noise_floor)
+    )
     return {
-        "after": proof.learned,
+        "after": validation.learned,
         "gap_closed": closed,
         "channels": [
             {
@@ -269,7 +275,7 @@ def regime_maps(diagnosis: Diagnosis) -> list[dict[str, Any]]:
                     "edges": edges.tolist(),
                     "before": rms[0],
                     "after": rms[1],
-                    "noise_floor": float(diagnosis.proof.channels[i, 2]),
+                    "noise_floor": float(diagnosis.validation.channels[i, 2]),
                 }
             )
     return maps

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from pipeline.effects import Effect, Parameter, WrenchEffect
-from pipeline.gap.residuals import channels_on, residual_rows, row_weights, signals_inside
-from pipeline.physics.weak_form import WindowFunctions, mean_of
-from pipeline.simulation import FittedEffect, Simulator
-from pipeline.simulation.blocks import Blocks
+from simgap.effects import Effect, Parameter, WrenchEffect
+from simgap.gap.residuals import channels_on, residual_rows, row_weights, signals_inside
+from simgap.physics.weak_form import WindowFunctions, mean_of
+from simgap.simulation import FittedEffect, Simulator
+from simgap.simulation.blocks import Blocks
 
 _STEPS = 12
 _TOLERANCE = 1e-7  # of the cost of one standard deviation per row

@@ -6,12 +6,12 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.gap.residuals import sample_noise
-from pipeline.physics.rotations import rotation_angle
-from pipeline.simulation import Simulator, replay
-from pipeline.simulation.blocks import Blocks
-from pipeline.simulation.motion import motion_of
-from pipeline.simulation.replay import substeps_for
+from simgap.gap.residuals import sample_noise
+from simgap.physics.rotations import rotation_angle
+from simgap.simulation import Simulator, replay
+from simgap.simulation.blocks import Blocks
+from simgap.simulation.motion import motion_of
+from simgap.simulation.replay import substeps_for
 
 _UNITS = {
     "position": "m",

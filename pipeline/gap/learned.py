@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from pipeline.gap.ambiguity import is_beyond_chance
-from pipeline.gap.fit import Problem
-from pipeline.gap.regimes import Regime
-from pipeline.physics.weak_form import WindowFunctions, mean_of
-from pipeline.platforms.mechanism import Channel
-from pipeline.recordings.excerpt import evenly
-from pipeline.simulation.knn_residual import NearestNeighbours
+from simgap.gap.ambiguity import is_beyond_chance
+from simgap.gap.fit import Problem
+from simgap.gap.regimes import Regime
+from simgap.physics.weak_form import WindowFunctions, mean_of
+from simgap.platforms.mechanism import Channel
+from simgap.recordings.excerpt import evenly
+from simgap.simulation.knn_residual import NearestNeighbours
 
 _COUNTS = (5, 15, 45, 135)  # neighbours that are tried
 _MOST_SAMPLES = 4000  # windows that are looked up

@@ -7,11 +7,11 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from pipeline.gap.fit import Problem
-from pipeline.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
-from pipeline.physics.weak_form import mean_of
-from pipeline.platforms.mechanism import Channel
-from pipeline.simulation.blocks import Blocks
+from simgap.gap.fit import Problem
+from simgap.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
+from simgap.physics.weak_form import mean_of
+from simgap.platforms.mechanism import Channel
+from simgap.simulation.blocks import Blocks
 
 _BINS = 8
 _TOLERATED = (

@@ -3,11 +3,11 @@
 import itertools
 from collections.abc import Sequence
 
-from pipeline.effects import Effect
-from pipeline.gap.ambiguity import Rivalry, is_as_good, is_beyond_chance
-from pipeline.gap.competition import Competition, Round
-from pipeline.gap.fit import Fit, fit
-from pipeline.gap.refit import extend, shrink
+from simgap.effects import Effect
+from simgap.gap.ambiguity import Rivalry, is_as_good, is_beyond_chance
+from simgap.gap.competition import Competition, Round
+from simgap.gap.fit import Fit, fit
+from simgap.gap.refit import extend, shrink
 
 Exchange = tuple[tuple[Effect, Effect], ...]
 """Pairs of what goes and what comes."""

@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass
 
-from pipeline.effects import Effect, MeasurementEffect, ParameterError
-from pipeline.gap.ambiguity import Rivalry, is_beyond_chance
-from pipeline.gap.candidate import Candidate
-from pipeline.gap.competition import Competition, Round
-from pipeline.gap.fit import Fit, Problem
-from pipeline.gap.look_alikes import substitute, unite
-from pipeline.gap.settings import Gap
-from pipeline.simulation import FittedEffect, Simulator
+from simgap.effects import Effect, MeasurementEffect, ParameterError
+from simgap.gap.ambiguity import Rivalry, is_beyond_chance
+from simgap.gap.candidate import Candidate
+from simgap.gap.competition import Competition, Round
+from simgap.gap.fit import Fit, Problem
+from simgap.gap.look_alikes import substitute, unite
+from simgap.gap.settings import Gap
+from simgap.simulation import FittedEffect, Simulator
 
 _OUTDONE = 0.1  # of the weight among rivals, with which a name is none any more
-_MUCH = 10.0  # times the energy of the noise
+_TIMES_NOISE = 10.0  # times the energy of the noise
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
     one that puts them beside what was named, without which they may not show either.
     """
     competition = Competition(simulator, problem, settings)
-    settled = _settled(competition.catalogue)
+    settled = _numbers_and_clocks(competition.catalogue)
     competition.run(settled)
     competition.finish()
     rests_on_them = competition.names() & {effect.key for effect in settled}
@@ -64,7 +64,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         competition.exchange()
         competition.conclude()
         rivalries = _rivalries(competition)
-    much_is_left = competition.leaves_more_than_noise(times=_MUCH)
+    much_is_left = competition.leaves_more_than_noise(times=_TIMES_NOISE)
     if (much_is_left and substitute(competition, rivalries)) or unite(competition, rivalries):
         competition.conclude()
         rivalries = _rivalries(competition)
@@ -81,7 +81,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
 def _begun_with_usual(competition: Competition, other: Competition) -> Competition:
     """Return another competition, begun with what any machine has, where very much is left and it predicts better."""
     usual = usual_of(competition.catalogue)
-    if not (usual and competition.leaves_more_than_noise(times=_MUCH)):
+    if not (usual and competition.leaves_more_than_noise(times=_TIMES_NOISE)):
         return competition
     other.begin_with(usual)
     other.finish()
@@ -102,7 +102,7 @@ def usual_of(catalogue: list[Effect]) -> list[Effect]:
     return numbers + physics if physics else []
 
 
-def _settled(catalogue: list[Effect]) -> list[Effect]:
+def _numbers_and_clocks(catalogue: list[Effect]) -> list[Effect]:
     """Return what is settled before physics is asked, and what that may be mistaken for."""
     errors = [e for e in catalogue if isinstance(e, MeasurementEffect | ParameterError)]
     mistaken = {name for effect in errors for name in effect.yields_to}

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 
 from torch import Tensor
 
-from pipeline.effects import Effect, ParameterError
-from pipeline.gap.fit import Fit, Problem, fit
-from pipeline.gap.refit import extend, remove, shrink
-from pipeline.simulation import FittedEffect
+from simgap.effects import Effect, ParameterError
+from simgap.gap.fit import Fit, Problem, fit
+from simgap.gap.refit import extend, remove, shrink
+from simgap.simulation import FittedEffect
 
 _NEARLY_ALL = 0.98  # of what the two explain; what is left may still be a small error of one of them
 

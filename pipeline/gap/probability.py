@@ -1,4 +1,4 @@
-"""How sure a name is: the probability that is written beside it, and the signs that it is made of."""
+"""How sure a name is: the probability that is written beside it, and the features that it is made of."""
 
 import math
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ DIRECTIONS = {
 }
 """Whether more of a feature speaks for the effect (+1) or against it (−1)."""
 
-_MOST = 0.995  # nothing is certain of one recording
+_GREATEST_PROBABILITY = 0.995  # nothing is certain of one recording
 _REFUTED = 0.25  # and a name is less likely than not where other runs speak against it
 _OPEN = 0.5  # and no likelier than not where samples are too far apart to tell it from others
 _LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 1.0  # times the noise: what cannot hide in it may be as small as it is
@@ -30,7 +30,7 @@ _MOST_ODDS = 50.0  # of the logarithm, beyond which the exponential says nothing
 
 
 @dataclass(frozen=True)
-class Signs:
+class Features:
     """What speaks for a named effect and against it.
 
     Attributes:
@@ -73,8 +73,8 @@ class Signs:
         return min(_MOST_EXCESS, 1.0 + _SLIGHT * self.excess / max(self.signal, _LEAST_SIGNAL))
 
     @property
-    def features(self) -> dict[str, float]:
-        """The signs on scales on which their differences count alike, by the names of `DIRECTIONS`."""
+    def scaled(self) -> dict[str, float]:
+        """The features on scales on which their differences count alike, by the names of `DIRECTIONS`."""
         return {
             "evidence": math.asinh(self.log_bayes_factor),
             "unsteadiness": math.log1p(self.unsteadiness),
@@ -105,15 +105,15 @@ class Calibration:
         return 1.0 / (1.0 + math.exp(-max(min(odds, _MOST_ODDS), -_MOST_ODDS)))
 
 
-def presence_of(signs: Signs) -> float:
+def presence_of(features: Features) -> float:
     """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
-    most = _REFUTED if signs.refuted else _OPEN if signs.coarse else _MOST
-    return min(_calibration().presence(signs.features, signs.kind), most)
+    most = _REFUTED if features.refuted else _OPEN if features.coarse else _GREATEST_PROBABILITY
+    return min(_calibration().presence(features.scaled, features.kind), most)
 
 
-def probability_of(signs: Signs) -> float:
+def probability_of(features: Features) -> float:
     """Return the probability that it is this effect: present, and none of those that cannot be told from it."""
-    return presence_of(signs) * signs.weight
+    return presence_of(features) * features.weight
 
 
 @cache

@@ -6,8 +6,8 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from pipeline.effects import Effect
-from pipeline.gap.fit import (
+from simgap.effects import Effect
+from simgap.gap.fit import (
     Fit,
     Problem,
     bounded_newton_step,
@@ -22,7 +22,7 @@ from pipeline.gap.fit import (
     with_errors,
     with_values,
 )
-from pipeline.simulation import FittedEffect, Simulator
+from simgap.simulation import FittedEffect, Simulator
 
 _STEPS = 3  # where slopes are kept
 _MOST_STEPS = 8  # where they are not

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from pipeline.physics.weak_form import WindowFunctions, mean_of, mean_rate_of
-from pipeline.platforms.mechanism import Channel
-from pipeline.recordings.cleaning.resample import FIFTH_DIFFERENCE
-from pipeline.simulation import Simulator
-from pipeline.simulation.blocks import Blocks
+from simgap.physics.weak_form import WindowFunctions, mean_of, mean_rate_of
+from simgap.platforms.mechanism import Channel
+from simgap.recordings.cleaning.resample import FIFTH_DIFFERENCE
+from simgap.simulation import Simulator
+from simgap.simulation.blocks import Blocks
 
 _FIFTH_DIFFERENCE = torch.tensor(FIFTH_DIFFERENCE, dtype=torch.float64)
 _ROUNDING = 1e-9  # of the mean square: a signal that rests leaves no more

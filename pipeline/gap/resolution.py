@@ -6,9 +6,9 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from pipeline.gap.residuals import sample_noise
-from pipeline.simulation import Simulator
-from pipeline.simulation.blocks import Blocks
+from simgap.gap.residuals import sample_noise
+from simgap.simulation import Simulator
+from simgap.simulation.blocks import Blocks
 
 _LEAST_CHANGES = (
     0.05  # of the changes of a velocity from sample to sample are no larger than one step of its sensor

@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from pipeline.effects import Effect
-from pipeline.gap.fit import Fit, Problem, fit, jacobian_of, parameters_of
-from pipeline.gap.horizon import state_noise
-from pipeline.gap.scoring import cross_validated, folds_of, log_score
-from pipeline.simulation import FittedEffect, Simulator, replay
-from pipeline.simulation.motion import motion_of
-from pipeline.simulation.replay import substeps_for
+from simgap.effects import Effect
+from simgap.gap.fit import Fit, Problem, fit, jacobian_of, parameters_of
+from simgap.gap.horizon import state_noise
+from simgap.gap.scoring import cross_validated, folds_of, log_score
+from simgap.simulation import FittedEffect, Simulator, replay
+from simgap.simulation.motion import motion_of
+from simgap.simulation.replay import substeps_for
 
 _MOST_BLOCKS = 120
 _ENDS = 5  # instants at which a prediction is compared

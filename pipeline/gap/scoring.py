@@ -6,8 +6,8 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from pipeline.gap.fit import Fit, channel_scale, inverse_of
-from pipeline.simulation.blocks import Blocks
+from simgap.gap.fit import Fit, channel_scale, inverse_of
+from simgap.simulation.blocks import Blocks
 
 _CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
 ENOUGH_CLUSTERS = 20

@@ -5,10 +5,10 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from pipeline.effects.shift import shift_in_time
-from pipeline.physics import rotations
-from pipeline.physics.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
-from pipeline.simulation.blocks import Blocks
+from simgap.effects.shift import shift_in_time
+from simgap.physics import rotations
+from simgap.physics.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
+from simgap.simulation.blocks import Blocks
 
 _AGREED = 0.5  # of the disagreement must go for a shift to be believed
 _NOTABLE = 0.05  # m/s²: half a hundredth of gravity, the zero error of a calibrated consumer accelerometer

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from pipeline.checks import check_not_negative, check_positive
-from pipeline.errors import InputError
+from simgap.checks import check_not_negative, check_positive
+from simgap.errors import InputError
 
 _SHARES = ("significance", "least_share", "least_probability")
 _LENGTHS = ("block_duration", "test_width", "horizon", "fit_horizon", "significance")

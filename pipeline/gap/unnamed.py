@@ -8,10 +8,10 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from pipeline.gap.fit import Problem
-from pipeline.gap.regimes import Regime
-from pipeline.physics.weak_form import mean_of
-from pipeline.platforms.mechanism import Channel
+from simgap.gap.fit import Problem
+from simgap.gap.regimes import Regime
+from simgap.physics.weak_form import mean_of
+from simgap.platforms.mechanism import Channel
 
 _MOST_TERMS = 4
 _HARMONICS = 12  # of a turn: what repeats once to twelve times per turn of a joint

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from scipy import stats
 from torch import Tensor
 
-from pipeline.gap.fit import Problem
-from pipeline.physics.weak_form import mean_of
-from pipeline.platforms.mechanism import Channel
+from simgap.gap.fit import Problem
+from simgap.physics.weak_form import mean_of
+from simgap.platforms.mechanism import Channel
 
 _CHANCE = 1e-3  # over all channels, inputs and lags
 _NOTABLE = 0.1  # a correlation below that explains less than a hundredth of what is left

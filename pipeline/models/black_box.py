@@ -8,9 +8,9 @@ from typing import ClassVar
 
 from torch import Tensor
 
-from pipeline.models.network_model import NetworkModel
-from pipeline.models.recurrent_network import Memory, RecurrentNetwork
-from pipeline.models.settings import ModelSettings, TrainedSettings
+from simgap.models.network_model import NetworkModel
+from simgap.models.recurrent_network import Memory, RecurrentNetwork
+from simgap.models.settings import ModelSettings, TrainedSettings
 
 
 @dataclass

@@ -9,12 +9,12 @@ from typing import Any, ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.bias_correction import BiasCorrection
-from pipeline.models.examples import Examples
-from pipeline.models.layout import Layout
-from pipeline.models.settings import ModelSettings, Training
-from pipeline.models.windows import Series
+from simgap.errors import InputError
+from simgap.models.bias_correction import BiasCorrection
+from simgap.models.examples import Examples
+from simgap.models.layout import Layout
+from simgap.models.settings import ModelSettings, Training
+from simgap.models.windows import Series
 
 
 def _log_nothing(metrics: Mapping[str, float], step: int) -> None:
@@ -190,8 +190,8 @@ class DynamicsModel(ABC):
         return increments if self.correction is None else self.correction.apply(increments)
 
     def save(self, folder: Path) -> None:
-        """Write `model.yaml` and `model.safetensors`; see `pipeline.models.storage.load_model`."""
-        from pipeline.models.storage import save_model
+        """Write `model.yaml` and `model.safetensors`; see `simgap.models.storage.load_model`."""
+        from simgap.models.storage import save_model
 
         save_model(self, folder)
 

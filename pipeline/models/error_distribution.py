@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel
-from pipeline.models.evaluation import scored_starts, window_errors
-from pipeline.models.windows import Series, evenly
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel
+from simgap.models.evaluation import scored_starts, window_errors
+from simgap.models.windows import Series, evenly
 
 
 def error_quantiles(

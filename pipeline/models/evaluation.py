@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel
-from pipeline.models.windows import Series, evenly, gather
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel
+from simgap.models.windows import Series, evenly, gather
 
 Errors = dict[str, dict[str, dict[str, float]]]
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.layout import Layout
-from pipeline.models.scaling import Scaler
-from pipeline.models.windows import Series, evenly, gather
+from simgap.errors import InputError
+from simgap.models.layout import Layout
+from simgap.models.scaling import Scaler
+from simgap.models.windows import Series, evenly, gather
 
 _CHUNK = 4096
 

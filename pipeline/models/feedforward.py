@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from pipeline.models.motor_samples import MotorSamples, with_acting_voltage
-from pipeline.models.parameters import WITHHELD, Parameter
-from pipeline.models.regression import Table, fit_table, is_determined, jackknife_error, join
-from pipeline.models.settings import SystemIdentification
-from pipeline.physics.weak_form import moving_centres, moving_mean_of, moving_mean_rate_of, moving_window
+from simgap.models.motor_samples import MotorSamples, with_acting_voltage
+from simgap.models.parameters import WITHHELD, Parameter
+from simgap.models.regression import Table, fit_table, is_determined, jackknife_error, join
+from simgap.models.settings import SystemIdentification
+from simgap.physics.weak_form import moving_centres, moving_mean_of, moving_mean_rate_of, moving_window
 
 _HELD_OUT_SHARE = 0.2
 

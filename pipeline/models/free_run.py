@@ -3,9 +3,9 @@
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel
-from pipeline.models.windows import Series, gather
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel
+from simgap.models.windows import Series, gather
 
 
 def free_run_scores(model: DynamicsModel, series: Series, duration: float) -> dict[str, dict[str, float]]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from pipeline.models.levenberg_marquardt import Problem
+from simgap.models.levenberg_marquardt import Problem
 
 _CHUNK = 4096  # samples whose derivatives are worked on at a time
 

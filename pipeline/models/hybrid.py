@@ -16,15 +16,15 @@ from typing import Any, ClassVar, NamedTuple
 import torch
 from torch import Tensor, nn
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import Examples
-from pipeline.models.layout import Layout
-from pipeline.models.network_model import NetworkModel
-from pipeline.models.recurrent_network import Memory, RecurrentNetwork, dense, silence
-from pipeline.models.scaling import Scaler
-from pipeline.models.settings import ModelSettings, TrainedSettings, Training
-from pipeline.models.windows import Series
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel, FitContext
+from simgap.models.examples import Examples
+from simgap.models.layout import Layout
+from simgap.models.network_model import NetworkModel
+from simgap.models.recurrent_network import Memory, RecurrentNetwork, dense, silence
+from simgap.models.scaling import Scaler
+from simgap.models.settings import ModelSettings, TrainedSettings, Training
+from simgap.models.windows import Series
 
 _MOTION = "motion."  # begins the names of the motion model's tensors
 
@@ -73,7 +73,7 @@ class HybridModel(NetworkModel):
         self, train: Series, validation: Series, training: Training, context: FitContext | None = None
     ) -> float:
         """Fit the motion model, then train the networks through predictions of `training.steps` steps."""
-        from pipeline.models.rollout_training import train_rollouts
+        from simgap.models.rollout_training import train_rollouts
 
         context = context or FitContext()
         self.motion.fit(train, validation, training, context)
@@ -221,7 +221,7 @@ def _motion_model(layout: Layout, settings: HybridSettings, time_step: float) ->
     Raises:
         InputError: when it is none that is solved in closed form, or sees more samples than the hybrid.
     """
-    from pipeline.models.registry import model_class, model_settings
+    from simgap.models.registry import model_class, model_settings
 
     own = model_settings(settings.motion)
     if isinstance(own, TrainedSettings):

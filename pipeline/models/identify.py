@@ -4,15 +4,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline.models.feedforward import Feedforward, identify_feedforward
-from pipeline.models.motor_samples import motors_of
-from pipeline.models.nominal_motor import nominal_feedforward
-from pipeline.models.parameters import WITHHELD
-from pipeline.models.quadrotor_parameters import identify_quadrotor
-from pipeline.models.rolling_radius import identify_rolling_radius
-from pipeline.models.settings import SystemIdentification
-from pipeline.platforms import Platform, Quadrotor, Swerve
-from pipeline.recordings.recording import Recording
+from simgap.models.feedforward import Feedforward, identify_feedforward
+from simgap.models.motor_samples import motors_of
+from simgap.models.nominal_motor import nominal_feedforward
+from simgap.models.parameters import WITHHELD
+from simgap.models.quadrotor_parameters import identify_quadrotor
+from simgap.models.rolling_radius import identify_rolling_radius
+from simgap.models.settings import SystemIdentification
+from simgap.platforms import Platform, Quadrotor, Swerve
+from simgap.recordings.recording import Recording
 
 
 @dataclass(frozen=True)

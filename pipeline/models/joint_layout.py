@@ -6,8 +6,8 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.models.layout import Layout
-from pipeline.recordings.recording import Recording
+from simgap.models.layout import Layout
+from simgap.recordings.recording import Recording
 
 
 @dataclass(frozen=True)

@@ -52,8 +52,8 @@ from typing import Any, ClassVar
 
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.recordings.recording import Recording
+from simgap.errors import InputError
+from simgap.recordings.recording import Recording
 
 
 @dataclass(frozen=True)
@@ -178,13 +178,13 @@ def layout_from_mapping(values: Mapping[str, Any]) -> Layout:
 
 
 def _layouts() -> dict[str, type[Layout]]:
-    from pipeline.models.attitude_layout import AttitudeLayout
-    from pipeline.models.joint_layout import JointLayout
-    from pipeline.models.motor_command_layout import MotorCommandLayout
-    from pipeline.models.quadrotor_layout import QuadrotorLayout
-    from pipeline.models.steering_layout import SteeringLayout
-    from pipeline.models.swerve_chassis_layout import SwerveChassisLayout
-    from pipeline.models.swerve_layout import SwerveLayout
+    from simgap.models.attitude_layout import AttitudeLayout
+    from simgap.models.joint_layout import JointLayout
+    from simgap.models.motor_command_layout import MotorCommandLayout
+    from simgap.models.quadrotor_layout import QuadrotorLayout
+    from simgap.models.steering_layout import SteeringLayout
+    from simgap.models.swerve_chassis_layout import SwerveChassisLayout
+    from simgap.models.swerve_layout import SwerveLayout
 
     layouts = (
         QuadrotorLayout,

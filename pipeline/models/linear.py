@@ -7,12 +7,12 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import one_step_loss
-from pipeline.models.restoring import take_tensors
-from pipeline.models.scaling import Scaler
-from pipeline.models.settings import ModelSettings, Training
-from pipeline.models.windows import Series
+from simgap.models.contract import DynamicsModel, FitContext
+from simgap.models.examples import one_step_loss
+from simgap.models.restoring import take_tensors
+from simgap.models.scaling import Scaler
+from simgap.models.settings import ModelSettings, Training
+from simgap.models.windows import Series
 
 
 @dataclass

@@ -8,8 +8,8 @@ from typing import ClassVar
 
 from torch import Tensor, nn
 
-from pipeline.models.network_model import NetworkModel, NetworkSettings
-from pipeline.models.settings import ModelSettings
+from simgap.models.network_model import NetworkModel, NetworkSettings
+from simgap.models.settings import ModelSettings
 
 
 @dataclass

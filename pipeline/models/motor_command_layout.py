@@ -7,11 +7,11 @@ from typing import Any, ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.layout import Layout
-from pipeline.physics import rotations
-from pipeline.platforms import Quadrotor, platform_from_config
-from pipeline.recordings.recording import Recording
+from simgap.errors import InputError
+from simgap.models.layout import Layout
+from simgap.physics import rotations
+from simgap.platforms import Quadrotor, platform_from_config
+from simgap.recordings.recording import Recording
 
 REACTION = 0.02  # s after which the motion that a command causes is seen, about a rotor's time constant
 _MOTION = tuple(

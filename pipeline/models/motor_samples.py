@@ -6,9 +6,9 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from pipeline.errors import InputError
-from pipeline.models.segments import segments
-from pipeline.recordings.recording import Recording
+from simgap.errors import InputError
+from simgap.models.segments import segments
+from simgap.recordings.recording import Recording
 
 FEWEST_BLOCKS = 10
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 import torch
 from torch import Tensor, nn
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import Examples
-from pipeline.models.layout import Layout
-from pipeline.models.restoring import take_tensors
-from pipeline.models.scaling import Scaler, scaler_shapes, scaler_tensors, scalers_of
-from pipeline.models.settings import TrainedSettings, Training
-from pipeline.models.windows import Series
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel, FitContext
+from simgap.models.examples import Examples
+from simgap.models.layout import Layout
+from simgap.models.restoring import take_tensors
+from simgap.models.scaling import Scaler, scaler_shapes, scaler_tensors, scalers_of
+from simgap.models.settings import TrainedSettings, Training
+from simgap.models.windows import Series
 
 
 @dataclass
@@ -56,8 +56,8 @@ class NetworkModel(DynamicsModel):
         self, train: Series, validation: Series, training: Training, context: FitContext | None = None
     ) -> float:
         """Train until the validation loss stops falling, and keep the weights with which it was lowest."""
-        from pipeline.models.rollout_training import train_rollouts
-        from pipeline.models.training import train_network
+        from simgap.models.rollout_training import train_rollouts
+        from simgap.models.training import train_network
 
         context = context or FitContext()
         examples, held = self.examples(train, "training"), self.examples(validation, "validation")

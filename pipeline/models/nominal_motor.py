@@ -1,6 +1,6 @@
 """The feedforward constants that a platform's data sheet implies."""
 
-from pipeline.platforms import Joint, Platform, Swerve
+from simgap.platforms import Joint, Platform, Swerve
 
 
 def nominal_feedforward(platform: Platform, motor: str) -> dict[str, float]:

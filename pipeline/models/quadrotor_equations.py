@@ -16,18 +16,18 @@ import numpy as np
 import torch
 from scipy.spatial.transform import Rotation
 
-from pipeline.errors import InputError
-from pipeline.models.regression import Table, join
-from pipeline.models.segments import Segment, segments
-from pipeline.physics.weak_form import (
+from simgap.errors import InputError
+from simgap.models.regression import Table, join
+from simgap.models.segments import Segment, segments
+from simgap.physics.weak_form import (
     MovingWindow,
     moving_centres,
     moving_mean_of,
     moving_mean_rate_of,
     moving_window,
 )
-from pipeline.platforms import Quadrotor
-from pipeline.recordings.recording import Recording
+from simgap.platforms import Quadrotor
+from simgap.recordings.recording import Recording
 
 EQUATIONS = ("thrust", "roll", "pitch", "yaw")
 

@@ -6,10 +6,10 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.models.layout import Layout
-from pipeline.physics import rotations
-from pipeline.recordings.contract import QUADROTOR_STATE
-from pipeline.recordings.recording import Recording
+from simgap.models.layout import Layout
+from simgap.physics import rotations
+from simgap.recordings.contract import QUADROTOR_STATE
+from simgap.recordings.recording import Recording
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.models.parameters import WITHHELD, Parameter
-from pipeline.models.quadrotor_equations import quadrotor_tables
-from pipeline.models.regression import Table, fit_table, is_determined, jackknife_error
-from pipeline.models.settings import SystemIdentification
-from pipeline.platforms import Quadrotor
-from pipeline.recordings.recording import Recording
+from simgap.models.parameters import WITHHELD, Parameter
+from simgap.models.quadrotor_equations import quadrotor_tables
+from simgap.models.regression import Table, fit_table, is_determined, jackknife_error
+from simgap.models.settings import SystemIdentification
+from simgap.platforms import Quadrotor
+from simgap.recordings.recording import Recording
 
 _EQUATIONS = {
     "thrust_coefficient": ("thrust",),

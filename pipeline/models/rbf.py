@@ -7,14 +7,14 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import Examples, one_step_loss
-from pipeline.models.orthogonal_least_squares import Choice, choose
-from pipeline.models.restoring import take_tensors
-from pipeline.models.scaling import Scaler, scaler_shapes, scaler_tensors, scalers_of
-from pipeline.models.settings import ModelSettings, Training
-from pipeline.models.windows import Series
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel, FitContext
+from simgap.models.examples import Examples, one_step_loss
+from simgap.models.orthogonal_least_squares import Choice, choose
+from simgap.models.restoring import take_tensors
+from simgap.models.scaling import Scaler, scaler_shapes, scaler_tensors, scalers_of
+from simgap.models.settings import ModelSettings, Training
+from simgap.models.windows import Series
 
 
 @dataclass

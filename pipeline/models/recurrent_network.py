@@ -9,7 +9,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 
 class Memory(NamedTuple):

@@ -4,21 +4,21 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 from typing import Any
 
-from pipeline.errors import InputError
-from pipeline.models.black_box import BlackBoxModel
-from pipeline.models.contract import DynamicsModel
-from pipeline.models.fnn import FeedForwardModel
-from pipeline.models.hybrid import HybridParallelModel, HybridSerialModel
-from pipeline.models.linear import LinearModel
-from pipeline.models.lstm import LongShortTermMemoryModel
-from pipeline.models.narx import NarxModel
-from pipeline.models.rbf import RadialBasisModel
-from pipeline.models.settings import ModelSettings
-from pipeline.models.state_space import StateSpaceModel
-from pipeline.models.tcn import TemporalConvolutionModel
-from pipeline.models.transfer_function import TransferFunctionModel
-from pipeline.models.white_box import WhiteBoxModel
-from pipeline.stage.mistakes import configuration_mistakes
+from simgap.errors import InputError
+from simgap.models.black_box import BlackBoxModel
+from simgap.models.contract import DynamicsModel
+from simgap.models.fnn import FeedForwardModel
+from simgap.models.hybrid import HybridParallelModel, HybridSerialModel
+from simgap.models.linear import LinearModel
+from simgap.models.lstm import LongShortTermMemoryModel
+from simgap.models.narx import NarxModel
+from simgap.models.rbf import RadialBasisModel
+from simgap.models.settings import ModelSettings
+from simgap.models.state_space import StateSpaceModel
+from simgap.models.tcn import TemporalConvolutionModel
+from simgap.models.transfer_function import TransferFunctionModel
+from simgap.models.white_box import WhiteBoxModel
+from simgap.runner.mistakes import configuration_mistakes
 
 MODELS: dict[str, type[DynamicsModel]] = {
     "linear": LinearModel,

@@ -2,8 +2,8 @@
 
 import torch
 
-from pipeline.models.contract import DynamicsModel
-from pipeline.models.windows import Series
+from simgap.models.contract import DynamicsModel
+from simgap.models.windows import Series
 
 
 def ratios(measured: torch.Tensor, residual: torch.Tensor) -> dict[str, float]:

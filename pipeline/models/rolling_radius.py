@@ -10,13 +10,13 @@ from collections.abc import Sequence
 import numpy as np
 import torch
 
-from pipeline.models.parameters import Parameter
-from pipeline.models.regression import fit_table, is_determined, jackknife_error, join
-from pipeline.models.segments import segments
-from pipeline.models.settings import SystemIdentification
-from pipeline.platforms import Swerve
-from pipeline.platforms.swerve_kinematics import rolling_speed
-from pipeline.recordings.recording import Recording
+from simgap.models.parameters import Parameter
+from simgap.models.regression import fit_table, is_determined, jackknife_error, join
+from simgap.models.segments import segments
+from simgap.models.settings import SystemIdentification
+from simgap.platforms import Swerve
+from simgap.platforms.swerve_kinematics import rolling_speed
+from simgap.recordings.recording import Recording
 
 _TWIST = ("chassis_velocity_x", "chassis_velocity_y", "chassis_rate")
 

@@ -11,12 +11,12 @@ import torch
 from pytorch_lightning.utilities.types import OptimizerLRSchedulerConfig
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.network_model import NetworkModel
-from pipeline.models.settings import Training
-from pipeline.models.training import VALIDATION_LOSS, train_module
-from pipeline.models.windows import Series, evenly, gather
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel, FitContext
+from simgap.models.network_model import NetworkModel
+from simgap.models.settings import Training
+from simgap.models.training import VALIDATION_LOSS, train_module
+from simgap.models.windows import Series, evenly, gather
 
 _VALIDATION_WINDOWS = 2048  # evenly over the validation runs
 _THINNING = 10  # windows of the training runs to one that an epoch sees: neighbours say nearly the same

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 SCALINGS = ("standard", "robust")
 _PARTS = ("centre", "spread")

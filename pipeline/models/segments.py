@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pipeline.recordings.recording import Recording
+from simgap.recordings.recording import Recording
 
 _ACTUATOR_STEMS = ("motor_speed_", "motor_command_")
 

@@ -11,11 +11,11 @@ import torch
 from scipy.signal import butter
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.linear import LinearModel, LinearSettings
-from pipeline.models.settings import ModelSettings
-from pipeline.models.windows import Series
-from pipeline.models.zero_phase import both_ways
+from simgap.errors import InputError
+from simgap.models.linear import LinearModel, LinearSettings
+from simgap.models.settings import ModelSettings
+from simgap.models.windows import Series
+from simgap.models.zero_phase import both_ways
 
 
 @dataclass

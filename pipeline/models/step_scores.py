@@ -5,10 +5,10 @@ import math
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel
-from pipeline.models.evaluation import scored_starts
-from pipeline.models.windows import Series, gather
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel
+from simgap.models.evaluation import scored_starts
+from simgap.models.windows import Series, gather
 
 _CHUNK = 8192  # windows that are predicted together
 

@@ -2,17 +2,17 @@
 
 from pathlib import Path
 
-from pipeline.artifacts.descriptions import (
+from simgap.artifacts.descriptions import (
     read_description,
     read_tensors,
     write_description,
     write_tensors,
 )
-from pipeline.errors import InputError
-from pipeline.models.bias_correction import BiasCorrection
-from pipeline.models.contract import DynamicsModel, Provenance
-from pipeline.models.layout import layout_from_mapping
-from pipeline.models.registry import model_class, model_settings
+from simgap.errors import InputError
+from simgap.models.bias_correction import BiasCorrection
+from simgap.models.contract import DynamicsModel, Provenance
+from simgap.models.layout import layout_from_mapping
+from simgap.models.registry import model_class, model_settings
 
 SCHEMA = "simgap.model/1"
 DESCRIPTION_FILE = "model.yaml"

@@ -6,9 +6,9 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.models.layout import Layout
-from pipeline.models.swerve_layout import four
-from pipeline.recordings.recording import Recording
+from simgap.models.layout import Layout
+from simgap.models.swerve_layout import four
+from simgap.recordings.recording import Recording
 
 _TWIST = ("chassis_velocity_x", "chassis_velocity_y", "chassis_rate")
 

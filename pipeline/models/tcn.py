@@ -9,9 +9,9 @@ from typing import ClassVar
 
 from torch import Tensor, nn
 
-from pipeline.errors import InputError
-from pipeline.models.network_model import NetworkModel, NetworkSettings
-from pipeline.models.settings import ModelSettings
+from simgap.errors import InputError
+from simgap.models.network_model import NetworkModel, NetworkSettings
+from simgap.models.settings import ModelSettings
 
 
 @dataclass

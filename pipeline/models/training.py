@@ -8,11 +8,11 @@ import pytorch_lightning as lightning
 import torch
 from torch import Tensor, nn
 
-from pipeline.errors import InputError
-from pipeline.models.callbacks import KeepBest, ResumePoint, Tell
-from pipeline.models.contract import FitContext
-from pipeline.models.examples import Examples
-from pipeline.models.settings import TrainedSettings, Training
+from simgap.errors import InputError
+from simgap.models.callbacks import KeepBest, ResumePoint, Tell
+from simgap.models.contract import FitContext
+from simgap.models.examples import Examples
+from simgap.models.settings import TrainedSettings, Training
 
 VALIDATION_LOSS = "validation_loss"
 _VALIDATION_BATCH = 8192

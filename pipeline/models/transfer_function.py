@@ -13,13 +13,13 @@ import torch
 from scipy.optimize import least_squares
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import one_step_loss
-from pipeline.models.restoring import take_tensors
-from pipeline.models.second_order import SecondOrder, responses
-from pipeline.models.settings import ModelSettings, Training
-from pipeline.models.windows import Series, gather
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel, FitContext
+from simgap.models.examples import one_step_loss
+from simgap.models.restoring import take_tensors
+from simgap.models.second_order import SecondOrder, responses
+from simgap.models.settings import ModelSettings, Training
+from simgap.models.windows import Series, gather
 
 _NUMBERS = tuple(entry.name for entry in fields(SecondOrder))
 _STARTS = (2.0, 10.0, 50.0)  # time constants from which the fit is begun, samples

@@ -11,14 +11,14 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel, FitContext
-from pipeline.models.examples import Examples, one_step_loss
-from pipeline.models.motion_equations import KNOWN, TERMS, Terms
-from pipeline.models.restoring import take_tensors
-from pipeline.models.settings import ModelSettings, Training
-from pipeline.models.windows import Series
-from pipeline.physics.weak_form import moving_mean_of, moving_window
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel, FitContext
+from simgap.models.examples import Examples, one_step_loss
+from simgap.models.motion_equations import KNOWN, TERMS, Terms
+from simgap.models.restoring import take_tensors
+from simgap.models.settings import ModelSettings, Training
+from simgap.models.windows import Series
+from simgap.physics.weak_form import moving_mean_of, moving_window
 
 
 @dataclass

@@ -7,10 +7,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.layout import Layout
-from pipeline.models.segments import segments
-from pipeline.recordings.recording import Recording
+from simgap.errors import InputError
+from simgap.models.layout import Layout
+from simgap.models.segments import segments
+from simgap.recordings.recording import Recording
 
 
 @dataclass(frozen=True)

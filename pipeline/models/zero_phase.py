@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from pipeline.errors import InputError
-from pipeline.recordings.recording import Recording
+from simgap.errors import InputError
+from simgap.recordings.recording import Recording
 
 ORDER = 4  # of the Butterworth filter, which runs forwards and backwards
 

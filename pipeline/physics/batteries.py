@@ -7,7 +7,7 @@ performance", IEEE Transactions on Energy Conversion 21(2).
 import torch
 from torch import Tensor
 
-from pipeline.physics.motors import Value, first_order_lag
+from simgap.physics.motors import Value, first_order_lag
 
 # Open-circuit voltage of one lithium-polymer cell against its state of charge, equation (2) of the source, V.
 _CELL_KNEE, _CELL_KNEE_RATE = -1.031, 35.0

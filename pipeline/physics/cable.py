@@ -61,7 +61,7 @@ class Cable:
         length = torch.as_tensor(self.length, dtype=torch.float64)
         if any(each.requires_grad or each.is_cuda for each in (direction, rate, means, length)):
             return self._one_by_one(direction, rate, means, time_step)
-        from pipeline.physics.cable_steps import swung  # its import takes longer than all effects
+        from simgap.physics.cable_steps import swung  # its import takes longer than all effects
 
         directions, rates = swung(
             _array(direction), _array(rate), _array(means), _array(length.expand(len(means))), time_step

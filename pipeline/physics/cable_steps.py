@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 def swung(
     direction: Array, rate: Array, apparent: Array, length: Array, time_step: float
 ) -> tuple[Array, Array]:
-    """Return direction and rate of cables along steps, as `pipeline.physics.cable.swing` takes each of them.
+    """Return direction and rate of cables along steps, as `simgap.physics.cable.swing` takes each of them.
 
     Args:
         direction: of the cables at first, unit, (cables, 3).

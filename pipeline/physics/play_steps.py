@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 def slips_in_play(
     place: Array, push: Array, turn: Array, half: float, damped: float, time_step: float
 ) -> Array:
-    """Return how fast motors run ahead of their axes, as `pipeline.effects.backlash` takes each step.
+    """Return how fast motors run ahead of their axes, as `simgap.effects.backlash` takes each step.
 
     Args:
         place: of the motors in the gap at first, (motors,) rad.

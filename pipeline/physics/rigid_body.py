@@ -7,7 +7,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from pipeline.physics.rotations import Quaternion, Vector, cross, rotate
+from simgap.physics.rotations import Quaternion, Vector, cross, rotate
 
 
 def linear_acceleration(attitude: Quaternion, specific_force: Vector, gravity: float | Tensor) -> Vector:

@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from pipeline.physics.rotations import Vector, cross
+from simgap.physics.rotations import Vector, cross
 
 PerRotor = Float[Tensor, "*#batch rotors"]
 RotorVectors = Float[Tensor, "*#batch rotors 3"]

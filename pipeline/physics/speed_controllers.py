@@ -9,7 +9,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from pipeline.physics.motors import Value
+from simgap.physics.motors import Value
 
 
 class SpeedMap(NamedTuple):

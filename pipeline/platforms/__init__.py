@@ -1,9 +1,9 @@
 """Floor 2: what a person knows about a machine before identification."""
 
-from pipeline.platforms.joint import Joint, JointMotor
-from pipeline.platforms.load import platform_from_config, platform_to_config
-from pipeline.platforms.quadrotor import Quadrotor
-from pipeline.platforms.swerve import DirectCurrentMotor, SteerAxis, Swerve, SwerveAxis
+from simgap.platforms.joint import Joint, JointMotor
+from simgap.platforms.load import platform_from_config, platform_to_config
+from simgap.platforms.quadrotor import Quadrotor
+from simgap.platforms.swerve import DirectCurrentMotor, SteerAxis, Swerve, SwerveAxis
 
 Platform = Quadrotor | Swerve | Joint
 

@@ -6,8 +6,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.platforms.joint import Joint
-from pipeline.platforms.mechanism import Channel, Constants, Mechanism, Signals
+from simgap.platforms.joint import Joint
+from simgap.platforms.mechanism import Channel, Constants, Mechanism, Signals
 
 
 class JointMechanism(Mechanism):

@@ -7,10 +7,10 @@ import types
 from collections.abc import Callable, Mapping
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
-from pipeline.errors import InputError
-from pipeline.platforms.joint import Joint
-from pipeline.platforms.quadrotor import Quadrotor
-from pipeline.platforms.swerve import Swerve
+from simgap.errors import InputError
+from simgap.platforms.joint import Joint
+from simgap.platforms.quadrotor import Quadrotor
+from simgap.platforms.swerve import Swerve
 
 _BY_KIND: dict[str, type] = {cls.kind: cls for cls in (Joint, Quadrotor, Swerve)}
 _MAY_BE_ZERO = {"gravity_torque", "stiffness", "gravity"}

@@ -1,12 +1,12 @@
 """Which mechanism belongs to which platform."""
 
-from pipeline.platforms.joint import Joint
-from pipeline.platforms.joint_mechanism import JointMechanism
-from pipeline.platforms.mechanism import Mechanism
-from pipeline.platforms.quadrotor import Quadrotor
-from pipeline.platforms.quadrotor_mechanism import QuadrotorMechanism
-from pipeline.platforms.swerve import Swerve
-from pipeline.platforms.swerve_mechanism import SwerveMechanism
+from simgap.platforms.joint import Joint
+from simgap.platforms.joint_mechanism import JointMechanism
+from simgap.platforms.mechanism import Mechanism
+from simgap.platforms.quadrotor import Quadrotor
+from simgap.platforms.quadrotor_mechanism import QuadrotorMechanism
+from simgap.platforms.swerve import Swerve
+from simgap.platforms.swerve_mechanism import SwerveMechanism
 
 
 def mechanism_of(platform: Quadrotor | Swerve | Joint, position_unit: str = "rad") -> Mechanism:

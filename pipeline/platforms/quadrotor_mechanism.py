@@ -5,9 +5,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.physics import rotations
-from pipeline.platforms.mechanism import Channel, Constants, Mechanism, Signals
-from pipeline.platforms.quadrotor import Quadrotor
+from simgap.physics import rotations
+from simgap.platforms.mechanism import Channel, Constants, Mechanism, Signals
+from simgap.platforms.quadrotor import Quadrotor
 
 _AXES = ("x", "y", "z")
 

@@ -17,7 +17,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.platforms.swerve_kinematics import lateral_matrix, lateral_matrix_rate
+from simgap.platforms.swerve_kinematics import lateral_matrix, lateral_matrix_rate
 
 _SHARPNESS = 400.0
 """Of P = (1 + k·S²)⁻¹, S = L̃ᵀL̃ without unit. Its eigenvalues are the squared sines by which the wheels stand across a

@@ -6,10 +6,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.platforms.mechanism import Channel, Constants, Mechanism, Signals
-from pipeline.platforms.swerve import Swerve
-from pipeline.platforms.swerve_constraint import along_the_wheels, rolling_projection
-from pipeline.platforms.swerve_kinematics import (
+from simgap.platforms.mechanism import Channel, Constants, Mechanism, Signals
+from simgap.platforms.swerve import Swerve
+from simgap.platforms.swerve_constraint import along_the_wheels, rolling_projection
+from simgap.platforms.swerve_kinematics import (
     chassis_twist,
     module_matrix,
     rolling_speed,

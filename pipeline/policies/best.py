@@ -7,7 +7,7 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.policies.networks import Gaussian
+from simgap.policies.networks import Gaussian
 
 Judge = Callable[[Gaussian], float]
 """How much a policy costs; less is better, and NaN says that it is of no use."""

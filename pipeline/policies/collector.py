@@ -6,8 +6,8 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor
 
-from pipeline.policies.environment import Environment, Observation, Transition
-from pipeline.policies.networks import Critic, Gaussian
+from simgap.policies.environment import Environment, Observation, Transition
+from simgap.policies.networks import Critic, Gaussian
 
 
 @dataclass(frozen=True)

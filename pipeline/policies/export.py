@@ -5,7 +5,7 @@ from pathlib import Path
 
 import torch
 
-from pipeline.policies.networks import Gaussian, Policy
+from simgap.policies.networks import Gaussian, Policy
 
 ONNX_FILE = "policy.onnx"
 SCRIPT_FILE = "policy.torchscript"

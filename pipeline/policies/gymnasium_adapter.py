@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from pipeline.policies.environment import Environment
+from simgap.policies.environment import Environment
 
 Numbers = NDArray[np.float32]
 

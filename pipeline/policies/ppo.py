@@ -8,9 +8,9 @@ from tensordict.nn import ProbabilisticTensorDictModule, ProbabilisticTensorDict
 from torch import Tensor, nn
 from torch.distributions import Independent, Normal
 
-from pipeline.policies.environment import Environment
-from pipeline.policies.networks import Critic, Gaussian
-from pipeline.policies.settings import Learning
+from simgap.policies.environment import Environment
+from simgap.policies.networks import Critic, Gaussian
+from simgap.policies.settings import Learning
 
 with warnings.catch_warnings():  # of parts of torchrl that are not used here
     warnings.simplefilter("ignore")

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from pipeline.checks import check_not_negative, check_positive
-from pipeline.policies.racing.settings import RacingSettings
+from simgap.checks import check_not_negative, check_positive
+from simgap.policies.racing.settings import RacingSettings
 
 
 @dataclass

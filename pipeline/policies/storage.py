@@ -10,14 +10,14 @@ from typing import Any
 
 from torch import nn
 
-from pipeline.artifacts.descriptions import (
+from simgap.artifacts.descriptions import (
     read_description,
     read_tensors,
     write_description,
     write_tensors,
 )
-from pipeline.errors import InputError
-from pipeline.policies.networks import Critic, Gaussian
+from simgap.errors import InputError
+from simgap.policies.networks import Critic, Gaussian
 
 SCHEMA = "simgap.policy/1"
 DESCRIPTION_FILE = "policy.yaml"

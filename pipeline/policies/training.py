@@ -6,12 +6,12 @@ from pathlib import Path
 
 import torch
 
-from pipeline.artifacts import progress, staged_directory
-from pipeline.policies.best import Best
-from pipeline.policies.collector import Collector
-from pipeline.policies.environment import Environment
-from pipeline.policies.ppo import Learner
-from pipeline.policies.settings import Learning
+from simgap.artifacts import progress, staged_directory
+from simgap.policies.best import Best
+from simgap.policies.collector import Collector
+from simgap.policies.environment import Environment
+from simgap.policies.ppo import Learner
+from simgap.policies.settings import Learning
 
 CHECKPOINT_FILE = "checkpoint.pt"
 

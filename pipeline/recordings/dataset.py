@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline.recordings.split import Split
+from simgap.recordings.split import Split
 
 
 @dataclass

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from pipeline.recordings.plausibility import implausible_units
+from simgap.recordings.plausibility import implausible_units
 
 _GAP_STEPS = 20  # samples missing in a row
 _GAP_SECONDS = 1.0

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.errors import InputError
-from pipeline.recordings.recording import Recording
+from simgap.errors import InputError
+from simgap.recordings.recording import Recording
 
 
 def evenly(total: int, most: int) -> NDArray[np.int64]:

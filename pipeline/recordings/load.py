@@ -4,11 +4,11 @@ import dataclasses
 import glob
 from pathlib import Path
 
-from pipeline.errors import InputError
-from pipeline.recordings.dataset import Dataset
-from pipeline.recordings.importers import importer
-from pipeline.recordings.recording import Recording, read_recording
-from pipeline.recordings.registry import fetch, published
+from simgap.errors import InputError
+from simgap.recordings.dataset import Dataset
+from simgap.recordings.importers import importer
+from simgap.recordings.recording import Recording, read_recording
+from simgap.recordings.registry import fetch, published
 
 
 def load_dataset(dataset: Dataset) -> Recording:

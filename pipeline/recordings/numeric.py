@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 _LARGEST = 1e9  # in SI units nothing a robot measures comes near; above, float32 and squares overflow
 _LATEST = 1e12  # seconds since 1970 fit easily

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from pipeline.recordings.rates import body_rate_and_derived, recorded_and_derived
+from simgap.recordings.rates import body_rate_and_derived, recorded_and_derived
 
 _DEGREE = 180 / np.pi
 _TOLERANCE = 0.35  # of the ratio of two rates; noise and lag take up to a third of it

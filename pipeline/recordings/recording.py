@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
-from pipeline.recordings import doubts, storage, validation
+from simgap.errors import InputError
+from simgap.recordings import doubts, storage, validation
 
 
 @dataclass(frozen=True)

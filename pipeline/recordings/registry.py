@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 import yaml
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 CACHE_VARIABLE = "SIMGAP_CACHE"
 FOLDER_VARIABLE = "SIMGAP_DATA"

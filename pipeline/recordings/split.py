@@ -7,7 +7,7 @@ from fnmatch import fnmatchcase
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 PARTS = ("train", "validation", "holdout")
 _DECIMALS = 6  # of a distance, beyond which runs resemble each other alike
@@ -39,7 +39,7 @@ def split_runs(
         runs: the runs there are.
         split: the patterns or fractions.
         seed: for the draw where fractions decide.
-        distances: between the runs, (runs, runs), see `pipeline.recordings.resemblance`; None where chance decides.
+        distances: between the runs, (runs, runs), see `simgap.recordings.resemblance`; None where chance decides.
 
     Returns:
         Run to part, in the order of `runs`. One run alone is trained on.

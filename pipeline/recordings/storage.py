@@ -12,8 +12,8 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from pipeline.errors import InputError
-from pipeline.recordings.contract import WHOLE_NUMBERS
+from simgap.errors import InputError
+from simgap.recordings.contract import WHOLE_NUMBERS
 
 _MAGIC = b"PAR1"
 _ROW_NUMBERS = re.compile(

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
-from pipeline.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, WHOLE_NUMBERS, channel_units
-from pipeline.recordings.numeric import location, to_numbers
-from pipeline.recordings.units import KNOWN, conversion
+from simgap.errors import InputError
+from simgap.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, WHOLE_NUMBERS, channel_units
+from simgap.recordings.numeric import location, to_numbers
+from simgap.recordings.units import KNOWN, conversion
 
 _QUATERNION = [f"attitude_{axis}" for axis in "wxyz"]
 _NORM_TOLERANCE = 0.1  # a logged quaternion is off by rounding; beyond this it is not a rotation

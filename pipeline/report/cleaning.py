@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.report.inputs import ReportInputs, read_table
-from pipeline.report.section import Drawing, Section
-from pipeline.report.timeline import timeline
+from simgap.report.inputs import ReportInputs, read_table
+from simgap.report.section import Drawing, Section
+from simgap.report.timeline import timeline
 
 
 def cleaning_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:

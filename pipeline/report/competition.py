@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from pipeline.report.figure import AFTER, FAINT, GRID, INK, Figure, axis, distances, encode, label, layout
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.section import Drawing, Section
-from pipeline.report.text import is_number, percent, spoken
+from simgap.report.figure import AFTER, FAINT, GRID, INK, Figure, axis, distances, encode, label, layout
+from simgap.report.inputs import ReportInputs
+from simgap.report.section import Drawing, Section
+from simgap.report.text import is_number, percent, spoken
 
 _DRAWN = 12  # candidates drawn per step; the table lists all
 

@@ -17,7 +17,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import ArrayLike
 
-from pipeline.report.text import Real
+from simgap.report.text import Real
 
 INK, FAINT, GRID = "var(--ink)", "var(--faint)", "var(--grid)"
 BEFORE, AFTER, FLOOR = "var(--before)", "var(--after)", "var(--floor)"

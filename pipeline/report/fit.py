@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from pipeline.report.figure import (
+from simgap.report.figure import (
     AFTER,
     AFTER_BAND,
     BEFORE,
@@ -14,10 +14,10 @@ from pipeline.report.figure import (
     layout,
     line,
 )
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.section import Drawing, Section
-from pipeline.report.text import is_number, quantity, spoken
-from pipeline.report.verdict import why_unknown
+from simgap.report.inputs import ReportInputs
+from simgap.report.section import Drawing, Section
+from simgap.report.text import is_number, quantity, spoken
+from simgap.report.verdict import why_unknown
 
 _DIVERGENCE = 50.0  # ratio of the largest errors before and after
 

@@ -5,10 +5,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from pipeline.report.inputs import ReportInputs, read_json
-from pipeline.report.section import Drawing, Section
-from pipeline.report.tables import Table
-from pipeline.report.text import number, percent
+from simgap.report.inputs import ReportInputs, read_json
+from simgap.report.section import Drawing, Section
+from simgap.report.tables import Table
+from simgap.report.text import number, percent
 
 _SAID: dict[str, tuple[str, Callable[[Any], str]]] = {
     "laps_completed": ("laps that were completed", percent),

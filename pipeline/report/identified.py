@@ -1,8 +1,8 @@
 """Identified nominal parameters, where that stage ran."""
 
-from pipeline.report.inputs import ReportInputs, read_json, read_yaml
-from pipeline.report.section import Drawing, Section
-from pipeline.report.tables import metric_tables, parameter_rows
+from simgap.report.inputs import ReportInputs, read_json, read_yaml
+from simgap.report.section import Drawing, Section
+from simgap.report.tables import metric_tables, parameter_rows
 
 
 def parameters_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:

@@ -11,7 +11,7 @@ import pyarrow
 import pyarrow.parquet as parquet
 import yaml
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 _STAGES = ("diagnose", "clean", "sysid", "train", "evaluate", "deploy", "identify_residual", "redeploy")
 

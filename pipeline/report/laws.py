@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.report.figure import (
+from simgap.report.figure import (
     AFTER,
     BEFORE,
     INK,
@@ -16,9 +16,9 @@ from pipeline.report.figure import (
     layout,
     line,
 )
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.section import Drawing, Section
-from pipeline.report.text import quantity, spoken
+from simgap.report.inputs import ReportInputs
+from simgap.report.section import Drawing, Section
+from simgap.report.text import quantity, spoken
 
 
 def laws_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:

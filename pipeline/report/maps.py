@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.report.figure import INK, Figure, axis, encode, label, layout
-from pipeline.report.section import Drawing
-from pipeline.report.text import number, quantity, short, spoken, with_unit
+from simgap.report.figure import INK, Figure, axis, encode, label, layout
+from simgap.report.section import Drawing
+from simgap.report.text import number, quantity, short, spoken, with_unit
 
 _COLOURS = [[0.0, "var(--map-low)"], [0.5, "var(--map-middle)"], [1.0, "var(--map-high)"]]
 _SIDES = {"before": (0.0, 0.475), "after": (0.525, 1.0)}  # of the width of the figure

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pipeline.comparison.comparison import Comparison
-from pipeline.comparison.figure import FIGURE
-from pipeline.comparison.table import UNSWEPT, Row, tables_of
-from pipeline.comparison.table import Table as Compared
-from pipeline.report.inputs import ReportInputs, read_json
-from pipeline.report.section import Drawing, Section
-from pipeline.report.tables import Table, metric_tables
-from pipeline.report.text import NO_BREAK, estimate, is_number, number, percent, spoken
+from simgap.comparison.comparison import Comparison
+from simgap.comparison.figure import FIGURE
+from simgap.comparison.table import UNSWEPT, Row, tables_of
+from simgap.comparison.table import Table as Compared
+from simgap.report.inputs import ReportInputs, read_json
+from simgap.report.section import Drawing, Section
+from simgap.report.tables import Table, metric_tables
+from simgap.report.text import NO_BREAK, estimate, is_number, number, percent, spoken
 
 
 def model_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline.policies.profile.motion import Motion
-from pipeline.policies.profile.reference import Array
+from simgap.policies.profile.motion import Motion
+from simgap.policies.profile.reference import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,24 +9,24 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from pipeline.errors import InputError
-from pipeline.report import text
-from pipeline.report.cleaning import cleaning_section
-from pipeline.report.competition import competition_section
-from pipeline.report.figure import script_json
-from pipeline.report.fit import fit_section
-from pipeline.report.flown import flown_section
-from pipeline.report.identified import parameters_section
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.laws import laws_section
-from pipeline.report.models import model_section, sweeps_section
-from pipeline.report.provenance import provenance_section, warnings_section
-from pipeline.report.section import Drawing, Section
-from pipeline.report.tables import cell
-from pipeline.report.traces import traces_section
-from pipeline.report.verdict import verdict_section
-from pipeline.report.what import what_section
-from pipeline.report.where import where_section
+from simgap.errors import InputError
+from simgap.report import text
+from simgap.report.cleaning import cleaning_section
+from simgap.report.competition import competition_section
+from simgap.report.figure import script_json
+from simgap.report.fit import fit_section
+from simgap.report.flown import flown_section
+from simgap.report.identified import parameters_section
+from simgap.report.inputs import ReportInputs
+from simgap.report.laws import laws_section
+from simgap.report.models import model_section, sweeps_section
+from simgap.report.provenance import provenance_section, warnings_section
+from simgap.report.section import Drawing, Section
+from simgap.report.tables import cell
+from simgap.report.traces import traces_section
+from simgap.report.verdict import verdict_section
+from simgap.report.what import what_section
+from simgap.report.where import where_section
 
 _SECTIONS = (
     verdict_section,
@@ -86,7 +86,7 @@ def _render(name: str, sections: list[Section]) -> str:
     from plotly.offline import get_plotlyjs
 
     environment = Environment(
-        loader=PackageLoader("pipeline.report"),
+        loader=PackageLoader("simgap.report"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -104,7 +104,7 @@ def _render(name: str, sections: list[Section]) -> str:
 
 
 def _asset(file: str) -> str:
-    return resources.files("pipeline.report").joinpath("templates", file).read_text("utf-8")
+    return resources.files("simgap.report").joinpath("templates", file).read_text("utf-8")
 
 
 def _script(source: str) -> str:

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.section import Drawing, Section
-from pipeline.report.text import spoken
+from simgap.report.inputs import ReportInputs
+from simgap.report.section import Drawing, Section
+from simgap.report.text import spoken
 
 _PARTS = {"train": "to fit", "validation": "to choose", "holdout": "held out"}
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pandas as pd
 import torch
 
-from pipeline.policies.residual.beliefs import RESIDUALS, recorded_beliefs
-from pipeline.policies.residual.realisations import Realisations
+from simgap.policies.residual.beliefs import RESIDUALS, recorded_beliefs
+from simgap.policies.residual.realisations import Realisations
 
 _SIZE = (10.0, 7.0)  # inches
 _UNITS = {"position": "m", "velocity": "m/s", "tilt": "rad"}

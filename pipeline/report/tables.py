@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.report.text import estimate, is_number, pretty_unit, short, spoken
+from simgap.report.text import estimate, is_number, pretty_unit, short, spoken
 
 _VALUE_KEYS = ("value", "estimate")
 _ERROR_KEYS = ("std", "standard_error")

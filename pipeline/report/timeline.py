@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.report.figure import Figure, axis, encode, label, layout
-from pipeline.report.text import spoken
+from simgap.report.figure import Figure, axis, encode, label, layout
+from simgap.report.text import spoken
 
 # The states of a stretch in the order of the legend; one that is not listed is drawn in grey.
 COLOURS = {

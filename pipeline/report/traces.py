@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.report.figure import encode, label
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.section import Drawing, Section
-from pipeline.report.text import pretty_unit, spoken
+from simgap.report.figure import encode, label
+from simgap.report.inputs import ReportInputs
+from simgap.report.section import Drawing, Section
+from simgap.report.text import pretty_unit, spoken
 
 SIGNALS = ("measured", "before", "after")
 _GAP = 5.0  # median sampling steps beyond which a line is broken

@@ -1,8 +1,8 @@
 """What is missing: the effects named, those that cannot be told apart, and what has no name."""
 
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.section import Drawing, Section
-from pipeline.report.verdict import parameters
+from simgap.report.inputs import ReportInputs
+from simgap.report.section import Drawing, Section
+from simgap.report.verdict import parameters
 
 
 def what_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:

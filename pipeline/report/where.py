@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.maps import regime_maps
-from pipeline.report.section import Drawing, Section
-from pipeline.report.text import short, spoken, with_unit
+from simgap.report.inputs import ReportInputs
+from simgap.report.maps import regime_maps
+from simgap.report.section import Drawing, Section
+from simgap.report.text import short, spoken, with_unit
 
 
 def where_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:

@@ -1,9 +1,9 @@
 """Floor 4: a simulator is a platform, its nominal mechanism and the effects that were named."""
 
-from pipeline.simulation.replay import replay, replay_error
-from pipeline.simulation.rollout import rollout, step
-from pipeline.simulation.simulator import Balance, FittedEffect, Simulator
-from pipeline.simulation.storage import read_simulator, write_simulator
+from simgap.simulation.replay import replay, replay_error
+from simgap.simulation.rollout import rollout, step
+from simgap.simulation.simulator import Balance, FittedEffect, Simulator
+from simgap.simulation.storage import read_simulator, write_simulator
 
 __all__ = [
     "Balance",

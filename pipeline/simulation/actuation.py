@@ -6,8 +6,8 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.effects import ActuatorEffect, CommandEffect
-from pipeline.simulation.simulator import FittedEffect, Simulator
+from simgap.effects import ActuatorEffect, CommandEffect
+from simgap.simulation.simulator import FittedEffect, Simulator
 
 Memory = tuple[Any, ...]
 """What each effect that remembers remembers, in the order in which they act."""

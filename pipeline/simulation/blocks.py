@@ -7,11 +7,11 @@ import pandas as pd
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.platforms import Platform
-from pipeline.recordings.excerpt import evenly
-from pipeline.recordings.recording import Recording
-from pipeline.simulation.signals import COMMANDS, rates_of, recorded_signals
+from simgap.errors import InputError
+from simgap.platforms import Platform
+from simgap.recordings.excerpt import evenly
+from simgap.recordings.recording import Recording
+from simgap.simulation.signals import COMMANDS, rates_of, recorded_signals
 
 _FEWEST_SAMPLES = 10  # of a block
 

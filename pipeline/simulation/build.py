@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pipeline.effects import effect_by_key
-from pipeline.errors import InputError
-from pipeline.platforms import platform_from_config
-from pipeline.simulation.identified import with_identified
-from pipeline.simulation.settings import SimulatorSettings
-from pipeline.simulation.simulator import FittedEffect, Simulator
+from simgap.effects import effect_by_key
+from simgap.errors import InputError
+from simgap.platforms import platform_from_config
+from simgap.simulation.identified import with_identified
+from simgap.simulation.settings import SimulatorSettings
+from simgap.simulation.simulator import FittedEffect, Simulator
 
 
 def build_simulator(

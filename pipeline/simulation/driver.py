@@ -7,9 +7,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects import ActuatorEffect, Effect
-from pipeline.effects.effect import Parameter, Signals, Values
-from pipeline.simulation.simulator import FittedEffect, Simulator
+from simgap.effects import ActuatorEffect, Effect
+from simgap.effects.effect import Parameter, Signals, Values
+from simgap.simulation.simulator import FittedEffect, Simulator
 
 
 @dataclass(frozen=True)

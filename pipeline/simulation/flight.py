@@ -7,13 +7,13 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.platforms import Quadrotor
-from pipeline.simulation.controllers import Betaflight
-from pipeline.simulation.knn_residual import HeldResidual, residual_features
-from pipeline.simulation.motion import QuadrotorMotion
-from pipeline.simulation.powertrain import Powertrain, powertrain_values
-from pipeline.simulation.rollout import step
-from pipeline.simulation.simulator import FittedEffect, Simulator
+from simgap.platforms import Quadrotor
+from simgap.simulation.controllers import Betaflight
+from simgap.simulation.knn_residual import HeldResidual, residual_features
+from simgap.simulation.motion import QuadrotorMotion
+from simgap.simulation.powertrain import Powertrain, powertrain_values
+from simgap.simulation.rollout import step
+from simgap.simulation.simulator import FittedEffect, Simulator
 
 _RATE = QuadrotorMotion.parts["body_rate"]
 
@@ -33,7 +33,7 @@ class Flight:
         controller: runs at every inner step, as on the machine.
         period: between two actions, s.
         substeps: inner steps in a period.
-        integrator: of the inner steps, see `pipeline.simulation.rollout.step`.
+        integrator: of the inner steps, see `simgap.simulation.rollout.step`.
         residual: what the physics leaves over, looked up once in a period and held through it.
     """
 
@@ -48,7 +48,7 @@ class Flight:
         """Advance a batch by one action.
 
         Args:
-            state: (batch, 13), see `pipeline.simulation.motion.QuadrotorMotion`.
+            state: (batch, 13), see `simgap.simulation.motion.QuadrotorMotion`.
             action: collective thrust over mass and body rates, (batch, 4) m/s² and rad/s, held through the period.
             memory: of the period before; None before the first.
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import yaml
 
-from pipeline.effects import effect_by_key
-from pipeline.errors import InputError
-from pipeline.platforms import Joint, Platform, Quadrotor
-from pipeline.simulation.simulator import FittedEffect
+from simgap.effects import effect_by_key
+from simgap.errors import InputError
+from simgap.platforms import Joint, Platform, Quadrotor
+from simgap.simulation.simulator import FittedEffect
 
 _COEFFICIENTS = ("thrust_coefficient", "torque_coefficient")
 

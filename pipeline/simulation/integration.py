@@ -10,8 +10,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.physics import integrators
-from pipeline.simulation.motion import Motion
+from simgap.physics import integrators
+from simgap.simulation.motion import Motion
 
 Wrench = Callable[[Tensor], Mapping[str, Tensor]]
 Rule = Callable[[Motion, Wrench, Tensor, Mapping[str, Any], float], Tensor]

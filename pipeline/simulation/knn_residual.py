@@ -10,10 +10,10 @@ from functools import cached_property
 import torch
 from torch import Tensor
 
-from pipeline.effects import WrenchEffect
-from pipeline.effects.effect import Signals, Values
-from pipeline.errors import InputError
-from pipeline.platforms import Quadrotor
+from simgap.effects import WrenchEffect
+from simgap.effects.effect import Signals, Values
+from simgap.errors import InputError
+from simgap.platforms import Quadrotor
 
 _AT_ONCE = 512  # queries whose distances to all samples stay in the cache of a processor
 

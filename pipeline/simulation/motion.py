@@ -7,10 +7,10 @@ from typing import Any, ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.physics import rigid_body, rotations
-from pipeline.platforms import Platform, Swerve
-from pipeline.platforms.swerve_kinematics import rolling_speed
-from pipeline.platforms.swerve_mechanism import SwerveMechanism, wheel_angle
+from simgap.physics import rigid_body, rotations
+from simgap.platforms import Platform, Swerve
+from simgap.platforms.swerve_kinematics import rolling_speed
+from simgap.platforms.swerve_mechanism import SwerveMechanism, wheel_angle
 
 Signals = Mapping[str, Tensor]
 

@@ -5,13 +5,13 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects import ActuatorEffect, Parameter
-from pipeline.effects.effect import Signals, Values
-from pipeline.effects.lag import lag_step
-from pipeline.physics import batteries, rotors
-from pipeline.physics.motors import first_order_lag
-from pipeline.physics.speed_controllers import SpeedMap, calibrated_speed_map, steady_speed
-from pipeline.platforms import Quadrotor
+from simgap.effects import ActuatorEffect, Parameter
+from simgap.effects.effect import Signals, Values
+from simgap.effects.lag import lag_step
+from simgap.physics import batteries, rotors
+from simgap.physics.motors import first_order_lag
+from simgap.physics.speed_controllers import SpeedMap, calibrated_speed_map, steady_speed
+from simgap.platforms import Quadrotor
 
 _CELL_VOLTAGE = 3.7  # nominal, V
 

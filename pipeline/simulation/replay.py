@@ -6,12 +6,12 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects import ActuatorEffect, CommandEffect, MeasurementEffect
-from pipeline.simulation.actuation import Memory, held_through
-from pipeline.simulation.blocks import Blocks
-from pipeline.simulation.motion import motion_of
-from pipeline.simulation.rollout import rollout
-from pipeline.simulation.simulator import Simulator
+from simgap.effects import ActuatorEffect, CommandEffect, MeasurementEffect
+from simgap.simulation.actuation import Memory, held_through
+from simgap.simulation.blocks import Blocks
+from simgap.simulation.motion import motion_of
+from simgap.simulation.rollout import rollout
+from simgap.simulation.simulator import Simulator
 
 _FEW = 12  # blocks that tell how fine the steps have to be
 _MOST_SUBSTEPS = 16
@@ -33,7 +33,9 @@ def replay(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int, su
     Returns:
         States (blocks, steps + 1, n).
     """
-    signals, held = (_settled(simulator, series, blocks) for series in (blocks.signals, blocks.held_commands))
+    signals, held = (
+        _after_commands(simulator, series, blocks) for series in (blocks.signals, blocks.held_commands)
+    )
     settled = (MeasurementEffect, CommandEffect)
     bare = simulator.with_effects(tuple(f for f in simulator.effects if not isinstance(f.effect, settled)))
     within = slice(blocks.margin, blocks.margin + steps)
@@ -44,7 +46,7 @@ def replay(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int, su
     return rollout(bare, initial, outside, blocks.time_step, substeps, memory=memory)
 
 
-def _settled(simulator: Simulator, signals: Mapping[str, Tensor], blocks: Blocks) -> dict[str, Tensor]:
+def _after_commands(simulator: Simulator, signals: Mapping[str, Tensor], blocks: Blocks) -> dict[str, Tensor]:
     """Return signals with their clocks settled and their delays applied."""
     out, constants = dict(signals), simulator.constants()
     for fitted in simulator.of_type(MeasurementEffect):

@@ -7,10 +7,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.simulation.actuation import Memory, actuated, held_through
-from pipeline.simulation.integration import INTEGRATORS
-from pipeline.simulation.motion import Motion, motion_of
-from pipeline.simulation.simulator import Simulator
+from simgap.simulation.actuation import Memory, actuated, held_through
+from simgap.simulation.integration import INTEGRATORS
+from simgap.simulation.motion import Motion, motion_of
+from simgap.simulation.simulator import Simulator
 
 Signals = Mapping[str, Tensor]
 
@@ -28,7 +28,7 @@ def step(
 
     Args:
         simulator: platform and effects.
-        state: (..., n), see `pipeline.simulation.motion`.
+        state: (..., n), see `simgap.simulation.motion`.
         command: `rotor_speed`, `motor_command`, `voltage`, `effort` or the swerve's voltages, each (..., ·), and what
             else acts from outside (`battery_voltage`, `temperature`).
         time_step: s.

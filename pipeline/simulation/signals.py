@@ -5,11 +5,11 @@ import pandas as pd
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.physics import rotations
-from pipeline.platforms import Joint, Platform, Swerve
-from pipeline.platforms.swerve_kinematics import heading_of
-from pipeline.platforms.swerve_mechanism import MEASURED, chassis_velocity_from_wheels
+from simgap.errors import InputError
+from simgap.physics import rotations
+from simgap.platforms import Joint, Platform, Swerve
+from simgap.platforms.swerve_kinematics import heading_of
+from simgap.platforms.swerve_mechanism import MEASURED, chassis_velocity_from_wheels
 
 _AXES = ("x", "y", "z")
 _QUATERNION = ("w", "x", "y", "z")

@@ -7,7 +7,7 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.effects import (
+from simgap.effects import (
     ActuatorEffect,
     CommandEffect,
     ConstantEffect,
@@ -16,9 +16,9 @@ from pipeline.effects import (
     MeasurementEffect,
     WrenchEffect,
 )
-from pipeline.platforms import Platform
-from pipeline.platforms.mechanism import Mechanism
-from pipeline.platforms.mechanisms import mechanism_of
+from simgap.platforms import Platform
+from simgap.platforms.mechanism import Mechanism
+from simgap.platforms.mechanisms import mechanism_of
 
 Signals = Mapping[str, Tensor]
 

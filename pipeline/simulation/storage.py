@@ -9,13 +9,13 @@ from typing import Any
 
 import yaml
 
-from pipeline.artifacts.descriptions import read_tensors, write_description, write_tensors
-from pipeline.effects import Effect, effect_by_key
-from pipeline.errors import InputError
-from pipeline.platforms import Platform, Quadrotor, platform_from_config, platform_to_config
-from pipeline.simulation.driver import SimulatedDriver
-from pipeline.simulation.knn_residual import NearestNeighbours, RecordedResidual
-from pipeline.simulation.simulator import FittedEffect, Simulator
+from simgap.artifacts.descriptions import read_tensors, write_description, write_tensors
+from simgap.effects import Effect, effect_by_key
+from simgap.errors import InputError
+from simgap.platforms import Platform, Quadrotor, platform_from_config, platform_to_config
+from simgap.simulation.driver import SimulatedDriver
+from simgap.simulation.knn_residual import NearestNeighbours, RecordedResidual
+from simgap.simulation.simulator import FittedEffect, Simulator
 
 _FILE = "simulator.yaml"
 _SCHEMA = "simgap.simulator/1"

@@ -1,7 +1,7 @@
 """Floor 0: what was run, with what, and what came of it, in MLflow."""
 
-from pipeline.tracking.config import Tracking
-from pipeline.tracking.sweep import KeptTracker, SweepTracker
-from pipeline.tracking.tracker import Tracker
+from simgap.tracking.config import Tracking
+from simgap.tracking.sweep import KeptTracker, SweepTracker
+from simgap.tracking.tracker import Tracker
 
 __all__ = ["KeptTracker", "SweepTracker", "Tracker", "Tracking"]

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline.artifacts import PROJECT_ROOT
+from simgap.artifacts import PROJECT_ROOT
 
 if TYPE_CHECKING:
     from mlflow import MlflowClient

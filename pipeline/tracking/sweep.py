@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from pipeline.tracking.tracker import Tracker
+from simgap.tracking.tracker import Tracker
 
 if TYPE_CHECKING:
     from mlflow import MlflowClient

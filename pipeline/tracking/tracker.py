@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.tracking.config import Tracking
-from pipeline.tracking.store import locked, open_store, store_uri
+from simgap.tracking.config import Tracking
+from simgap.tracking.store import locked, open_store, store_uri
 
 if TYPE_CHECKING:
     from mlflow import MlflowClient

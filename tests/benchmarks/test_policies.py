@@ -3,8 +3,8 @@ import torch
 from benchmarks.bare_ppo import BarePPO
 from benchmarks.laps import Laps
 from benchmarks.policies import BARE, OURS, settings, written
-from pipeline.policies.settings import Learning
-from pipeline.policies.training import Training
+from simgap.policies.settings import Learning
+from simgap.policies.training import Training
 from tests.pipeline.policies.point_mass import PointMass
 
 

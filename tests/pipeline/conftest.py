@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.tracking.store import open_store
+from simgap.tracking.store import open_store
 
 
 @pytest.fixture(scope="session")

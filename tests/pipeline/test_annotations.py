@@ -4,9 +4,9 @@ import pytest
 import torch
 from jaxtyping import TypeCheckError
 
-from pipeline.effects import Parameter, effect_by_key
-from pipeline.physics import rotations
-from pipeline.simulation.blocks import Blocks
+from simgap.effects import Parameter, effect_by_key
+from simgap.physics import rotations
+from simgap.simulation.blocks import Blocks
 
 
 def test_a_wrong_type_is_refused():

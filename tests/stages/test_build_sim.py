@@ -3,12 +3,12 @@ import math
 import pytest
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.recordings.recording import write_recording
-from pipeline.simulation import read_simulator
-from pipeline.simulation.settings import SimulatorSettings
-from pipeline.stage import StageRun
-from stages.build_sim import BuildSimStage, build_sim
+from simgap.errors import InputError
+from simgap.recordings.recording import write_recording
+from simgap.runner import StageRun
+from simgap.simulation import read_simulator
+from simgap.simulation.settings import SimulatorSettings
+from simgap.stages.build_sim import BuildSimStage, build_sim
 from tests.pipeline.gap.recordings import JOINT, Plant, joint_recording
 from tests.stages.test_diagnose import PLATFORM
 

@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.recordings import read_recording, write_recording
-from pipeline.recordings.split import Split
-from pipeline.stage import StageRun
-from stages.clean import CleanStage, clean
+from simgap.errors import InputError
+from simgap.recordings import read_recording, write_recording
+from simgap.recordings.split import Split
+from simgap.runner import StageRun
+from simgap.stages.clean import CleanStage, clean
 from tests.pipeline.recordings.cleaning.conftest import joint_frame, recording_of
 
 

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.artifacts import PROJECT_ROOT
-from pipeline.stage.project import STAGES, commands, described
+from simgap.artifacts import PROJECT_ROOT
+from simgap.artifacts.project import STAGES
+from simgap.runner.project import commands, described
 from stages.__main__ import ORDER, main
 
 NO_STAGES = {"reproduce", "results", "effects"}
@@ -64,7 +65,7 @@ def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
 
 @pytest.mark.parametrize("name", sorted(set(commands()) - NO_STAGES))
 def test_help_of_a_stage_is_read_from_its_file(name: str) -> None:
-    stage = getattr(importlib.import_module(f"stages.{name}"), name)
+    stage = getattr(importlib.import_module(f"simgap.stages.{name}"), name)
     assert described(name) == (stage.__doc__, [field.name for field in fields(stage.config_class)])
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.stage.command import run_command
-from pipeline.stage.compose import compose, root_keys, typed
-from pipeline.stage.project import CONFIGURATION
-from stages.configure import ConfigureStage, configure
+from simgap.artifacts.project import CONFIGURATION
+from simgap.runner.command import run_command
+from simgap.runner.compose import compose, root_keys, typed
+from simgap.stages.configure import ConfigureStage, configure
 
 BRANCHES = sorted(path.stem for path in (CONFIGURATION / "branch").glob("*.yaml"))
 

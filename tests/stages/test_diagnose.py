@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.recordings.recording import Recording, write_recording
-from pipeline.simulation import read_simulator
-from stages.diagnose import _say_what_closed, diagnose
+from simgap.recordings.recording import Recording, write_recording
+from simgap.simulation import read_simulator
+from simgap.stages.diagnose import _say_what_closed, diagnose
 from tests.contract_checker import read_diagnosis
 from tests.pipeline.gap.recordings import Plant, joint_recording
 

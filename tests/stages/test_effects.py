@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.artifacts import PROJECT_ROOT
-from pipeline.effects import effects_of, kinds
-from pipeline.effects.page import catalogue_page
-from stages.effects import main
+from simgap.artifacts import PROJECT_ROOT
+from simgap.effects import effects_of, kinds
+from simgap.effects.page import catalogue_page
+from simgap.stages.effects import main
 
 
 def shown(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:

@@ -4,11 +4,11 @@ import re
 
 import pytest
 
-from pipeline.models.layout import layout_of
-from pipeline.models.registry import model_class, model_settings
-from pipeline.stage.compose import compose, typed
-from pipeline.stage.project import CONFIGURATION
-from stages.train import TrainStage
+from simgap.artifacts.project import CONFIGURATION
+from simgap.models.layout import layout_of
+from simgap.models.registry import model_class, model_settings
+from simgap.runner.compose import compose, typed
+from simgap.stages.train import TrainStage
 from tests.pipeline.models import learnable
 
 FOLDER = CONFIGURATION / "experiment"

@@ -7,17 +7,17 @@ import pandas as pd
 import pytest
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.policies.settings import PolicyFinetuning
-from pipeline.policies.storage import load_policy
-from pipeline.recordings.recording import read_recording
-from pipeline.simulation import read_simulator
-from pipeline.stage import StageRun
-from stages.deploy import deploy
-from stages.finetune import FinetuneStage, finetune
-from stages.identify_residual import identify_residual
-from stages.redeploy import redeploy
-from stages.train_policy import train_policy
+from simgap.errors import InputError
+from simgap.policies.settings import PolicyFinetuning
+from simgap.policies.storage import load_policy
+from simgap.recordings.recording import read_recording
+from simgap.runner import StageRun
+from simgap.simulation import read_simulator
+from simgap.stages.deploy import deploy
+from simgap.stages.finetune import FinetuneStage, finetune
+from simgap.stages.identify_residual import identify_residual
+from simgap.stages.redeploy import redeploy
+from simgap.stages.train_policy import train_policy
 from tests.stages.test_train_policy import FEW, ran
 
 FLOWN = (

@@ -4,11 +4,11 @@ import json
 
 import pytest
 
-from pipeline.reality.case import PlantCase
-from pipeline.reality.fly import fly
-from pipeline.recordings.recording import write_recording
-from pipeline.simulation import read_simulator
-from stages.identify_residual import identify_residual
+from simgap.plants.case import PlantCase
+from simgap.plants.fly import fly
+from simgap.recordings.recording import write_recording
+from simgap.simulation import read_simulator
+from simgap.stages.identify_residual import identify_residual
 from tests.pipeline.policies.racing.machines import racer
 from tests.stages.test_train_policy import ran
 

@@ -8,13 +8,14 @@ from typing import Any
 import pytest
 import yaml
 
-from pipeline.artifacts import PROJECT_ROOT
-from pipeline.stage.project import CONFIGURATION, commands
+from simgap.artifacts import PROJECT_ROOT
+from simgap.artifacts.project import CONFIGURATION
+from simgap.runner.project import commands
 
 # Keys that say where a stage works, what it is called and how its sweeps are compared, not what it does.
 PLACES = {"name", "artifacts", "output", "tracking", "results"}
 # Parts of the project that cannot change what a stage writes.
-SILENT = {"pipeline.tracking", "pipeline.errors", "pipeline.checks", "pipeline.comparison"}
+SILENT = {"simgap.tracking", "simgap.errors", "simgap.checks", "simgap.comparison"}
 
 PIPELINE = yaml.safe_load((PROJECT_ROOT / "dvc.yaml").read_text())
 STAGES: dict[str, Any] = {name: entry["do"] for name, entry in PIPELINE["stages"].items()}
@@ -56,7 +57,7 @@ def test_a_stage_runs_its_command_and_owns_its_folder(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in STAGES if name != "configure"])
 def test_a_stage_depends_on_the_values_that_it_reads(name: str) -> None:
-    stage = getattr(importlib.import_module(f"stages.{name}"), name)
+    stage = getattr(importlib.import_module(f"simgap.stages.{name}"), name)
     ((file, keys),) = STAGES[name]["params"][0].items()
     assert file == "artifacts/${item}/configure/config.yaml"
     assert set(keys) == {field.name for field in fields(stage.config_class)} - PLACES
@@ -64,11 +65,11 @@ def test_a_stage_depends_on_the_values_that_it_reads(name: str) -> None:
 
 @pytest.mark.parametrize("name", STAGES)
 def test_a_stage_depends_on_the_code_that_it_imports(name: str) -> None:
-    modules = graph().find_upstream_modules(f"stages.{name}")
+    modules = graph().find_upstream_modules(f"simgap.stages.{name}")
     packages = {".".join(module.split(".")[:2]) for module in modules if module.startswith("pipeline.")}
     code = {entry for entry in STAGES[name]["deps"] if not entry.startswith(("artifacts/", "conf"))}
     helpers = {module for module in modules if module.startswith("stages.")}
-    own = {f"{module.replace('.', '/')}.py" for module in helpers | {f"stages.{name}"}}
+    own = {f"{module.replace('.', '/')}.py" for module in helpers | {f"simgap.stages.{name}"}}
     assert code == {package.replace(".", "/") for package in packages - SILENT} | own
 
 
@@ -77,6 +78,6 @@ def test_no_path_leads_from_the_concealed_plants_to_a_diagnosis() -> None:
     with the plants stand behind the diagnosis."""
     readers = {name for name, stage in STAGES.items() if "artifacts/${item}/record" in str(stage["deps"])}
     assert readers == {"clean"}
-    uses = {name for name, stage in STAGES.items() if "pipeline/reality" in stage["deps"]}
+    uses = {name for name, stage in STAGES.items() if "pipeline/plants" in stage["deps"]}
     assert uses == {"record", "deploy", "redeploy"}
     assert not uses & upstream("diagnose")

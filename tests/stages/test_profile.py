@@ -3,16 +3,16 @@ import json
 import pytest
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.policies.profile import contenders
-from pipeline.policies.profile.settings import Profile
-from pipeline.policies.profile.storage import FILE, read_motions
-from pipeline.policies.settings import Deployment, Learning
-from pipeline.policies.storage import load_policy
-from pipeline.stage import StageRun
-from pipeline.stage.compose import compose
-from stages.deploy import DeployStage, deploy
-from stages.profile import ProfileStage, compared, profile
+from simgap.errors import InputError
+from simgap.policies.profile import contenders
+from simgap.policies.profile.settings import Profile
+from simgap.policies.profile.storage import FILE, read_motions
+from simgap.policies.settings import Deployment, Learning
+from simgap.policies.storage import load_policy
+from simgap.runner import StageRun
+from simgap.runner.compose import compose
+from simgap.stages.deploy import DeployStage, deploy
+from simgap.stages.profile import ProfileStage, compared, profile
 
 PRESET = compose(["+experiment=motion_profile"])
 FEW = Learning(interactions=4000, machines=16, horizon=32, minibatch=256, hidden=[8])

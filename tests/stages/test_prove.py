@@ -7,15 +7,15 @@ from typing import Any
 
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.stage import StageRun
-from pipeline.stage.command import run_command
-from pipeline.stage.compose import compose, typed
-from stages._examined import Concealed, ProveStage, examine
-from stages._settled import energy_over_noise, settled
-from stages.calibrate import calibrate
-from stages.prove import prove
-from stages.record import draw_cases
+from simgap.errors import InputError
+from simgap.runner import StageRun
+from simgap.runner.command import run_command
+from simgap.runner.compose import compose, typed
+from simgap.stages._benchmark_case import Concealed, ProveStage, examine
+from simgap.stages._strengths import energy_over_noise, settled
+from simgap.stages.calibrate import calibrate
+from simgap.stages.prove import prove
+from simgap.stages.record import draw_cases
 
 JOINT = {
     "machines": {"servo": {}},

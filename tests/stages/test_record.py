@@ -6,13 +6,13 @@ import pandas as pd
 import pytest
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.platforms import platform_from_config
-from pipeline.recordings.dataset import Dataset
-from pipeline.recordings.recording import read_recording
-from pipeline.stage import StageRun
-from pipeline.stage.compose import compose
-from stages.record import RecordStage, record
+from simgap.errors import InputError
+from simgap.platforms import platform_from_config
+from simgap.recordings.dataset import Dataset
+from simgap.recordings.recording import read_recording
+from simgap.runner import StageRun
+from simgap.runner.compose import compose
+from simgap.stages.record import RecordStage, record
 
 CONF = Path(__file__).parents[2] / "conf"
 SHORT = {"effects": {"rotor_drag": 0.35}, "runs": 2, "duration": 0.3}

@@ -2,9 +2,9 @@ import json
 
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.stage import StageRun
-from stages.report import ReportStage, report
+from simgap.errors import InputError
+from simgap.runner import StageRun
+from simgap.stages.report import ReportStage, report
 from tests.pipeline.report.artifacts import make_branch
 from tests.pipeline.report.diagnoses import VERDICTS
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.recordings import registry
-from pipeline.stage import reproduction
-from stages.reproduce import choose, reproduce, write_first_page
+from simgap.errors import InputError
+from simgap.recordings import registry
+from simgap.runner import reproduction
+from simgap.stages.reproduce import choose, reproduce, write_first_page
 from tests.pipeline.report.artifacts import make_branch
 
 
@@ -76,7 +76,7 @@ def test_the_diagnosis_is_shown_before_anything_is_trained(
     targets: list[str] = []
     monkeypatch.setattr(reproduction, "reproduce_target", lambda target: targets.append(target) or code)
     monkeypatch.setattr(
-        "stages.reproduce.write_first_page", lambda artifacts, branch: artifacts / "first.html"
+        "simgap.stages.reproduce.write_first_page", lambda artifacts, branch: artifacts / "first.html"
     )
     if code:
         with pytest.raises(InputError, match="did not finish"):

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.comparison.settings import Results
-from stages.results import main
+from simgap.comparison.settings import Results
+from simgap.stages.results import main
 from tests.pipeline.comparison.sweeps import lengths
 
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.models.settings import SystemIdentification
-from pipeline.recordings import write_recording
-from pipeline.stage import StageRun
-from stages.sysid import SysidStage, sysid
+from simgap.errors import InputError
+from simgap.models.settings import SystemIdentification
+from simgap.recordings import write_recording
+from simgap.runner import StageRun
+from simgap.stages.sysid import SysidStage, sysid
 from tests.pipeline.models.synthetic import MOTOR, characterisation
 
 PLATFORM = {"kind": "joint", "inertia": 27.0}

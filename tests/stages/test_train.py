@@ -12,13 +12,13 @@ import pytest
 import torch
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.models.settings import Training
-from pipeline.models.storage import load_model
-from pipeline.platforms import platform_to_config
-from pipeline.recordings import write_recording
-from pipeline.stage import StageRun
-from stages.train import TrainStage, compared, train
+from simgap.errors import InputError
+from simgap.models.settings import Training
+from simgap.models.storage import load_model
+from simgap.platforms import platform_to_config
+from simgap.recordings import write_recording
+from simgap.runner import StageRun
+from simgap.stages.train import TrainStage, compared, train
 from tests.pipeline.models import learnable
 from tests.pipeline.models.rig import rig
 from tests.pipeline.models.synthetic import QUADROTOR
@@ -228,7 +228,7 @@ def arguments(tmp_path, *overrides):
     own = [f"recording={path}", f"artifacts={tmp_path / 'artifacts'}", "tracking.enabled=false"]
     flags = [text for text in overrides if text.startswith("-")]
     rest = [text for text in overrides if not text.startswith("-")]
-    return [sys.executable, "-m", "stages.train", *flags, "branch=swerve_drive", *own, *rest]
+    return [sys.executable, "-m", "simgap.stages.train", *flags, "branch=swerve_drive", *own, *rest]
 
 
 def trained(tmp_path, *overrides):

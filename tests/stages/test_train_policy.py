@@ -13,16 +13,16 @@ import pandas as pd
 import pytest
 import yaml
 
-from pipeline.effects import effect_by_key
-from pipeline.errors import InputError
-from pipeline.policies.export import ONNX_FILE, SCRIPT_FILE
-from pipeline.policies.settings import PolicyEvaluation, PolicyTraining
-from pipeline.policies.storage import load_policy
-from pipeline.simulation import FittedEffect, Simulator, write_simulator
-from pipeline.stage import StageRun
-from stages.deploy import deploy
-from stages.evaluate import EvaluateStage, evaluate
-from stages.train_policy import TrainPolicyStage, train_policy
+from simgap.effects import effect_by_key
+from simgap.errors import InputError
+from simgap.policies.export import ONNX_FILE, SCRIPT_FILE
+from simgap.policies.settings import PolicyEvaluation, PolicyTraining
+from simgap.policies.storage import load_policy
+from simgap.runner import StageRun
+from simgap.simulation import FittedEffect, Simulator, write_simulator
+from simgap.stages.deploy import deploy
+from simgap.stages.evaluate import EvaluateStage, evaluate
+from simgap.stages.train_policy import TrainPolicyStage, train_policy
 from tests.pipeline.policies.racing.machines import racer
 
 ROOT = Path(__file__).parents[2]
@@ -102,7 +102,7 @@ def test_a_simulator_of_another_stage_changes_the_flight(trained, tmp_path):
 
 
 def test_a_killed_training_of_a_policy_ends_like_an_undisturbed_one(trained, tmp_path):
-    command = [sys.executable, "-m", "stages.train_policy", *FEW, f"artifacts={tmp_path}"]
+    command = [sys.executable, "-m", "simgap.stages.train_policy", *FEW, f"artifacts={tmp_path}"]
     process = subprocess.Popen(command, cwd=ROOT, env={**os.environ, "OMP_NUM_THREADS": "1"})
     while process.poll() is None and not any(tmp_path.rglob("checkpoint.pt")):
         time.sleep(0.01)
@@ -150,8 +150,8 @@ def test_mistakes_are_said_in_one_line(tmp_path):
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "conf" / "track").glob("*.yaml")))
 def test_every_track_is_a_valid_configuration(name):
-    from pipeline.policies.racing.track import track_from
-    from pipeline.stage.compose import compose, typed
+    from simgap.policies.racing.track import track_from
+    from simgap.runner.compose import compose, typed
 
     config = typed(TrainPolicyStage, compose([f"track={name}", "train_policy=racing"]))
     assert config.track.name == name

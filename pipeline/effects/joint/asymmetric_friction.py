@@ -7,9 +7,9 @@ Coulomb friction, does the same, in motion and at rest, where friction holds the
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values
-from pipeline.effects.joint.common import AxisFriction, applied
+from simgap.effects.dry_friction import dry_friction, sliding_of
+from simgap.effects.effect import Parameter, Signals, Values
+from simgap.effects.joint.common import AxisFriction, applied
 
 
 class AsymmetricFriction(AxisFriction):

@@ -1,6 +1,6 @@
 """Play between a joint's motor and the axis that it drives."""
 
-from pipeline.effects.backlash import Backlash
+from simgap.effects.backlash import Backlash
 
 
 class JointBacklash(Backlash):

@@ -8,8 +8,8 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
-from pipeline.effects.scan import scan
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.effects.scan import scan
 
 
 class BatterySag(ActuatorEffect):

@@ -5,8 +5,8 @@ import math
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.joint.common import on_axis
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.joint.common import on_axis
 
 _LEAST_CYCLES = (
     2  # of a turn: a magnet has two poles, and one wave in a turn is a weight that hangs off the axis

@@ -3,8 +3,8 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import DryFriction
-from pipeline.effects.effect import Signals, Values
+from simgap.effects.dry_friction import DryFriction
+from simgap.effects.effect import Signals, Values
 
 
 class AxisFriction(DryFriction):

@@ -3,8 +3,8 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.joint.common import on_axis
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.joint.common import on_axis
 
 
 class ConstantLoad(WrenchEffect):

@@ -1,6 +1,6 @@
 """A motor controller that caps the current of a joint."""
 
-from pipeline.effects.current_limit import CurrentLimit
+from simgap.effects.current_limit import CurrentLimit
 
 
 class JointCurrentLimit(CurrentLimit):

@@ -8,7 +8,7 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.effects.effect import CommandEffect, Parameter, Signals, Values
+from simgap.effects.effect import CommandEffect, Parameter, Signals, Values
 
 
 class DeadZone(CommandEffect):

@@ -9,10 +9,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.joint.common import on_axis
-from pipeline.effects.recurrence import accumulated
-from pipeline.effects.scan import scan
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
+from simgap.effects.joint.common import on_axis
+from simgap.effects.recurrence import accumulated
+from simgap.effects.scan import scan
 
 
 class Hysteresis(ActuatorEffect, WrenchEffect):

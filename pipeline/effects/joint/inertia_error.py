@@ -1,6 +1,6 @@
 """A inertia of a joint that differs from the platform file."""
 
-from pipeline.effects.effect import ParameterError, Values
+from simgap.effects.effect import ParameterError, Values
 
 
 class InertiaError(ParameterError):

@@ -2,18 +2,20 @@
 
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values
-from pipeline.effects.joint.common import AxisFriction, applied
+from simgap.effects.dry_friction import dry_friction, sliding_of
+from simgap.effects.effect import Parameter, Signals, Values
+from simgap.effects.joint.common import AxisFriction, applied
 
-_MOST = 0.9  # a gear that loses all that it transmits does not turn; what fits best there is another law
+_GREATEST_RATIO = (
+    0.9  # a gear that loses all that it transmits does not turn; what fits best there is another law
+)
 
 
 class LoadDependentFriction(AxisFriction):
     """Teeth that are pressed together rub: what the gear loses of what it transmits."""
 
     name = "load_dependent_friction"
-    parameters = (Parameter("ratio", "1", 0.2, 0.0, _MOST),)
+    parameters = (Parameter("ratio", "1", 0.2, 0.0, _GREATEST_RATIO),)
     needs = ("velocity", "effort")
     yields_to = ("coulomb_friction",)
     formula = "torque = −ratio · |effort| · sign(velocity); at standstill it holds, up to ratio · |effort|"

@@ -1,6 +1,6 @@
 """A motor constant of a joint that differs from the platform file."""
 
-from pipeline.effects.effect import ParameterError, Values
+from simgap.effects.effect import ParameterError, Values
 
 
 class MotorConstantError(ParameterError):

@@ -1,6 +1,6 @@
 """A joint's motor whose current takes time to rise."""
 
-from pipeline.effects.motor_inductance import MotorInductance
+from simgap.effects.motor_inductance import MotorInductance
 
 
 class JointMotorInductance(MotorInductance):

@@ -3,7 +3,7 @@
 A late log of one axis looks as a late command does: only the sign, or a second sensor, tells them apart.
 """
 
-from pipeline.effects.time_offset import TimeOffset
+from simgap.effects.time_offset import TimeOffset
 
 
 class JointTimeOffset(TimeOffset):

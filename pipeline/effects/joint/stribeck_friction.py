@@ -3,10 +3,10 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, fades, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values
-from pipeline.effects.joint.common import AxisFriction, applied
-from pipeline.effects.scan import scan
+from simgap.effects.dry_friction import dry_friction, fades, sliding_of
+from simgap.effects.effect import Parameter, Signals, Values
+from simgap.effects.joint.common import AxisFriction, applied
+from simgap.effects.scan import scan
 
 
 class StribeckFriction(AxisFriction):

@@ -4,7 +4,7 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 
 
 class TemperatureDerating(ActuatorEffect):

@@ -2,8 +2,8 @@
 
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.quadrotor.common import along_axes
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.quadrotor.common import along_axes
 
 
 class AngularDrag(WrenchEffect):

@@ -2,8 +2,8 @@
 
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.quadrotor.common import rotor_speed_ratio
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.quadrotor.common import rotor_speed_ratio
 
 
 class AxialInflow(WrenchEffect):

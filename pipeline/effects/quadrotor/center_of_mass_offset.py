@@ -2,7 +2,7 @@
 
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 
 
 class CenterOfMassOffset(WrenchEffect):

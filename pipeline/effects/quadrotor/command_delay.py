@@ -1,6 +1,6 @@
 """Delay between command and effect of a quadrotor."""
 
-from pipeline.effects.delay import CommandDelay
+from simgap.effects.delay import CommandDelay
 
 
 class QuadrotorCommandDelay(CommandDelay):

@@ -2,7 +2,7 @@
 
 from torch import Tensor
 
-from pipeline.effects.effect import Signals, Values
+from simgap.effects.effect import Signals, Values
 
 
 def rotor_speed_ratio(signals: Signals, constants: Values) -> Tensor:

@@ -5,8 +5,8 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.quadrotor.common import hover_rotor_speed
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.quadrotor.common import hover_rotor_speed
 
 # (name, unit, default, bound on the size); in the order of the terms that `_terms` returns.
 _LATERAL = (

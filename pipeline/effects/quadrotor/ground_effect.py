@@ -2,7 +2,7 @@
 
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 
 _LEAST_HEIGHT = 0.02  # m; on the ground no rotor is nearer to it than its landing gear lets it be
 

@@ -3,9 +3,9 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.quadrotor.common import along_axes, spin_momentum
-from pipeline.physics.rigid_body import gyroscopic_torque
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.quadrotor.common import along_axes, spin_momentum
+from simgap.physics.rigid_body import gyroscopic_torque
 
 
 class GyroscopicTorque(WrenchEffect):

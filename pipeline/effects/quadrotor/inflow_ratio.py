@@ -7,10 +7,10 @@ sideways gains it, and both saturate. What the blades gain besides by their airs
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.quadrotor.common import hover_rotor_speed
-from pipeline.effects.scan import scan
-from pipeline.physics.rotors import hub_velocity, wrench
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.quadrotor.common import hover_rotor_speed
+from simgap.effects.scan import scan
+from simgap.physics.rotors import hub_velocity, wrench
 
 _ITERATIONS = 20
 _STILL = 1e-6  # m/s, below which air does not move

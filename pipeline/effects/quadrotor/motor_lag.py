@@ -4,8 +4,8 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
-from pipeline.effects.lag import lag_along_time, lag_step
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.effects.lag import lag_along_time, lag_step
 
 
 class MotorLag(ActuatorEffect):

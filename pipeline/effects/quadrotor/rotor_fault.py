@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 
 
 class _RotorFault(WrenchEffect):

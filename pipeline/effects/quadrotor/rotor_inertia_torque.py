@@ -5,8 +5,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.quadrotor.common import spin_momentum
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
+from simgap.effects.quadrotor.common import spin_momentum
 
 
 class RotorInertiaTorque(ActuatorEffect, WrenchEffect):

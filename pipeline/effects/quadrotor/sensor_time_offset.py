@@ -1,6 +1,6 @@
 """State of a quadrotor recorded on another clock than the motors."""
 
-from pipeline.effects.time_offset import TimeOffset
+from simgap.effects.time_offset import TimeOffset
 
 
 class QuadrotorTimeOffset(TimeOffset):

@@ -5,13 +5,13 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects.chain import chains_of
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.first_swing import first_swing
-from pipeline.effects.quadrotor.common import along_axes
-from pipeline.effects.scan import scan
-from pipeline.physics import rotations
-from pipeline.physics.cable import Cable, along, pull, swing
+from simgap.effects.chain import chains_of
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
+from simgap.effects.first_swing import first_swing
+from simgap.effects.quadrotor.common import along_axes
+from simgap.effects.scan import scan
+from simgap.physics import rotations
+from simgap.physics.cable import Cable, along, pull, swing
 
 _TOGETHER = 4  # stretches through which a swing is followed: what is felt is no more precise than that
 

@@ -3,8 +3,8 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.physics import rotations
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.physics import rotations
 
 
 class SteadyWind(WrenchEffect):

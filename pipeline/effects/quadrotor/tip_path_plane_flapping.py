@@ -9,10 +9,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.lag import lag_along_time, lag_step
-from pipeline.effects.quadrotor.common import rotor_speed_ratio
-from pipeline.effects.scan import scan
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
+from simgap.effects.lag import lag_along_time, lag_step
+from simgap.effects.quadrotor.common import rotor_speed_ratio
+from simgap.effects.scan import scan
 
 _SLOWEST = 0.1  # of the hover rotor speed; slower, a rotor lifts a hundredth of the weight and its tilt hardly counts
 
@@ -55,7 +55,7 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:
         """Return the mean tilt over the step, settled at the first; the memory holds the tilt at its end."""
-        target, time_constant = _settled(signals, values, constants)
+        target, time_constant = _steady_tilt(signals, values, constants)
         start = target if memory is None else memory
         mean, end = lag_step(start, target, time_constant, time_step)
         return {"disc_tilt": mean}, end
@@ -64,7 +64,7 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
         self, signals: Signals, values: Values, constants: Values, time_step: float
     ) -> dict[str, Tensor]:
         """Tilt the discs along whole blocks at once: the same as sample by sample."""
-        target, time_constant = _settled(signals, values, constants)
+        target, time_constant = _steady_tilt(signals, values, constants)
         return {**signals, "disc_tilt": lag_along_time(target, time_constant, time_step)}
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
@@ -82,7 +82,7 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
         }
 
 
-def _settled(signals: Signals, values: Values, constants: Values) -> tuple[Tensor, Tensor]:
+def _steady_tilt(signals: Signals, values: Values, constants: Values) -> tuple[Tensor, Tensor]:
     """Return the tilt (..., 2) away from +x and +y that the discs tend to, rad, and the time it takes, s."""
     ratio = rotor_speed_ratio(signals, constants).clamp_min(_SLOWEST)[..., None]
     time_constant = values["time_constant"] / ratio

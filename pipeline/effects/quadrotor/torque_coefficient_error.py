@@ -1,6 +1,6 @@
 """A torque coefficient that differs from the platform file."""
 
-from pipeline.effects.effect import ParameterError, Values
+from simgap.effects.effect import ParameterError, Values
 
 
 class TorqueCoefficientError(ParameterError):

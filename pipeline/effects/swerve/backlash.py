@@ -1,6 +1,6 @@
 """Play in the steering gears of a swerve drive."""
 
-from pipeline.effects.backlash import Backlash
+from simgap.effects.backlash import Backlash
 
 
 class SteerBacklash(Backlash):

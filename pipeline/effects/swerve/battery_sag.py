@@ -8,7 +8,7 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 
 
 class _SwerveBatterySag(ActuatorEffect):

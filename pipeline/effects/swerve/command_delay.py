@@ -1,6 +1,6 @@
 """Delay between voltage and effect in a swerve drive."""
 
-from pipeline.effects.delay import CommandDelay
+from simgap.effects.delay import CommandDelay
 
 
 class DriveCommandDelay(CommandDelay):

@@ -2,9 +2,9 @@
 
 from torch import Tensor
 
-from pipeline.effects.dry_friction import DryFriction
-from pipeline.effects.effect import Signals, Values
-from pipeline.platforms.swerve_mechanism import (
+from simgap.effects.dry_friction import DryFriction
+from simgap.effects.effect import Signals, Values
+from simgap.platforms.swerve_mechanism import (
     on_chassis,
     per_module,
     steering_torque,

@@ -2,9 +2,9 @@
 
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values
-from pipeline.effects.swerve.common import ModuleFriction, WheelFriction, module_load, wheel_load, wheel_speed
+from simgap.effects.dry_friction import dry_friction, sliding_of
+from simgap.effects.effect import Parameter, Signals, Values
+from simgap.effects.swerve.common import ModuleFriction, WheelFriction, module_load, wheel_load, wheel_speed
 
 
 class DriveCoulombFriction(WheelFriction):

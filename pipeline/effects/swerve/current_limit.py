@@ -1,6 +1,6 @@
 """Motor controllers that cap the current of a swerve drive's motors."""
 
-from pipeline.effects.current_limit import CurrentLimit
+from simgap.effects.current_limit import CurrentLimit
 
 
 class DriveCurrentLimit(CurrentLimit):

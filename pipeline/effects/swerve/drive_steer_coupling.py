@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from pipeline.effects.effect import ConstantEffect, Parameter, Values
+from simgap.effects.effect import ConstantEffect, Parameter, Values
 
 
 class DriveSteerCoupling(ConstantEffect):

@@ -1,6 +1,6 @@
 """A mass of a swerve drive that differs from the platform file."""
 
-from pipeline.effects.effect import ParameterError, Values
+from simgap.effects.effect import ParameterError, Values
 
 
 class MassError(ParameterError):

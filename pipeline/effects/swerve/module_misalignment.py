@@ -5,10 +5,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import ConstantEffect, Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.swerve.common import on_chassis
-from pipeline.platforms.swerve_constraint import along_the_wheels
-from pipeline.platforms.swerve_kinematics import lateral_matrix, rolling_speed
+from simgap.effects.effect import ConstantEffect, Parameter, Signals, Values, WrenchEffect
+from simgap.effects.swerve.common import on_chassis
+from simgap.platforms.swerve_constraint import along_the_wheels
+from simgap.platforms.swerve_kinematics import lateral_matrix, rolling_speed
 
 _OFFSETS = tuple(f"offset_{module}" for module in range(1, 5))
 

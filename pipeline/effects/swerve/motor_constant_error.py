@@ -1,6 +1,6 @@
 """Motor constants of a swerve drive that differ from the platform file."""
 
-from pipeline.effects.effect import ParameterError, Values
+from simgap.effects.effect import ParameterError, Values
 
 
 class _SwerveMotorConstantError(ParameterError):

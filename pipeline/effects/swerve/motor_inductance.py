@@ -1,7 +1,7 @@
 """Motors of a swerve drive whose current takes time to rise."""
 
-from pipeline.effects.effect import Parameter
-from pipeline.effects.motor_inductance import MotorInductance
+from simgap.effects.effect import Parameter
+from simgap.effects.motor_inductance import MotorInductance
 
 _OF_STRONG_MOTORS = (Parameter("inductance", "H", 2e-3, 0.0, 10.0),)
 

@@ -3,10 +3,10 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import dry_friction, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values
-from pipeline.effects.scan import scan
-from pipeline.effects.swerve.common import ModuleFriction, module_load, wheel_speed
+from simgap.effects.dry_friction import dry_friction, sliding_of
+from simgap.effects.effect import Parameter, Signals, Values
+from simgap.effects.scan import scan
+from simgap.effects.swerve.common import ModuleFriction, module_load, wheel_speed
 
 
 class ScrubTorque(ModuleFriction):

@@ -3,7 +3,7 @@
 A late log looks as late commands do to the drive and to the steering at once: one offset in the place of two delays.
 """
 
-from pipeline.effects.time_offset import TimeOffset
+from simgap.effects.time_offset import TimeOffset
 
 
 class SwerveTimeOffset(TimeOffset):

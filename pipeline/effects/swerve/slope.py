@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 
 
 class Slope(WrenchEffect):

@@ -5,10 +5,10 @@ from abc import abstractmethod
 import torch
 from torch import Tensor
 
-from pipeline.effects.dry_friction import DryFriction, Sliding, dry_friction, fades, sliding_of
-from pipeline.effects.effect import Parameter, Signals, Values
-from pipeline.effects.scan import scan
-from pipeline.effects.swerve.common import ModuleFriction, WheelFriction, module_load, wheel_load, wheel_speed
+from simgap.effects.dry_friction import DryFriction, Sliding, dry_friction, fades, sliding_of
+from simgap.effects.effect import Parameter, Signals, Values
+from simgap.effects.scan import scan
+from simgap.effects.swerve.common import ModuleFriction, WheelFriction, module_load, wheel_load, wheel_speed
 
 
 class _SwerveStribeckFriction(DryFriction):

@@ -2,8 +2,8 @@
 
 from torch import Tensor
 
-from pipeline.effects.effect import Parameter, Signals, Values, WrenchEffect
-from pipeline.effects.swerve.common import on_modules, on_wheels, wheel_speed
+from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.swerve.common import on_modules, on_wheels, wheel_speed
 
 
 class DriveViscousFriction(WrenchEffect):

@@ -1,6 +1,6 @@
 """Wheels of a swerve drive that are smaller or greater than the platform file says."""
 
-from pipeline.effects.effect import ParameterError, Values
+from simgap.effects.effect import ParameterError, Values
 
 
 class WheelRadiusError(ParameterError):

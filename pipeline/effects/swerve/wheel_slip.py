@@ -5,9 +5,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects.effect import ActuatorEffect, Parameter, Signals, Values
-from pipeline.effects.swerve.common import wheel_angle
-from pipeline.platforms.swerve_mechanism import LEAST_SLIP, SLIDING
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.effects.swerve.common import wheel_angle
+from simgap.platforms.swerve_mechanism import LEAST_SLIP, SLIDING
 
 # Of a wheel's share of the weight: accelerations shift load, a light wheel slides first and a heavy one last.
 _LIGHTEST, _LIGHT, _HEAVIEST = 0.7, 0.8, 1.2

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.policies.profile.drive import Drive
-from pipeline.policies.profile.motion import Motion, drive_along
-from pipeline.policies.profile.reference import Reference, trapezoid
-from pipeline.policies.profile.rivals import fastest_s_curve, fastest_trapezoid
-from pipeline.policies.profile.settings import Profile
-from pipeline.policies.profile.time_optimal import time_optimal
+from simgap.policies.profile.drive import Drive
+from simgap.policies.profile.motion import Motion, drive_along
+from simgap.policies.profile.reference import Reference, trapezoid
+from simgap.policies.profile.rivals import fastest_s_curve, fastest_trapezoid
+from simgap.policies.profile.settings import Profile
+from simgap.policies.profile.time_optimal import time_optimal
 
 PUBLISHED = "published_trapezoid"
 TRAPEZOID, S_CURVE = "fastest_trapezoid", "fastest_s_curve"

@@ -75,12 +75,12 @@ class Drive:
         stopped = left > 0.0
         return torch.where(stopped, after[0], before[0]), before[1] + torch.where(stopped, after[1], still)
 
-    def _settled(self, voltage: Tensor, direction: Tensor) -> Tensor:
+    def _steady_velocity(self, voltage: Tensor, direction: Tensor) -> Tensor:
         return (voltage - self.static * direction) / self.speed
 
     def _stop(self, velocity: Tensor, voltage: Tensor) -> Tensor:
         """Return when each wheel comes to a stop, s; infinite where it never does."""
-        settled = self._settled(voltage, velocity.sign())
+        settled = self._steady_velocity(voltage, velocity.sign())
         stops = settled * velocity.sign() < 0.0
         ratio = torch.where(stops, -velocity / settled, torch.zeros_like(velocity))
         time = self.time_constant * torch.log1p(ratio)
@@ -91,7 +91,7 @@ class Drive:
         self, velocity: Tensor, voltage: Tensor, direction: Tensor, duration: Tensor
     ) -> tuple[Tensor, Tensor]:
         """Return velocity and distance after a duration in which friction keeps its direction."""
-        settled = self._settled(voltage, direction)
+        settled = self._steady_velocity(voltage, direction)
         gone = -torch.expm1(-duration / self.time_constant)
         away = velocity - settled
         return velocity - away * gone, settled * duration + away * self.time_constant * gone

@@ -3,10 +3,10 @@
 import torch
 from torch import Tensor
 
-from pipeline.policies.environment import Environment, Machines, Observation
-from pipeline.policies.profile.drive import Drive
-from pipeline.policies.profile.rewards import final_reward, step_reward
-from pipeline.policies.profile.settings import Profile
+from simgap.policies.environment import Environment, Machines, Observation
+from simgap.policies.profile.drive import Drive
+from simgap.policies.profile.rewards import final_reward, step_reward
+from simgap.policies.profile.settings import Profile
 
 _SLOW = 0.2  # m/s, below which the speed is also seen enlarged
 

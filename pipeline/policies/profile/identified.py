@@ -8,9 +8,9 @@ import torch
 import yaml
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.platforms import Swerve
-from pipeline.policies.profile.drive import Drive
+from simgap.errors import InputError
+from simgap.platforms import Swerve
+from simgap.policies.profile.drive import Drive
 
 _GAINS = ("kS", "kV", "kA")
 _REMEDY = "run simgap sysid on drives straight ahead"

@@ -6,8 +6,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.policies.profile.drive import Drive
-from pipeline.policies.profile.reference import Array
+from simgap.policies.profile.drive import Drive
+from simgap.policies.profile.reference import Array
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from torch import Tensor
 
-from pipeline.policies.profile.settings import Profile
+from simgap.policies.profile.settings import Profile
 
 
 def step_reward(

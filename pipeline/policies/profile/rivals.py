@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq, brute, minimize
 
-from pipeline.policies.profile.drive import Drive
-from pipeline.policies.profile.reference import Array, Reference, s_curve, trapezoid
+from simgap.policies.profile.drive import Drive
+from simgap.policies.profile.reference import Array, Reference, s_curve, trapezoid
 
 _SAMPLES = 400
 _GRID = 16

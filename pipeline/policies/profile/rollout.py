@@ -7,10 +7,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.policies.profile.drive import Drive
-from pipeline.policies.profile.environment import MotionProfile
-from pipeline.policies.profile.motion import Motion, drive_along
-from pipeline.policies.profile.settings import Profile
+from simgap.policies.profile.drive import Drive
+from simgap.policies.profile.environment import MotionProfile
+from simgap.policies.profile.motion import Motion, drive_along
+from simgap.policies.profile.settings import Profile
 
 _REST = 0.1  # s that the drive is watched after the policy has arrived
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from pipeline.policies.settings import Learning
+from simgap.policies.settings import Learning
 
 
 @dataclass

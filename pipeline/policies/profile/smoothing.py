@@ -3,8 +3,8 @@
 import torch
 from torch import Tensor
 
-from pipeline.policies.profile.drive import Drive
-from pipeline.policies.profile.motion import Motion
+from simgap.policies.profile.drive import Drive
+from simgap.policies.profile.motion import Motion
 
 
 def smoothed(drive: Drive, motion: Motion, window: int) -> Tensor:

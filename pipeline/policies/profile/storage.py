@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
-from pipeline.policies.profile.motion import Motion
+from simgap.errors import InputError
+from simgap.policies.profile.motion import Motion
 
 FILE = "motions.parquet"
 _COLUMNS = {"name", "t", "position", "velocity"}

@@ -6,9 +6,9 @@ from typing import Any
 import casadi
 import torch
 
-from pipeline.errors import InputError
-from pipeline.policies.profile.drive import Drive
-from pipeline.policies.profile.motion import Motion, drive_open_loop
+from simgap.errors import InputError
+from simgap.policies.profile.drive import Drive
+from simgap.policies.profile.motion import Motion, drive_open_loop
 
 _QUIET: dict[str, Any] = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes"}}
 

@@ -8,9 +8,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from pipeline.platforms import Quadrotor
-from pipeline.policies.racing.flying import PARTS, STATE
-from pipeline.simulation.controllers import Betaflight
+from simgap.platforms import Quadrotor
+from simgap.policies.racing.flying import PARTS, STATE
+from simgap.simulation.controllers import Betaflight
 
 Array = NDArray[Any]
 Fly = Callable[[Array, Array], tuple[Array, Array]]
@@ -47,7 +47,7 @@ class RateLoop:
 
 
 class Deployed:
-    """The machines as a race has them, see `pipeline.policies.racing.flying.Flown`; a critic is told nothing here.
+    """The machines as a race has them, see `simgap.policies.racing.flying.Flown`; a critic is told nothing here.
 
     Their rows are their states and, below them, what they believe of them.
     """

@@ -7,14 +7,14 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.platforms import Quadrotor
-from pipeline.policies.racing.flying import Flown, flight_in
-from pipeline.policies.racing.racing import Misjudging, Racing
-from pipeline.policies.racing.randomisation import nothing_left_over
-from pipeline.policies.racing.settings import RacingSettings, Randomisation, TrackSettings
-from pipeline.policies.racing.track import Track, track_from
-from pipeline.simulation import Simulator
-from pipeline.stage.mistakes import configuration_mistakes
+from simgap.platforms import Quadrotor
+from simgap.policies.racing.flying import Flown, flight_in
+from simgap.policies.racing.racing import Misjudging, Racing
+from simgap.policies.racing.randomisation import nothing_left_over
+from simgap.policies.racing.settings import RacingSettings, Randomisation, TrackSettings
+from simgap.policies.racing.track import Track, track_from
+from simgap.runner.mistakes import configuration_mistakes
+from simgap.simulation import Simulator
 
 
 def race_in(
@@ -48,7 +48,7 @@ def race_in(
 
 def _planned(track: Track, settings: RacingSettings, gravity: float) -> Tensor:
     """Return the states of the time-optimal lap from each gate to the next, (gates, nodes of a phase, 13)."""
-    from pipeline.policies.racing.time_optimal import Limits, optimal_lap
+    from simgap.policies.racing.time_optimal import Limits, optimal_lap
 
     lap = optimal_lap(track, Limits.of(settings.flying), gravity)
     phases = lap.states[:-1].reshape(

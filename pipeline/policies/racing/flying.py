@@ -6,17 +6,17 @@ import torch
 from torch import Tensor
 from torch.utils import _pytree as tree
 
-from pipeline.effects import effect_by_key
-from pipeline.errors import InputError
-from pipeline.platforms import Quadrotor
-from pipeline.policies.racing.settings import Flying
-from pipeline.simulation import FittedEffect, Simulator
-from pipeline.simulation.controllers import Betaflight
-from pipeline.simulation.driver import without_driver
-from pipeline.simulation.flight import Flight, Residual, racing_flight
-from pipeline.simulation.fused import FusedStep
-from pipeline.simulation.knn_residual import HeldResidual, RecordedResidual, residual_features
-from pipeline.simulation.motion import QuadrotorMotion
+from simgap.effects import effect_by_key
+from simgap.errors import InputError
+from simgap.platforms import Quadrotor
+from simgap.policies.racing.settings import Flying
+from simgap.simulation import FittedEffect, Simulator
+from simgap.simulation.controllers import Betaflight
+from simgap.simulation.driver import without_driver
+from simgap.simulation.flight import Flight, Residual, racing_flight
+from simgap.simulation.fused import FusedStep
+from simgap.simulation.knn_residual import HeldResidual, RecordedResidual, residual_features
+from simgap.simulation.motion import QuadrotorMotion
 
 STATE = 13
 PARTS = QuadrotorMotion.parts
@@ -119,7 +119,7 @@ class Fleet:
         """Return the rows of machines whose rotors and battery are as in hover.
 
         Args:
-            state: (batch, 13), see `pipeline.simulation.motion.QuadrotorMotion`.
+            state: (batch, 13), see `simgap.simulation.motion.QuadrotorMotion`.
         """
         leaves, shape = tree.tree_flatten(self._memory)
         spread = [leaf.expand(len(state), *leaf.shape[1:]) for leaf in leaves]

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from pipeline.policies.environment import Observation
-from pipeline.policies.racing.flying import STATE
-from pipeline.policies.racing.racing import Racing
-from pipeline.policies.racing.starts import first_starts, perturbed
+from simgap.policies.environment import Observation
+from simgap.policies.racing.flying import STATE
+from simgap.policies.racing.racing import Racing
+from simgap.policies.racing.starts import first_starts, perturbed
 
 Pilot = Callable[[Observation], Tensor]
 """From what is seen of all machines to their actions (batch, 4)."""

@@ -16,13 +16,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from pipeline.physics import rotations
-from pipeline.policies.environment import Observation
-from pipeline.policies.racing.observation import seen_state
-from pipeline.policies.racing.settings import Flying, RacingSettings
-from pipeline.policies.racing.starts import first_starts
-from pipeline.policies.racing.time_optimal import Limits, OptimalLap, optimal_lap
-from pipeline.policies.racing.track import Track
+from simgap.physics import rotations
+from simgap.policies.environment import Observation
+from simgap.policies.racing.observation import seen_state
+from simgap.policies.racing.settings import Flying, RacingSettings
+from simgap.policies.racing.starts import first_starts
+from simgap.policies.racing.time_optimal import Limits, OptimalLap, optimal_lap
+from simgap.policies.racing.track import Track
 
 _ERROR, _INPUT = 9, 4
 _PLACE, _SPEED, _TURN = slice(0, 3), slice(3, 6), slice(6, 9)
@@ -99,7 +99,7 @@ def time_optimal_pilot(
 
 
 class Tracker:
-    """A pilot that follows a lap; see `pipeline.policies.racing.laps.Pilot`. It is at the start when it is made.
+    """A pilot that follows a lap; see `simgap.policies.racing.laps.Pilot`. It is at the start when it is made.
 
     Attributes:
         way: what is followed.
@@ -165,7 +165,7 @@ class Tracker:
         return best[:, :_INPUT]
 
     def _action(self, command: Tensor) -> Tensor:
-        """Return what `pipeline.policies.racing.racing.commanded` makes a command of."""
+        """Return what `simgap.policies.racing.racing.commanded` makes a command of."""
         thrust = (command[:, :1] - self._gravity) / (self._most[0] - self._gravity)
         return torch.cat([thrust, command[:, 1:] / self._most[1:]], dim=-1).clamp(-1.0, 1.0)
 

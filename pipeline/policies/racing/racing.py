@@ -5,16 +5,16 @@ from typing import Protocol, runtime_checkable
 import torch
 from torch import Tensor
 
-from pipeline.policies.environment import Environment, Machines, Observation
-from pipeline.policies.racing.flying import STATE, Fleet, Flown, features_of, state_of
-from pipeline.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
-from pipeline.policies.racing.passage import Passage, passage
-from pipeline.policies.racing.randomisation import DRAWN, drawn_episode, drawn_wrench
-from pipeline.policies.racing.reward import racing_reward, reward_at
-from pipeline.policies.racing.settings import Flying, RacingSettings
-from pipeline.policies.racing.starts import drawn_start, first_starts, keep
-from pipeline.policies.racing.track import Track
-from pipeline.simulation.flight import Flight
+from simgap.policies.environment import Environment, Machines, Observation
+from simgap.policies.racing.flying import STATE, Fleet, Flown, features_of, state_of
+from simgap.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
+from simgap.policies.racing.passage import Passage, passage
+from simgap.policies.racing.randomisation import DRAWN, drawn_episode, drawn_wrench
+from simgap.policies.racing.reward import racing_reward, reward_at
+from simgap.policies.racing.settings import Flying, RacingSettings
+from simgap.policies.racing.starts import drawn_start, first_starts, keep
+from simgap.policies.racing.track import Track
+from simgap.simulation.flight import Flight
 
 _COUNTS = ("gates", "crashes", "steps")
 
@@ -156,7 +156,7 @@ class Racing(Environment):
         now["counts"] += torch.stack(counted)
 
     def observe(self, machines: Machines = slice(None)) -> Observation:
-        """Return what is seen, see `pipeline.policies.racing.observation`."""
+        """Return what is seen, see `simgap.policies.racing.observation`."""
         now = self.state
         rows = now["rows"][:, machines]
         believed = state_of(self.fleet.believed(rows))

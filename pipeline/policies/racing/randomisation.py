@@ -6,7 +6,7 @@ Tobin et al. 2017, "Domain randomization for transferring deep neural networks",
 import torch
 from torch import Tensor
 
-from pipeline.policies.racing.settings import Randomisation
+from simgap.policies.racing.settings import Randomisation
 
 DRAWN = 7
 """Numbers that are drawn for an episode: drag along each body axis, thrust, angular acceleration about each axis."""
@@ -25,7 +25,7 @@ def drawn_wrench(drawn: Tensor, features: Tensor, inertia: Tensor) -> Tensor:
 
     Args:
         drawn: of `drawn_episode`, (batch, 7).
-        features: of `pipeline.simulation.knn_residual.residual_features`, (batch, 7).
+        features: of `simgap.simulation.knn_residual.residual_features`, (batch, 7).
         inertia: principal moments, (3,) kg·m².
     """
     drag, thrust, turning = drawn.split([3, 1, 3], dim=-1)

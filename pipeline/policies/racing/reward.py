@@ -6,8 +6,8 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from pipeline.physics import rotations
-from pipeline.policies.racing.settings import Reward
+from simgap.physics import rotations
+from simgap.policies.racing.settings import Reward
 
 
 def racing_reward(

@@ -9,11 +9,11 @@ opening, it would hit the frame that it has passed.
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.physics import rotations
-from pipeline.policies.racing.flying import PARTS, STATE
-from pipeline.policies.racing.settings import Starts
-from pipeline.policies.racing.track import Track
+from simgap.errors import InputError
+from simgap.physics import rotations
+from simgap.policies.racing.flying import PARTS, STATE
+from simgap.policies.racing.settings import Starts
+from simgap.policies.racing.track import Track
 
 
 def first_starts(track: Track, settings: Starts, planned: Tensor | None = None) -> Tensor:

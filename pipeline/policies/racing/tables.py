@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from pipeline.policies.racing.flying import PARTS
-from pipeline.policies.racing.laps import Laps
+from simgap.policies.racing.flying import PARTS
+from simgap.policies.racing.laps import Laps
 
 _COLUMNS = {"position": "xyz", "attitude": "wxyz", "velocity": "xyz", "body_rate": "xyz"}
 

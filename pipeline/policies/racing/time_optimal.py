@@ -12,9 +12,9 @@ import casadi
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.errors import InputError
-from pipeline.policies.racing.settings import Flying
-from pipeline.policies.racing.track import Track
+from simgap.errors import InputError
+from simgap.policies.racing.settings import Flying
+from simgap.policies.racing.track import Track
 
 _STATE, _INPUT = 13, 4
 _GUESSED_SPEED = 6.0  # m/s

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.policies.racing.settings import GateSettings, TrackSettings
+from simgap.errors import InputError
+from simgap.policies.racing.settings import GateSettings, TrackSettings
 
 _REMEDY = "see conf/track for examples"
 

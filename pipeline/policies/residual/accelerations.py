@@ -4,19 +4,19 @@ import pandas as pd
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.physics.weak_form import moving_mean_of, moving_mean_rate_of, moving_window
-from pipeline.platforms import Quadrotor
-from pipeline.recordings.excerpt import evenly
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import Simulator
-from pipeline.simulation.knn_residual import (
+from simgap.errors import InputError
+from simgap.physics.weak_form import moving_mean_of, moving_mean_rate_of, moving_window
+from simgap.platforms import Quadrotor
+from simgap.recordings.excerpt import evenly
+from simgap.recordings.recording import Recording
+from simgap.simulation import Simulator
+from simgap.simulation.knn_residual import (
     NearestNeighbours,
     RecordedResidual,
     commanded_thrust,
     residual_features,
 )
-from pipeline.simulation.signals import recorded_signals
+from simgap.simulation.signals import recorded_signals
 
 _AXES = "xyz"
 

@@ -7,10 +7,10 @@ import pandas as pd
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.physics import rotations
-from pipeline.policies.residual.wander import Course
-from pipeline.recordings.excerpt import evenly
+from simgap.errors import InputError
+from simgap.physics import rotations
+from simgap.policies.residual.wander import Course
+from simgap.recordings.excerpt import evenly
 
 FEATURES = 15
 """Position (3), velocity (3), first two columns of the rotation matrix (6), body rate (3)."""

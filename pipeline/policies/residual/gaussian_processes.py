@@ -15,8 +15,8 @@ import gpytorch
 import torch
 from torch import Tensor
 
-from pipeline.policies.residual.wander import Course, Wander, wander_of
-from pipeline.recordings.excerpt import evenly
+from simgap.policies.residual.wander import Course, Wander, wander_of
+from simgap.recordings.excerpt import evenly
 
 # Of scaled features and outputs: beyond these a process only looks more certain than a thousand samples can be, and
 # takes what was never flown for worse than all that was.

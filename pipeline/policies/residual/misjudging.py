@@ -1,10 +1,10 @@
-"""Machines that misjudge their states as the drawn residuals say; see `pipeline.policies.racing.racing.Misjudging`."""
+"""Machines that misjudge their states as the drawn residuals say; see `simgap.policies.racing.racing.Misjudging`."""
 
 import torch
 from torch import Tensor
 
-from pipeline.policies.residual.beliefs import state_features, with_residual
-from pipeline.policies.residual.realisations import Realisations
+from simgap.policies.residual.beliefs import state_features, with_residual
+from simgap.policies.residual.realisations import Realisations
 
 
 class DrawnMisjudging:

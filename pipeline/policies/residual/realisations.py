@@ -12,9 +12,9 @@ from dataclasses import dataclass, fields
 import torch
 from torch import Tensor
 
-from pipeline.policies.residual.gaussian_processes import GaussianProcesses
-from pipeline.policies.residual.wander import Wander
-from pipeline.recordings.excerpt import evenly
+from simgap.policies.residual.gaussian_processes import GaussianProcesses
+from simgap.policies.residual.wander import Wander
+from simgap.recordings.excerpt import evenly
 
 _PACES = 16  # frequencies of the waves in time, a cosine and a sine of each
 

@@ -2,16 +2,16 @@
 
 from pathlib import Path
 
-from pipeline.artifacts.descriptions import (
+from simgap.artifacts.descriptions import (
     read_description,
     read_tensors,
     write_description,
     write_tensors,
 )
-from pipeline.errors import InputError
-from pipeline.policies.residual.beliefs import RESIDUALS
-from pipeline.policies.residual.gaussian_processes import GaussianProcesses
-from pipeline.policies.residual.realisations import Realisations
+from simgap.errors import InputError
+from simgap.policies.residual.beliefs import RESIDUALS
+from simgap.policies.residual.gaussian_processes import GaussianProcesses
+from simgap.policies.residual.realisations import Realisations
 
 SCHEMA = "simgap.observation/2"
 DESCRIPTION_FILE, TENSOR_FILE = "observation.yaml", "observation.safetensors"

@@ -1,10 +1,10 @@
 """Cleaning: what a recording cannot mean is taken out, what is missing is filled as far as honest, all is
 accounted for."""
 
-from pipeline.recordings.cleaning.account import summary
-from pipeline.recordings.cleaning.clean import Cleaned, clean_recording, clean_with_coverage
-from pipeline.recordings.cleaning.settings import Cleaning
-from pipeline.recordings.cleaning.work import CHANGE_COLUMNS, COVERAGE_COLUMNS
+from simgap.recordings.cleaning.account import summary
+from simgap.recordings.cleaning.clean import Cleaned, clean_recording, clean_with_coverage
+from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.cleaning.work import CHANGE_COLUMNS, COVERAGE_COLUMNS
 
 __all__ = [
     "CHANGE_COLUMNS",

@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from pipeline.recordings.cleaning.clean import Cleaned
-from pipeline.recordings.recording import Recording
+from simgap.recordings.cleaning.clean import Cleaned
+from simgap.recordings.recording import Recording
 
 
 def summary(recording: Recording, cleaned: Cleaned) -> pd.DataFrame:

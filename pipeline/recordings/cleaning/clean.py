@@ -6,26 +6,26 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
-from pipeline.recordings.cleaning.channels import INPUTS
-from pipeline.recordings.cleaning.clock import estimate_clock_offset
-from pipeline.recordings.cleaning.coverage import coverage
-from pipeline.recordings.cleaning.crash import cut_crash
-from pipeline.recordings.cleaning.frozen import erase_frozen
-from pipeline.recordings.cleaning.idle import drop_idle
-from pipeline.recordings.cleaning.limits import erase_beyond_limits
-from pipeline.recordings.cleaning.missing import erase_sparse_groups, lacking, needed_groups
-from pipeline.recordings.cleaning.quaternions import mend_quaternions
-from pipeline.recordings.cleaning.resample import resample, split_at_gaps, typical_step
-from pipeline.recordings.cleaning.segments import drop_incomplete, drop_made_up, drop_short, segment_numbers
-from pipeline.recordings.cleaning.settings import Cleaning
-from pipeline.recordings.cleaning.spikes import erase_spikes
-from pipeline.recordings.cleaning.straight import erase_straight
-from pipeline.recordings.cleaning.work import RunUnderCleaning, changes_table
-from pipeline.recordings.contract import REQUIRED
-from pipeline.recordings.recording import Recording
-from pipeline.recordings.resemblance import distances_of
-from pipeline.recordings.split import Split, split_runs
+from simgap.errors import InputError
+from simgap.recordings.cleaning.channels import INPUTS
+from simgap.recordings.cleaning.clock import estimate_clock_offset
+from simgap.recordings.cleaning.coverage import coverage
+from simgap.recordings.cleaning.crash import cut_crash
+from simgap.recordings.cleaning.frozen import erase_frozen
+from simgap.recordings.cleaning.idle import drop_idle
+from simgap.recordings.cleaning.limits import erase_beyond_limits
+from simgap.recordings.cleaning.missing import erase_sparse_groups, lacking, needed_groups
+from simgap.recordings.cleaning.quaternions import mend_quaternions
+from simgap.recordings.cleaning.resample import resample, split_at_gaps, typical_step
+from simgap.recordings.cleaning.segments import drop_incomplete, drop_made_up, drop_short, segment_numbers
+from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.cleaning.spikes import erase_spikes
+from simgap.recordings.cleaning.straight import erase_straight
+from simgap.recordings.cleaning.work import RunUnderCleaning, changes_table
+from simgap.recordings.contract import REQUIRED
+from simgap.recordings.recording import Recording
+from simgap.recordings.resemblance import distances_of
+from simgap.recordings.split import Split, split_runs
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,14 @@ from scipy.fft import next_fast_len
 from scipy.optimize import minimize_scalar
 from scipy.signal import butter, sosfiltfilt
 
-from pipeline.recordings.cleaning.channels import (
+from simgap.recordings.cleaning.channels import (
     BODY_RATE,
     MOTOR_COMMAND,
     MOTOR_SPEED,
     SPECIFIC_FORCE,
 )
-from pipeline.recordings.cleaning.segments import unbroken
-from pipeline.recordings.cleaning.work import RunUnderCleaning
+from simgap.recordings.cleaning.segments import unbroken
+from simgap.recordings.cleaning.work import RunUnderCleaning
 
 _BAND = (1.0, 20.0)  # Hz; below lies drag and sag, above noise
 _EDGE = 0.2  # s at either end of a stretch in which the filters ring

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pandas as pd
 
-from pipeline.recordings.cleaning.work import COVERAGE_COLUMNS, RunUnderCleaning
+from simgap.recordings.cleaning.work import COVERAGE_COLUMNS, RunUnderCleaning
 
 
 def coverage(runs: list[RunUnderCleaning]) -> pd.DataFrame:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from pipeline.recordings.cleaning.channels import ATTITUDE, BODY_RATE, POSITION, SPECIFIC_FORCE, VELOCITY
-from pipeline.recordings.cleaning.work import RunUnderCleaning
+from simgap.recordings.cleaning.channels import ATTITUDE, BODY_RATE, POSITION, SPECIFIC_FORCE, VELOCITY
+from simgap.recordings.cleaning.work import RunUnderCleaning
 
 _GRAVITY = 9.81  # m/s²
 _RECOVERY = 3.0  # s of flight without any sign of a crash: then it was none

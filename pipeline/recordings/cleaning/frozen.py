@@ -4,8 +4,8 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.spatial.transform import Rotation
 
-from pipeline.recordings.cleaning.channels import ATTITUDE, COMMANDS, RATES, SPECIFIC_FORCE, telegrams
-from pipeline.recordings.cleaning.work import RunUnderCleaning, stretches_of
+from simgap.recordings.cleaning.channels import ATTITUDE, COMMANDS, RATES, SPECIFIC_FORCE, telegrams
+from simgap.recordings.cleaning.work import RunUnderCleaning, stretches_of
 
 _CHANCE = 0.01  # a repetition likelier than this may be a coincidence
 _AROUND = 11  # changes over which the usual step is taken

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.recordings.cleaning.channels import (
+from simgap.recordings.cleaning.channels import (
     BODY_RATE,
     INPUTS,
     MOTOR_COMMAND,
@@ -10,7 +10,7 @@ from pipeline.recordings.cleaning.channels import (
     RATES,
     VELOCITY,
 )
-from pipeline.recordings.cleaning.work import RunUnderCleaning, stretches_of
+from simgap.recordings.cleaning.work import RunUnderCleaning, stretches_of
 
 _OFF = 0.4  # of the typical rotor speed or command in flight; a rotor at idle turns at about 0.3
 _ON_FLOOR = 0.1  # m above the lowest height: a landing bounces

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from pipeline.recordings.cleaning.channels import MOTOR_COMMAND, MOTOR_SPEED
-from pipeline.recordings.cleaning.work import RunUnderCleaning
+from simgap.recordings.cleaning.channels import MOTOR_COMMAND, MOTOR_SPEED
+from simgap.recordings.cleaning.work import RunUnderCleaning
 
 _ROUNDING = 1e-3  # a command logged as 1.0005 is a full command
 _BOUNDS = dict.fromkeys(MOTOR_COMMAND, (0.0, 1.0)) | dict.fromkeys(MOTOR_SPEED, (0.0, np.inf))

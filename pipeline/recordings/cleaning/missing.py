@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from pipeline.recordings.contract import ANY_OF, REQUIRED
+from simgap.recordings.contract import ANY_OF, REQUIRED
 
 _LEAST = 2  # samples that make a channel
 _USABLE = 0.5  # share of samples from which on a group counts as recorded

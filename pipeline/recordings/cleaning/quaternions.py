@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from pipeline.recordings.cleaning.channels import QUATERNIONS
-from pipeline.recordings.cleaning.work import RunUnderCleaning
+from simgap.recordings.cleaning.channels import QUATERNIONS
+from simgap.recordings.cleaning.work import RunUnderCleaning
 
 _EXACT = 1e-6  # of the norm; float32 telemetry is off by less
 _NO_ROTATION = 0.1  # of the norm; an attitude this far off is refused on reading, an estimate is erased here

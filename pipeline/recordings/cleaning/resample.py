@@ -7,10 +7,10 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from scipy.sparse import csr_array
 
-from pipeline.recordings.cleaning.channels import ANGLES, INPUTS, QUATERNIONS, SLOW
-from pipeline.recordings.cleaning.quaternions import slerp
-from pipeline.recordings.cleaning.settings import Cleaning
-from pipeline.recordings.cleaning.work import RunUnderCleaning
+from simgap.recordings.cleaning.channels import ANGLES, INPUTS, QUATERNIONS, SLOW
+from simgap.recordings.cleaning.quaternions import slerp
+from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.cleaning.work import RunUnderCleaning
 
 FIFTH_DIFFERENCE = (-1.0, 5.0, -10.0, 10.0, -5.0, 1.0)  # by which white noise is told from motion
 _LEAST_KEPT = (

@@ -3,7 +3,7 @@ go."""
 
 import numpy as np
 
-from pipeline.recordings.cleaning.work import RunUnderCleaning
+from simgap.recordings.cleaning.work import RunUnderCleaning
 
 _ROUNDING = 1.0 - 1e-9
 

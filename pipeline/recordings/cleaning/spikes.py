@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.ndimage import median_filter
 
-from pipeline.recordings.cleaning.channels import (
+from simgap.recordings.cleaning.channels import (
     ATTITUDE,
     BODY_RATE,
     COMMANDS,
@@ -13,7 +13,7 @@ from pipeline.recordings.cleaning.channels import (
     SLOW,
     SPECIFIC_FORCE,
 )
-from pipeline.recordings.cleaning.work import RunUnderCleaning
+from simgap.recordings.cleaning.work import RunUnderCleaning
 
 _WIDEST = 3  # samples
 _CALM = 4.0  # times the largest step just before and after

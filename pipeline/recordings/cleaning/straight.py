@@ -3,8 +3,8 @@ extrapolated."""
 
 import numpy as np
 
-from pipeline.recordings.cleaning.channels import BODY_RATE, MOTOR_COMMAND, MOTOR_SPEED, SPECIFIC_FORCE
-from pipeline.recordings.cleaning.work import RunUnderCleaning, stretches_of
+from simgap.recordings.cleaning.channels import BODY_RATE, MOTOR_COMMAND, MOTOR_SPEED, SPECIFIC_FORCE
+from simgap.recordings.cleaning.work import RunUnderCleaning, stretches_of
 
 # noisy measurements in flight; positions and program inputs may well be straight
 _VECTORS = (BODY_RATE, SPECIFIC_FORCE, MOTOR_SPEED, MOTOR_COMMAND)

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers import (
+from simgap.errors import InputError
+from simgap.recordings.importers import (
     arm_motion,
     crazyflie_log,
     nanobench,
@@ -15,7 +15,7 @@ from pipeline.recordings.importers import (
     table,
     wheel_excitation,
 )
-from pipeline.recordings.recording import Recording
+from simgap.recordings.recording import Recording
 
 Importer = Callable[[Sequence[Path], Mapping[str, Any]], Recording]
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers.columns import Column, check_options, take
-from pipeline.recordings.recording import Recording, recording_from_frame
-from pipeline.recordings.storage import read_table
+from simgap.errors import InputError
+from simgap.recordings.importers.columns import Column, check_options, take
+from simgap.recordings.recording import Recording, recording_from_frame
+from simgap.recordings.storage import read_table
 
 _OPTIONS = ("joint", "supply", "gain")
 _STATE, _CONTROL = "state_motor.csv", "control.csv"

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
-from pipeline.recordings.contract import channel_units
-from pipeline.recordings.numeric import to_numbers
-from pipeline.recordings.units import KNOWN, conversion
+from simgap.errors import InputError
+from simgap.recordings.contract import channel_units
+from simgap.recordings.numeric import to_numbers
+from simgap.recordings.units import KNOWN, conversion
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
-from pipeline.recordings.dead_reckoning import dead_reckoning
-from pipeline.recordings.importers.columns import Column, check_options, take, vector
-from pipeline.recordings.importers.event_log import read_event_log
-from pipeline.recordings.recording import Recording, recording_from_frame
+from simgap.errors import InputError
+from simgap.recordings.dead_reckoning import dead_reckoning
+from simgap.recordings.importers.columns import Column, check_options, take, vector
+from simgap.recordings.importers.event_log import read_event_log
+from simgap.recordings.recording import Recording, recording_from_frame
 
 _FULL_COMMAND = 65535  # of the 16-bit pulse-width command
 _GRAVITY = 9.81

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 _MAGIC = 0xBC
 _VERSION = 2

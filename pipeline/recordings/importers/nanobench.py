@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from pipeline.recordings.importers.columns import Column, check_options, take, vector
-from pipeline.recordings.recording import Recording, recording_from_frame
-from pipeline.recordings.storage import read_table
+from simgap.recordings.importers.columns import Column, check_options, take, vector
+from simgap.recordings.recording import Recording, recording_from_frame
+from simgap.recordings.storage import read_table
 
 _FULL_COMMAND = 65535  # of the 16-bit pulse-width command
 _ESTIMATE = "est_stateEstimate"

@@ -8,9 +8,9 @@ from typing import Any
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
-from pipeline.recordings.importers.columns import Column, check_options, take, vector
-from pipeline.recordings.recording import Recording, recording_from_frame
-from pipeline.recordings.storage import read_table
+from simgap.recordings.importers.columns import Column, check_options, take, vector
+from simgap.recordings.recording import Recording, recording_from_frame
+from simgap.recordings.storage import read_table
 
 _POLE_PAIRS = 6
 _MECHANICAL = 2 * math.pi / (60 * _POLE_PAIRS)  # rad/s of the rotor per electrical turn per minute

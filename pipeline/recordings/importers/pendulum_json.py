@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers.columns import Column, check_options, take
-from pipeline.recordings.recording import Recording, recording_from_frame
+from simgap.errors import InputError
+from simgap.recordings.importers.columns import Column, check_options, take
+from simgap.recordings.recording import Recording, recording_from_frame
 
 _FULL_DUTY = 885  # of `load` (Present PWM, e-manual of the XL330)
 _WORD = 1 << 16  # `load` is a signed number of 16 bits, published without its sign

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers.columns import check_options
-from pipeline.recordings.recording import Recording, recording_from_frame
+from simgap.errors import InputError
+from simgap.recordings.importers.columns import check_options
+from simgap.recordings.recording import Recording, recording_from_frame
 
 _TESTS = ("slow-forward", "slow-backward", "fast-forward", "fast-backward")
 _SIDES = {"left": (1, 3, 5), "right": (2, 4, 6)}  # columns of voltage, position, velocity; 0 is time in s

@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 from scipy.integrate import cumulative_trapezoid
 
-from pipeline.errors import InputError
-from pipeline.recordings.contract import KINDS
-from pipeline.recordings.importers.columns import Column, check_options, take
-from pipeline.recordings.recording import Recording, recording_from_frame
-from pipeline.recordings.storage import read_table
-from pipeline.recordings.units import conversion
+from simgap.errors import InputError
+from simgap.recordings.contract import KINDS
+from simgap.recordings.importers.columns import Column, check_options, take
+from simgap.recordings.recording import Recording, recording_from_frame
+from simgap.recordings.storage import read_table
+from simgap.recordings.units import conversion
 
 _OPTIONS = ("kind", "columns", "run_column", "integrate")
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers.columns import check_options
-from pipeline.recordings.recording import Recording, recording_from_frame
+from simgap.errors import InputError
+from simgap.recordings.importers.columns import check_options
+from simgap.recordings.recording import Recording, recording_from_frame
 
 _WHEELS = 4
 _NUMBERS = 10  # of a row: four encoders, four duty cycles, the clock's ticks, the gyroscope

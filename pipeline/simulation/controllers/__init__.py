@@ -1,5 +1,5 @@
 """What flies a simulated machine: from the action of a policy to the command of its actuators."""
 
-from pipeline.simulation.controllers.betaflight import Betaflight
+from simgap.simulation.controllers.betaflight import Betaflight
 
 __all__ = ["Betaflight"]

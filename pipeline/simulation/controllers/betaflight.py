@@ -11,10 +11,10 @@ from functools import cached_property
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.physics.motors import first_order_lag
-from pipeline.platforms import Quadrotor
-from pipeline.simulation.controllers.mixer import distribution, mix
+from simgap.errors import InputError
+from simgap.physics.motors import first_order_lag
+from simgap.platforms import Quadrotor
+from simgap.simulation.controllers.mixer import distribution, mix
 
 Memory = dict[str, Tensor] | None
 

@@ -3,8 +3,8 @@
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.platforms import Quadrotor
+from simgap.errors import InputError
+from simgap.platforms import Quadrotor
 
 
 def allocation(platform: Quadrotor) -> Tensor:

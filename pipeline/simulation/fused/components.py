@@ -12,7 +12,7 @@ import torch
 from torch import Tensor, fx
 from torch._ops import OpOverload
 
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 Element = fx.Node | float | bool
 """One entry of a tensor: a series over the batch, or a number that all share."""

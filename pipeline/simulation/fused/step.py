@@ -9,8 +9,8 @@ from torch import Tensor, fx
 from torch.fx.experimental.proxy_tensor import make_fx
 from torch.utils import _pytree as tree
 
-from pipeline.errors import InputError
-from pipeline.simulation.fused.trace import component_graph
+from simgap.errors import InputError
+from simgap.simulation.fused.trace import component_graph
 
 Function = Callable[[Tensor, Tensor, Any], tuple[Tensor, Any]]
 """From state (batch, n), action (batch, k) and memory to state and memory."""

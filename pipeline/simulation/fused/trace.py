@@ -9,8 +9,8 @@ from torch import Tensor, fx
 from torch.func import functionalize
 from torch.fx.experimental.proxy_tensor import make_fx
 
-from pipeline.errors import InputError
-from pipeline.simulation.fused.components import Components, Entries
+from simgap.errors import InputError
+from simgap.simulation.fused.components import Components, Entries
 
 _aten = torch.ops.aten
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.artifacts import staged_directory
-from pipeline.errors import InputError
+from simgap.artifacts import staged_directory
+from simgap.errors import InputError
 
 
 def write(target: Path, owned: bool = False, **files: str) -> None:
@@ -93,7 +93,7 @@ def test_a_link_to_a_directory_stays_a_link(tmp_path: Path) -> None:
 
 KILLED = """
 import sys, time
-from pipeline.artifacts import staged_directory
+from simgap.artifacts import staged_directory
 with staged_directory(sys.argv[1]) as staging:
     (staging / "file").write_text("half")
     print("ready", flush=True)
@@ -191,7 +191,7 @@ def test_a_really_full_disk(tmp_path: Path) -> None:
     """A file that outgrows its limit (RLIMIT_FSIZE) is what a full disk looks like to a writer."""
     code = """
 import resource, signal, sys
-from pipeline.artifacts import staged_directory
+from simgap.artifacts import staged_directory
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 with staged_directory(sys.argv[1]) as staging:

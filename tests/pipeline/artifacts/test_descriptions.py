@@ -1,14 +1,14 @@
 import pytest
 import torch
 
-from pipeline.artifacts import hash_path
-from pipeline.artifacts.descriptions import (
+from simgap.artifacts import hash_path
+from simgap.artifacts.descriptions import (
     read_description,
     read_tensors,
     write_description,
     write_tensors,
 )
-from pipeline.errors import InputError
+from simgap.errors import InputError
 
 TENSORS = {"second": torch.arange(6.0).reshape(2, 3).T, "first": torch.ones(2)}
 

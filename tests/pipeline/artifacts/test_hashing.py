@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from pipeline.artifacts import hash_path, hash_value
-from pipeline.errors import InputError
+from simgap.artifacts import hash_path, hash_value
+from simgap.errors import InputError
 
 
 def test_a_file_is_known_by_its_sha256(tmp_path: Path) -> None:

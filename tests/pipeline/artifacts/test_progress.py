@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from pipeline.artifacts import Pace, progress
+from simgap.artifacts import Pace, progress
 
 clock_module = sys.modules[progress.__module__]
 

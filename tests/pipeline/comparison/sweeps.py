@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from pipeline.comparison.comparison import Comparison, Job
-from pipeline.comparison.settings import Results
+from simgap.comparison.comparison import Comparison, Job
+from simgap.comparison.settings import Results
 
 
 def job(error: float | None, seed: int = 0, **values: Any) -> Job:

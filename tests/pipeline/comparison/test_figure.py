@@ -2,8 +2,8 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.comparison.figure import draw
-from pipeline.comparison.settings import Results, TableOf
+from simgap.comparison.figure import draw
+from simgap.comparison.settings import Results, TableOf
 from tests.pipeline.comparison.sweeps import job, lengths, sweep
 
 

@@ -2,11 +2,11 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.comparison.comparison import FILE, Comparison
-from pipeline.comparison.figure import FIGURE, draw
-from pipeline.comparison.page import PAGE, tables_text, write_section
-from pipeline.comparison.settings import Results, TableOf
-from pipeline.errors import InputError
+from simgap.comparison.comparison import FILE, Comparison
+from simgap.comparison.figure import FIGURE, draw
+from simgap.comparison.page import PAGE, tables_text, write_section
+from simgap.comparison.settings import Results, TableOf
+from simgap.errors import InputError
 from tests.pipeline.comparison.sweeps import job, lengths, sweep
 
 

@@ -3,9 +3,9 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.comparison.comparison import flat
-from pipeline.comparison.settings import Results, TableOf
-from pipeline.comparison.table import Estimate, tables_of
+from simgap.comparison.comparison import flat
+from simgap.comparison.settings import Results, TableOf
+from simgap.comparison.table import Estimate, tables_of
 from tests.pipeline.comparison.sweeps import job, lengths, sweep
 
 

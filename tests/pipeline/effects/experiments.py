@@ -5,15 +5,15 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
-from pipeline.effects import Effect, MeasurementEffect
-from pipeline.effects.shift import shift_in_time
-from pipeline.gap.fit import Fit, Problem, fit
-from pipeline.gap.residuals import residual_rows
-from pipeline.physics import rotations
-from pipeline.physics.weak_form import window_functions
-from pipeline.simulation import FittedEffect, Simulator, rollout
-from pipeline.simulation.blocks import Blocks
-from pipeline.simulation.motion import motion_of
+from simgap.effects import Effect, MeasurementEffect
+from simgap.effects.shift import shift_in_time
+from simgap.gap.fit import Fit, Problem, fit
+from simgap.gap.residuals import residual_rows
+from simgap.physics import rotations
+from simgap.physics.weak_form import window_functions
+from simgap.simulation import FittedEffect, Simulator, rollout
+from simgap.simulation.blocks import Blocks
+from simgap.simulation.motion import motion_of
 from tests.pipeline.platforms.machines import MACHINES, QUADROTOR
 
 _NOISE = 1e-9  # of every row: the recordings have none, but weights need a floor

@@ -6,9 +6,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from pipeline.effects import ActuatorEffect, Effect
-from pipeline.physics import rotations
-from pipeline.simulation import FittedEffect, Simulator
+from simgap.effects import ActuatorEffect, Effect
+from simgap.physics import rotations
+from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.platforms.machines import MACHINES
 
 TIME_STEP = 0.0037  # s; no time in the catalogue is a multiple of it

@@ -4,8 +4,8 @@ from string import Formatter
 
 import pytest
 
-from pipeline.effects import CommandEffect, MeasurementEffect, ParameterError, effect_by_key, effects_of
-from pipeline.errors import InputError
+from simgap.effects import CommandEffect, MeasurementEffect, ParameterError, effect_by_key, effects_of
+from simgap.errors import InputError
 from tests.pipeline.effects.responses import constants
 from tests.pipeline.platforms.machines import EVERY_EFFECT, MACHINES, identity
 
@@ -29,7 +29,7 @@ def test_the_listing_of_the_folder_is_the_catalogue(kind):
 
 @EFFECT
 def test_an_effect_is_in_the_file_of_its_name(effect):
-    assert type(effect).__module__ == f"pipeline.effects.{effect.kind}.{effect.name}"
+    assert type(effect).__module__ == f"simgap.effects.{effect.kind}.{effect.name}"
     assert effect_by_key(effect.kind, effect.key) is effect
 
 

@@ -5,7 +5,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.effects.chain import chains_of
+from simgap.effects.chain import chains_of
 
 STEP = 0.01
 

@@ -7,9 +7,9 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.effects import ActuatorEffect, WrenchEffect
-from pipeline.simulation import Simulator, rollout
-from pipeline.simulation.motion import motion_of
+from simgap.effects import ActuatorEffect, WrenchEffect
+from simgap.simulation import Simulator, rollout
+from simgap.simulation.motion import motion_of
 from tests.pipeline.effects.responses import (
     TIME_STEP,
     actuated,

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from torch import Tensor
 
-from pipeline.effects import effect_by_key
-from pipeline.simulation import FittedEffect, Simulator, rollout
+from simgap.effects import effect_by_key
+from simgap.simulation import FittedEffect, Simulator, rollout
 from tests.pipeline.effects.responses import constants
 from tests.pipeline.platforms.machines import JOINT
 

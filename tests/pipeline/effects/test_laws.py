@@ -5,9 +5,9 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.effects import ActuatorEffect, CommandEffect, effect_by_key, effects_of
-from pipeline.effects.dry_friction import Sliding, dry_friction
-from pipeline.simulation import FittedEffect, Simulator, rollout
+from simgap.effects import ActuatorEffect, CommandEffect, effect_by_key, effects_of
+from simgap.effects.dry_friction import Sliding, dry_friction
+from simgap.simulation import FittedEffect, Simulator, rollout
 from tests.pipeline.effects.responses import TIME_STEP, actuated, constants
 from tests.pipeline.platforms.machines import MACHINES, SWERVE, identity, some_signals
 
@@ -25,7 +25,7 @@ def consistent(kind: str, signals: dict[str, torch.Tensor]) -> dict[str, torch.T
     """Return the signals with wheels that roll as the chassis moves, and actuated."""
     simulator = Simulator(MACHINES[kind])
     if kind == "swerve":
-        from pipeline.simulation.motion import motion_of
+        from simgap.simulation.motion import motion_of
 
         motion = motion_of(SWERVE)
         signals = signals | motion.signals(motion.pack(signals))

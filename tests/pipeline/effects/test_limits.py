@@ -4,8 +4,8 @@ import pytest
 import torch
 from torch import Tensor
 
-from pipeline.effects import Effect, effect_by_key, effects_of
-from pipeline.simulation import FittedEffect, Simulator
+from simgap.effects import Effect, effect_by_key, effects_of
+from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.effects.responses import constants
 from tests.pipeline.platforms.machines import JOINT, MACHINES, some_signals
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from pipeline.effects import effect_by_key, effects_of, kinds
-from pipeline.effects.listing import description, facts, listing, meaning, shown_parameters
-from pipeline.effects.page import catalogue_page
+from simgap.effects import effect_by_key, effects_of, kinds
+from simgap.effects.listing import description, facts, listing, meaning, shown_parameters
+from simgap.effects.page import catalogue_page
 from tests.pipeline.platforms.machines import EVERY_EFFECT, MACHINES, identity
 
 EFFECT = pytest.mark.parametrize("effect", EVERY_EFFECT, ids=identity)

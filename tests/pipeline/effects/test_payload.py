@@ -5,11 +5,11 @@ import math
 import pytest
 import torch
 
-from pipeline.effects import effect_by_key
-from pipeline.physics import rotations
-from pipeline.physics.cable import Cable, across, along
-from pipeline.simulation import FittedEffect, Simulator, rollout
-from pipeline.simulation.motion import motion_of
+from simgap.effects import effect_by_key
+from simgap.physics import rotations
+from simgap.physics.cable import Cable, across, along
+from simgap.simulation import FittedEffect, Simulator, rollout
+from simgap.simulation.motion import motion_of
 from tests.pipeline.effects.responses import constants, smooth_flight
 from tests.pipeline.platforms.machines import QUADROTOR
 

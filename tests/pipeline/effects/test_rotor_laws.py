@@ -7,10 +7,10 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.effects import effect_by_key
-from pipeline.physics import rigid_body, rotations
-from pipeline.physics.integrators import rk4
-from pipeline.simulation import FittedEffect, Simulator
+from simgap.effects import effect_by_key
+from simgap.physics import rigid_body, rotations
+from simgap.physics.integrators import rk4
+from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.effects.responses import TIME_STEP, actuated, assert_same, constants
 from tests.pipeline.platforms.machines import QUADROTOR, some_signals
 

@@ -7,12 +7,12 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.effects import effect_by_key
-from pipeline.physics.friction import stribeck_level
-from pipeline.platforms.swerve_kinematics import module_states
-from pipeline.platforms.swerve_mechanism import CREEP
-from pipeline.simulation import FittedEffect, Simulator, rollout
-from pipeline.simulation.motion import motion_of
+from simgap.effects import effect_by_key
+from simgap.physics.friction import stribeck_level
+from simgap.platforms.swerve_kinematics import module_states
+from simgap.platforms.swerve_mechanism import CREEP
+from simgap.simulation import FittedEffect, Simulator, rollout
+from simgap.simulation.motion import motion_of
 from tests.pipeline.effects.responses import TIME_STEP, actuated, constants
 from tests.pipeline.platforms.machines import SWERVE, some_signals
 

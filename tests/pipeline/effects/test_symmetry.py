@@ -5,7 +5,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.effects import Effect, effect_by_key, effects_of
+from simgap.effects import Effect, effect_by_key, effects_of
 from tests.pipeline.effects.responses import assert_same, response
 from tests.pipeline.platforms.machines import QUADROTOR, identity, signals_for
 

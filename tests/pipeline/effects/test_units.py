@@ -13,9 +13,9 @@ import pytest
 import torch
 from torch import Tensor
 
-from pipeline.effects import Effect, effects_of
-from pipeline.platforms import Joint
-from pipeline.simulation import FittedEffect, Simulator
+from simgap.effects import Effect, effects_of
+from simgap.platforms import Joint
+from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.effects.responses import TIME_STEP, assert_same, telling_values
 from tests.pipeline.platforms.machines import JOINT, QUADROTOR, SWERVE, identity, signals_for, some_signals
 

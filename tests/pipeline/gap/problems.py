@@ -4,16 +4,16 @@ import functools
 
 import torch
 
-from pipeline.effects import Effect, effect_by_key
-from pipeline.gap.diagnosis import Diagnosis, diagnose
-from pipeline.gap.fit import Problem
-from pipeline.gap.residuals import noise_of_rows, quadrature_of_rows
-from pipeline.gap.scoring import independent_clusters
-from pipeline.gap.settings import Gap
-from pipeline.physics.weak_form import window_functions
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import FittedEffect, Simulator
-from pipeline.simulation.blocks import Blocks, cut_blocks
+from simgap.effects import Effect, effect_by_key
+from simgap.gap.diagnosis import Diagnosis, diagnose
+from simgap.gap.fit import Problem
+from simgap.gap.residuals import noise_of_rows, quadrature_of_rows
+from simgap.gap.scoring import independent_clusters
+from simgap.gap.settings import Gap
+from simgap.physics.weak_form import window_functions
+from simgap.recordings.recording import Recording
+from simgap.simulation import FittedEffect, Simulator
+from simgap.simulation.blocks import Blocks, cut_blocks
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
 

@@ -10,15 +10,15 @@ import pandas as pd
 import torch
 import yaml
 
-from pipeline.effects import effect_by_key
-from pipeline.platforms import Joint, Quadrotor, platform_from_config
-from pipeline.platforms.joint import JointMotor
-from pipeline.reality.case import PlantCase
-from pipeline.reality.fly import fly
-from pipeline.recordings.excerpt import of_runs
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import FittedEffect, Simulator
-from pipeline.simulation.rollout import step
+from simgap.effects import effect_by_key
+from simgap.plants.case import PlantCase
+from simgap.plants.fly import fly
+from simgap.platforms import Joint, Quadrotor, platform_from_config
+from simgap.platforms.joint import JointMotor
+from simgap.recordings.excerpt import of_runs
+from simgap.recordings.recording import Recording
+from simgap.simulation import FittedEffect, Simulator
+from simgap.simulation.rollout import step
 
 ROOT = Path(__file__).parents[3]
 JOINT = Joint(inertia=0.05, motor=JointMotor(resistance=1.0, torque_constant=0.05, gear_ratio=10.0))

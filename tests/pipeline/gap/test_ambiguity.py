@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.effects import effects_of
-from pipeline.effects.joint.viscous_friction import ViscousFriction
-from pipeline.gap import candidates
-from pipeline.gap.competition import Competition, Round
-from pipeline.gap.contract import diagnosis_document
-from pipeline.gap.settings import Gap
-from pipeline.platforms import Joint
-from pipeline.simulation import Simulator
+from simgap.effects import effects_of
+from simgap.effects.joint.viscous_friction import ViscousFriction
+from simgap.gap import candidates
+from simgap.gap.competition import Competition, Round
+from simgap.gap.contract import diagnosis_document
+from simgap.gap.settings import Gap
+from simgap.platforms import Joint
+from simgap.simulation import Simulator
 from tests.pipeline.gap.problems import diagnosed, named, of_joint, problem_of, quick, value_of
 from tests.pipeline.gap.recordings import (
     JOINT,

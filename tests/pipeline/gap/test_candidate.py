@@ -7,13 +7,13 @@ import pytest
 import torch
 from torch import Tensor
 
-from pipeline.effects import effect_by_key
-from pipeline.gap.candidate import Judge
-from pipeline.gap.fit import Fit, excess_of, fit
-from pipeline.gap.preparation import prepare
-from pipeline.gap.refit import extend
-from pipeline.gap.settings import Gap
-from pipeline.simulation import FittedEffect
+from simgap.effects import effect_by_key
+from simgap.gap.candidate import Judge
+from simgap.gap.fit import Fit, excess_of, fit
+from simgap.gap.prepare import prepare
+from simgap.gap.refit import extend
+from simgap.gap.settings import Gap
+from simgap.simulation import FittedEffect
 from tests.pipeline.gap.problems import at_start, problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator, recording_of
 

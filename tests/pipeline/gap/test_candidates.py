@@ -1,9 +1,9 @@
 import pytest
 
-from pipeline.effects import effects_of
-from pipeline.errors import InputError
-from pipeline.gap.candidates import candidates_for
-from pipeline.simulation import Simulator
+from simgap.effects import effects_of
+from simgap.errors import InputError
+from simgap.gap.candidates import candidates_for
+from simgap.simulation import Simulator
 from tests.pipeline.platforms.machines import MACHINES, some_signals
 
 KIND = pytest.mark.parametrize("kind", list(MACHINES))

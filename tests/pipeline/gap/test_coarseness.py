@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.gap.coarseness import coarse_axes, coarseness_of
-from pipeline.gap.fit import fit
-from pipeline.gap.residuals import channels_on
+from simgap.gap.coarseness import coarse_axes, coarseness_of
+from simgap.gap.fit import fit
+from simgap.gap.residuals import channels_on
 from tests.pipeline.gap.problems import problem_of
 from tests.pipeline.gap.recordings import GAIN, JOINT, Plant, joint_recording, joint_simulator
 

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.effects import effect_by_key, effects_of
-from pipeline.gap import competition
-from pipeline.gap.ambiguity import Rivalry
-from pipeline.gap.candidate import Candidate
-from pipeline.gap.competition import Competition
-from pipeline.gap.fit import Fit, fit
-from pipeline.gap.look_alikes import substitute
-from pipeline.gap.name import usual_of
-from pipeline.gap.settings import Gap
-from pipeline.simulation import FittedEffect
+from simgap.effects import effect_by_key, effects_of
+from simgap.gap import competition
+from simgap.gap.ambiguity import Rivalry
+from simgap.gap.candidate import Candidate
+from simgap.gap.competition import Competition
+from simgap.gap.fit import Fit, fit
+from simgap.gap.look_alikes import substitute
+from simgap.gap.name import usual_of
+from simgap.gap.settings import Gap
+from simgap.simulation import FittedEffect
 from tests.pipeline.gap.problems import at_start, of_joint, problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 

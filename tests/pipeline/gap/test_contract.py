@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.gap.contract import diagnosis_document, write_json
-from pipeline.gap.evidence import write_evidence
-from pipeline.simulation import Simulator, read_simulator, write_simulator
+from simgap.gap.contract import diagnosis_document, write_json
+from simgap.gap.evidence import write_evidence
+from simgap.simulation import Simulator, read_simulator, write_simulator
 from tests.contract_checker import check_diagnosis, read_diagnosis
 from tests.pipeline.gap.problems import diagnosed, quick
 from tests.pipeline.gap.recordings import (

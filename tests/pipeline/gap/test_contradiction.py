@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.gap.contradiction import agreements, contradictions
-from pipeline.gap.preparation import prepare
-from pipeline.gap.settings import Gap
-from pipeline.platforms import Joint
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import Simulator
+from simgap.gap.contradiction import agreements, contradictions
+from simgap.gap.prepare import prepare
+from simgap.gap.settings import Gap
+from simgap.platforms import Joint
+from simgap.recordings.recording import Recording
+from simgap.simulation import Simulator
 from tests.pipeline.gap.problems import named, quick
 from tests.pipeline.gap.recordings import (
     JOINT,

@@ -3,14 +3,14 @@ import pytest
 import torch
 from scipy import stats
 
-from pipeline.effects import effect_by_key
-from pipeline.gap.fit import Problem, clustered_covariance, fit, jacobian_of, values_of
-from pipeline.gap.refit import extend, shrink
-from pipeline.gap.residuals import residual_rows
-from pipeline.physics.weak_form import window_functions
-from pipeline.simulation import FittedEffect, Simulator, rollout
-from pipeline.simulation.blocks import Blocks
-from pipeline.simulation.motion import motion_of
+from simgap.effects import effect_by_key
+from simgap.gap.fit import Problem, clustered_covariance, fit, jacobian_of, values_of
+from simgap.gap.refit import extend, shrink
+from simgap.gap.residuals import residual_rows
+from simgap.physics.weak_form import window_functions
+from simgap.simulation import FittedEffect, Simulator, rollout
+from simgap.simulation.blocks import Blocks
+from simgap.simulation.motion import motion_of
 from tests.pipeline.gap.problems import at_start, of_joint, problem_of, random_like
 from tests.pipeline.gap.recordings import (
     Plant,

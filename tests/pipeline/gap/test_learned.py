@@ -3,10 +3,10 @@
 import pytest
 import torch
 
-from pipeline.gap.evidence import learned, samples
-from pipeline.gap.learned import learn
-from pipeline.gap.regimes import Regime
-from pipeline.platforms.mechanism import Channel
+from simgap.gap.evidence import learned, samples
+from simgap.gap.learned import learn
+from simgap.gap.regimes import Regime
+from simgap.platforms.mechanism import Channel
 from tests.pipeline.gap.problems import diagnosed, problem_of, quick
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
@@ -20,8 +20,8 @@ def test_what_remains_is_learned_and_predicts_runs_that_were_held_out():
     (entry,) = found.learned
     assert entry.channel.name == "torque"
     assert "elapsed" not in entry.features
-    assert found.proof.learned is not None
-    assert found.proof.learned < 0.5 * found.proof.after
+    assert found.validation.learned is not None
+    assert found.validation.learned < 0.5 * found.validation.after
     table = samples(entry)
     assert list(table.columns) == [*entry.features, "residual"]
     assert learned(found)["channels"][0]["samples"] == len(table)
@@ -30,7 +30,7 @@ def test_what_remains_is_learned_and_predicts_runs_that_were_held_out():
 def test_nothing_is_learned_where_nothing_is_left():
     for plant in (Plant(), Plant(friction=0.3)):
         found = diagnosed(plant)
-        assert (found.learned, found.proof.learned) == ([], None)
+        assert (found.learned, found.validation.learned) == ([], None)
         assert learned(found) == {"after": None, "gap_closed": None, "channels": []}
 
 

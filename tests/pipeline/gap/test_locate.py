@@ -1,7 +1,7 @@
-from pipeline.gap.fit import fit
-from pipeline.gap.locate import locate
-from pipeline.gap.regimes import Regime
-from pipeline.gap.residuals import channels_on
+from simgap.gap.fit import fit
+from simgap.gap.locate import locate
+from simgap.gap.regimes import Regime
+from simgap.gap.residuals import channels_on
 from tests.pipeline.gap.problems import problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recordings, joint_simulator
 

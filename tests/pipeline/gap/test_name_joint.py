@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.effects import effect_by_key
-from pipeline.gap.fit import fit
-from pipeline.gap.probability import presence_of
-from pipeline.gap.refit import extend
-from pipeline.platforms import Joint
-from pipeline.simulation import FittedEffect, Simulator
+from simgap.effects import effect_by_key
+from simgap.gap.fit import fit
+from simgap.gap.probability import presence_of
+from simgap.gap.refit import extend
+from simgap.platforms import Joint
+from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.gap.problems import at_start, diagnosed, named, of_joint, problem_of, quick, value_of
 from tests.pipeline.gap.recordings import (
     JOINT,
@@ -38,7 +38,7 @@ def test_the_planted_effect_is_named_and_no_other(name, seed):
     plant, truth = PLANTED[name]
     found = diagnosed(plant, seed)
     assert named(found) == [name]
-    assert presence_of(found.signs[name]) > 0.9
+    assert presence_of(found.features[name]) > 0.9
     rivals = {rival.key for rivalry in found.naming.rivalries for rival in rivalry.rivals}
     # One input and its answer: a late command and a late sensor are one and the same there.
     assert rivals == ({"sensor_time_offset"} if name == "command_delay" else set())
@@ -46,8 +46,8 @@ def test_the_planted_effect_is_named_and_no_other(name, seed):
     wrong_number = name.endswith("_error")
     assert found.verdict == ("parameter_mismatch" if wrong_number else "missing_physics")
     assert [mismatch.channel.name for mismatch in found.mismatches] == ["torque"]
-    assert found.proof.gap_closed is not None
-    assert found.proof.gap_closed > 0.9
+    assert found.validation.gap_closed is not None
+    assert found.validation.gap_closed > 0.9
 
 
 def test_a_faint_effect_is_named_too():
@@ -98,7 +98,7 @@ def test_nothing_is_named_where_nothing_is():
     for recording in joint_recordings(Plant(), list(range(10))):
         found = quick(recording, joint_simulator())
         assert (found.verdict, named(found), found.unnamed) == ("none", [], [])
-        assert found.proof.gap_closed == 0.0
+        assert found.validation.gap_closed == 0.0
 
 
 def test_two_wrong_numbers_do_not_conspire_to_be_friction_nor_the_reverse():

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import Simulator
+from simgap.recordings.recording import Recording
+from simgap.simulation import Simulator
 from tests.pipeline.gap.problems import named, quick, value_of
 from tests.pipeline.gap.recordings import flight, held_flights, late, racer, uneventful_flights
 
@@ -22,8 +22,8 @@ def test_the_concealed_effect_is_named_and_no_other(name):
     # Half a minute of flight shows the last two with a gain of 50 and 80: fewer than nine in ten such names are right.
     assert found.probabilities[name] > (0.9 if name.endswith("drag") else 0.8)
     assert value_of(found, name) == pytest.approx(PLANTED[name], rel=0.1)
-    assert found.proof.gap_closed is not None
-    assert found.proof.gap_closed > 0.9
+    assert found.validation.gap_closed is not None
+    assert found.validation.gap_closed > 0.9
 
 
 def test_both_of_a_pair_are_named():

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.effects import effect_by_key
-from pipeline.gap.diagnosis import Diagnosis
-from pipeline.platforms import DirectCurrentMotor, Swerve, SwerveAxis
-from pipeline.platforms.swerve import SteerAxis
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import FittedEffect, Simulator
-from pipeline.simulation.motion import motion_of
+from simgap.effects import effect_by_key
+from simgap.gap.diagnosis import Diagnosis
+from simgap.platforms import DirectCurrentMotor, Swerve, SwerveAxis
+from simgap.platforms.swerve import SteerAxis
+from simgap.recordings.recording import Recording
+from simgap.simulation import FittedEffect, Simulator
+from simgap.simulation.motion import motion_of
 from tests.pipeline.gap.problems import quick
 from tests.pipeline.simulation.drives import driven
 
@@ -79,8 +79,8 @@ def test_what_the_drive_lacks_is_named_alone_with_its_value(key, name, value):
     assert [candidate.effect.key for candidate in found.naming.named] == [key]
     fitted = {effect.effect.key: effect for effect in found.simulator.effects}[key]
     assert fitted.values[name] == pytest.approx(value, rel=0.05)
-    assert found.proof.gap_closed is not None
-    assert found.proof.gap_closed > 0.9
+    assert found.validation.gap_closed is not None
+    assert found.validation.gap_closed > 0.9
 
 
 def test_a_drive_that_lacks_nothing_gets_no_name():

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.gap.probability import CALIBRATION, DIRECTIONS, Signs, presence_of, probability_of
+from simgap.gap.probability import CALIBRATION, DIRECTIONS, Features, presence_of, probability_of
 
 SIGNS = st.builds(
-    Signs,
+    Features,
     gain=st.floats(0.0, 1e4),
     parameters=st.integers(1, 4),
     clusters=st.integers(2, 500),
@@ -21,74 +21,74 @@ SIGNS = st.builds(
 
 
 def test_evidence_is_the_gain_less_the_price_of_parameters():
-    assert Signs(gain=10.0, parameters=2, clusters=100).log_bayes_factor == pytest.approx(
+    assert Features(gain=10.0, parameters=2, clusters=100).log_bayes_factor == pytest.approx(
         10.0 - math.log(100)
     )
 
 
 @given(SIGNS)
-def test_a_probability_is_one_and_never_certain(signs):
-    assert 0.0 <= probability_of(signs) <= presence_of(signs) < 1.0
+def test_a_probability_is_one_and_never_certain(features):
+    assert 0.0 <= probability_of(features) <= presence_of(features) < 1.0
 
 
 @given(SIGNS, st.floats(1.0, 100.0))
-def test_more_evidence_never_lowers_a_probability(signs, more):
-    richer = Signs(**(vars(signs) | {"gain": signs.gain + more}))
-    assert presence_of(richer) >= presence_of(signs)
+def test_more_evidence_never_lowers_a_probability(features, more):
+    richer = Features(**(vars(features) | {"gain": features.gain + more}))
+    assert presence_of(richer) >= presence_of(features)
 
 
 @given(SIGNS, st.floats(0.0, 100.0))
-def test_explaining_more_never_lowers_a_probability(signs, more):
-    richer = Signs(**(vars(signs) | {"signal": signs.signal + more}))
-    assert presence_of(richer) >= presence_of(signs)
+def test_explaining_more_never_lowers_a_probability(features, more):
+    richer = Features(**(vars(features) | {"signal": features.signal + more}))
+    assert presence_of(richer) >= presence_of(features)
 
 
 @given(SIGNS, st.floats(0.1, 10.0))
-def test_what_is_left_over_or_drifts_never_raises_a_probability(signs, more):
+def test_what_is_left_over_or_drifts_never_raises_a_probability(features, more):
     for name in ("unsteadiness", "excess"):
-        worse = Signs(**(vars(signs) | {name: getattr(signs, name) + more}))
-        assert presence_of(worse) <= presence_of(signs)
+        worse = Features(**(vars(features) | {name: getattr(features, name) + more}))
+        assert presence_of(worse) <= presence_of(features)
 
 
 @given(SIGNS, st.floats(1.0, 1e3))
-def test_a_smaller_noise_changes_nothing_where_much_more_than_noise_is_left(signs, times):
+def test_a_smaller_noise_changes_nothing_where_much_more_than_noise_is_left(features, times):
     """The noise of a real recording is often filtered away: its level then says little."""
-    real = Signs(**(vars(signs) | {"signal": 5.0, "excess": 20.0}))
-    finer = Signs(**(vars(signs) | {"signal": 5.0 * times, "excess": 20.0 * times}))
+    real = Features(**(vars(features) | {"signal": 5.0, "excess": 20.0}))
+    finer = Features(**(vars(features) | {"signal": 5.0 * times, "excess": 20.0 * times}))
     assert presence_of(finer) == presence_of(real)
 
 
 @given(SIGNS)
-def test_rivals_share_the_probability(signs):
-    assert probability_of(signs) == pytest.approx(presence_of(signs) * signs.weight)
+def test_rivals_share_the_probability(features):
+    assert probability_of(features) == pytest.approx(presence_of(features) * features.weight)
 
 
 def test_strong_evidence_convinces_and_weak_does_not():
-    assert presence_of(Signs(gain=2000.0, parameters=1, clusters=20)) > 0.8
-    assert presence_of(Signs(gain=1.0, parameters=1, clusters=20)) < 0.5
+    assert presence_of(Features(gain=2000.0, parameters=1, clusters=20)) > 0.8
+    assert presence_of(Features(gain=1.0, parameters=1, clusters=20)) < 0.5
 
 
 @given(SIGNS)
-def test_what_other_runs_refute_is_not_believed(signs):
-    refuted = Signs(**(vars(signs) | {"refuted": True}))
-    assert presence_of(refuted) <= min(presence_of(signs), 0.25)
+def test_what_other_runs_refute_is_not_believed(features):
+    refuted = Features(**(vars(features) | {"refuted": True}))
+    assert presence_of(refuted) <= min(presence_of(features), 0.25)
 
 
 @given(SIGNS)
-def test_what_samples_are_too_far_apart_to_tell_is_no_likelier_than_not(signs):
-    coarse = Signs(**(vars(signs) | {"coarse": True}))
-    assert presence_of(coarse) == min(presence_of(signs), 0.5)
+def test_what_samples_are_too_far_apart_to_tell_is_no_likelier_than_not(features):
+    coarse = Features(**(vars(features) | {"coarse": True}))
+    assert presence_of(coarse) == min(presence_of(features), 0.5)
 
 
 def test_what_is_left_counts_less_where_far_more_is_explained():
     """Ten times the noise beside ten thousand, beside a hundred, and beside as much."""
     excess = [
-        Signs(500.0, 1, 20, signal=signal, excess=10.0).features["excess"] for signal in (1e4, 1e2, 10.0)
+        Features(500.0, 1, 20, signal=signal, excess=10.0).scaled["excess"] for signal in (1e4, 1e2, 10.0)
     ]
     assert excess == pytest.approx([math.log10(1.03), math.log10(4.0), 1.0])
 
 
 @given(SIGNS)
-def test_every_feature_has_a_coefficient(signs):
-    assert set(signs.features) == set(DIRECTIONS)
+def test_every_feature_has_a_coefficient(features):
+    assert set(features.scaled) == set(DIRECTIONS)
     assert CALIBRATION.exists()

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.platforms import platform_from_config
-from pipeline.recordings.cleaning import clean_recording
-from pipeline.recordings.importers import importer
-from pipeline.recordings.recording import Recording
-from pipeline.recordings.split import Split
-from pipeline.simulation import Simulator
+from simgap.platforms import platform_from_config
+from simgap.recordings.cleaning import clean_recording
+from simgap.recordings.importers import importer
+from simgap.recordings.recording import Recording
+from simgap.recordings.split import Split
+from simgap.simulation import Simulator
 from tests.pipeline.gap.problems import named, quick, value_of
 from tests.pipeline.gap.recordings import ROOT
 
@@ -44,7 +44,7 @@ def test_rotor_drag_and_inflow_of_a_real_quadrotor(shared_data):
     assert found.verdict == "missing_physics"
     assert {"rotor_drag", "axial_inflow"} <= set(named(found))
     assert 0.40 < value_of(found, "rotor_drag") < 0.50
-    before, after, _ = found.proof.channels.T
+    before, after, _ = found.validation.channels.T
     assert float(after[0] / before[0]) < 0.30
     assert float(after[1] / before[1]) < 0.45
 

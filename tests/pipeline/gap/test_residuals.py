@@ -8,22 +8,22 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.effects import effect_by_key
-from pipeline.gap.preparation import prepare
-from pipeline.gap.residuals import (
+from simgap.effects import effect_by_key
+from simgap.gap.prepare import prepare
+from simgap.gap.residuals import (
     noise_of_rows,
     quadrature_of_rows,
     residual_rows,
     row_weights,
     sample_noise,
 )
-from pipeline.gap.settings import Gap
-from pipeline.physics.weak_form import window_functions
-from pipeline.platforms import Joint, JointMotor
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import FittedEffect, Simulator, rollout
-from pipeline.simulation.blocks import Blocks, cut_blocks
-from pipeline.simulation.motion import motion_of
+from simgap.gap.settings import Gap
+from simgap.physics.weak_form import window_functions
+from simgap.platforms import Joint, JointMotor
+from simgap.recordings.recording import Recording
+from simgap.simulation import FittedEffect, Simulator, rollout
+from simgap.simulation.blocks import Blocks, cut_blocks
+from simgap.simulation.motion import motion_of
 from tests.pipeline.gap.problems import blocks_of, problem_of, random_like
 from tests.pipeline.gap.recordings import (
     JOINT,

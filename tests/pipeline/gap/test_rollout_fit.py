@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.gap.fit import Fit, Problem, fit
-from pipeline.gap.rollout_fit import refit_through_rollouts
-from pipeline.simulation import FittedEffect
+from simgap.gap.fit import Fit, Problem, fit
+from simgap.gap.rollout_fit import refit_through_rollouts
+from simgap.simulation import FittedEffect
 from tests.pipeline.gap.problems import of_joint, problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 

@@ -3,8 +3,8 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.gap.fit import Fit, clustered_covariance, inverse_of
-from pipeline.gap.scoring import (
+from simgap.gap.fit import Fit, clustered_covariance, inverse_of
+from simgap.gap.scoring import (
     ENOUGH_CLUSTERS,
     clusters_of,
     cross_validated,
@@ -13,7 +13,7 @@ from pipeline.gap.scoring import (
     log_score,
     significance_of,
 )
-from pipeline.simulation.blocks import Blocks
+from simgap.simulation.blocks import Blocks
 from tests.pipeline.gap.problems import random_like
 from tests.pipeline.gap.recordings import joint_simulator
 

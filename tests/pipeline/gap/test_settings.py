@@ -1,7 +1,7 @@
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.gap.settings import Gap
+from simgap.errors import InputError
+from simgap.gap.settings import Gap
 
 
 def test_the_defaults_are_in_range():

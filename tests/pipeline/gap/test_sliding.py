@@ -2,15 +2,15 @@
 
 import pytest
 
-from pipeline.gap.diagnosis import diagnose
-from pipeline.gap.settings import Gap
-from pipeline.platforms import platform_from_config
-from pipeline.reality import case_from_config, record_case
-from pipeline.recordings.cleaning import clean_with_coverage
-from pipeline.recordings.cleaning.settings import Cleaning
-from pipeline.recordings.split import Split
-from pipeline.simulation import Simulator
-from pipeline.stage.compose import compose
+from simgap.gap.diagnosis import diagnose
+from simgap.gap.settings import Gap
+from simgap.plants import case_from_config, record_case
+from simgap.platforms import platform_from_config
+from simgap.recordings.cleaning import clean_with_coverage
+from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.split import Split
+from simgap.runner.compose import compose
+from simgap.simulation import Simulator
 
 pytestmark = pytest.mark.slow
 

@@ -3,8 +3,8 @@
 import pytest
 import torch
 
-from pipeline.gap.whiteness import memories_of, remembered
-from pipeline.platforms.mechanism import Channel
+from simgap.gap.whiteness import memories_of, remembered
+from simgap.platforms.mechanism import Channel
 from tests.pipeline.gap.problems import diagnosed, problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
@@ -40,7 +40,7 @@ def test_rows_that_swing_remember_themselves_at_the_right_lag(problem):
 
 
 def test_rows_that_follow_an_earlier_input_say_which_and_by_how_much(problem):
-    from pipeline.physics.weak_form import mean_of
+    from simgap.physics.weak_form import mean_of
 
     voltage = mean_of(problem.functions, problem.blocks.inner(problem.blocks.signals["voltage"]))
     later = torch.roll(voltage - voltage.mean(), 1, dims=1)[..., None]

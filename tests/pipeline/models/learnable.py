@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from pipeline.models.layout import layout_of
-from pipeline.models.registry import MODELS, model_settings
-from pipeline.models.settings import Training
-from pipeline.models.windows import Series, series_of
-from pipeline.recordings.recording import Recording
+from simgap.models.layout import layout_of
+from simgap.models.registry import MODELS, model_settings
+from simgap.models.settings import Training
+from simgap.models.windows import Series, series_of
+from simgap.recordings.recording import Recording
 from tests.pipeline.models.synthetic import flight, recording
 
 SMALL = {

@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from pipeline.models.second_order import SecondOrder, responses
-from pipeline.recordings.recording import Recording
+from simgap.models.second_order import SecondOrder, responses
+from simgap.recordings.recording import Recording
 from tests.pipeline.models.synthetic import recording
 
 COMMANDED = (

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
-from pipeline.platforms import Quadrotor
-from pipeline.recordings.contract import channel_units
-from pipeline.recordings.recording import Recording
+from simgap.platforms import Quadrotor
+from simgap.recordings.contract import channel_units
+from simgap.recordings.recording import Recording
 
 MOTOR = {"kS": 0.25, "kV": 2.4, "kA": 0.35}
 

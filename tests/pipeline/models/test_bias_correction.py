@@ -1,10 +1,10 @@
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.bias_correction import BiasCorrection
-from pipeline.models.step_scores import step_scores
-from pipeline.models.storage import DESCRIPTION_FILE, load_model
+from simgap.errors import InputError
+from simgap.models.bias_correction import BiasCorrection
+from simgap.models.step_scores import step_scores
+from simgap.models.storage import DESCRIPTION_FILE, load_model
 from tests.pipeline.models import learnable
 from tests.pipeline.models.test_contract import change_description
 

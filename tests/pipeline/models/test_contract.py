@@ -9,13 +9,13 @@ import pytest
 import torch
 import yaml
 
-from pipeline.artifacts import hash_path
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel, FitContext, Provenance
-from pipeline.models.evaluation import rollout_errors
-from pipeline.models.registry import MODELS
-from pipeline.models.storage import DESCRIPTION_FILE, TENSOR_FILE, load_model
-from pipeline.models.windows import gather
+from simgap.artifacts import hash_path
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel, FitContext, Provenance
+from simgap.models.evaluation import rollout_errors
+from simgap.models.registry import MODELS
+from simgap.models.storage import DESCRIPTION_FILE, TENSOR_FILE, load_model
+from simgap.models.windows import gather
 from tests.pipeline.models import learnable
 
 RECORDINGS = {"joint": learnable.linear_joint, "swerve": learnable.swerve, "quadrotor": learnable.quadrotor}

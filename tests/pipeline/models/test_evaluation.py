@@ -6,14 +6,14 @@ import pytest
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.models.contract import DynamicsModel
-from pipeline.models.error_distribution import error_quantiles
-from pipeline.models.evaluation import rollout_errors, scored_starts
-from pipeline.models.joint_layout import JointLayout
-from pipeline.models.settings import ModelSettings
-from pipeline.models.step_scores import step_scores
-from pipeline.models.windows import Series, evenly
+from simgap.errors import InputError
+from simgap.models.contract import DynamicsModel
+from simgap.models.error_distribution import error_quantiles
+from simgap.models.evaluation import rollout_errors, scored_starts
+from simgap.models.joint_layout import JointLayout
+from simgap.models.settings import ModelSettings
+from simgap.models.step_scores import step_scores
+from simgap.models.windows import Series, evenly
 
 TIME_STEP = 0.1
 

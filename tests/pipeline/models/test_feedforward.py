@@ -3,13 +3,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.models.feedforward import constants_of, identify_feedforward
-from pipeline.models.motor_samples import MotorSamples, motors_of
-from pipeline.models.settings import SystemIdentification
-from pipeline.recordings.cleaning import clean_recording
-from pipeline.recordings.dataset import Dataset
-from pipeline.recordings.importers import importer
+from simgap.errors import InputError
+from simgap.models.feedforward import constants_of, identify_feedforward
+from simgap.models.motor_samples import MotorSamples, motors_of
+from simgap.models.settings import SystemIdentification
+from simgap.recordings.cleaning import clean_recording
+from simgap.recordings.dataset import Dataset
+from simgap.recordings.importers import importer
 from tests.pipeline.models.synthetic import MOTOR, characterisation
 
 NAMES = ("kS", "kV", "kA")

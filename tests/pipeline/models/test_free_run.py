@@ -3,8 +3,8 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.free_run import free_run_scores
+from simgap.errors import InputError
+from simgap.models.free_run import free_run_scores
 from tests.pipeline.models import learnable
 
 

@@ -3,11 +3,11 @@
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.contract import FitContext
-from pipeline.models.examples import Examples
-from pipeline.models.recurrent_network import RecurrentNetwork
-from pipeline.models.windows import gather
+from simgap.errors import InputError
+from simgap.models.contract import FitContext
+from simgap.models.examples import Examples
+from simgap.models.recurrent_network import RecurrentNetwork
+from simgap.models.windows import gather
 from tests.pipeline.models import learnable
 
 LENGTH = 4

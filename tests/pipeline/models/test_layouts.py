@@ -1,10 +1,10 @@
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.layout import layout_from_mapping, layout_of
-from pipeline.models.windows import series_of
-from pipeline.platforms import platform_to_config
+from simgap.errors import InputError
+from simgap.models.layout import layout_from_mapping, layout_of
+from simgap.models.windows import series_of
+from simgap.platforms import platform_to_config
 from tests.pipeline.models import learnable
 from tests.pipeline.models.rig import rig
 from tests.pipeline.models.synthetic import QUADROTOR
@@ -62,7 +62,7 @@ def test_heading_and_place_do_not_matter_to_a_quadrotor():
     recorded = learnable.quadrotor()
     layout = layout_of(recorded)
     train, _, _ = learnable.parts_of(recorded)
-    from pipeline.physics import rotations
+    from simgap.physics import rotations
 
     states, half = train.states[:50], torch.tensor(0.4, dtype=torch.float64)
     turn = torch.stack([torch.cos(half), 0 * half, 0 * half, torch.sin(half)]).expand(50, 4)

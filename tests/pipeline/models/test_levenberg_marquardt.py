@@ -2,8 +2,8 @@ import pytest
 import torch
 from torch.autograd.functional import jacobian
 
-from pipeline.models import hidden_layer
-from pipeline.models.levenberg_marquardt import Problem, minimise
+from simgap.models import hidden_layer
+from simgap.models.levenberg_marquardt import Problem, minimise
 
 
 class Rosenbrock(Problem):

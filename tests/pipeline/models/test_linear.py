@@ -1,6 +1,6 @@
 import torch
 
-from pipeline.models.evaluation import rollout_errors
+from simgap.models.evaluation import rollout_errors
 from tests.pipeline.models import learnable
 
 

@@ -3,11 +3,11 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.contract import FitContext
-from pipeline.models.free_run import free_run_scores
-from pipeline.models.settings import Training
-from pipeline.models.windows import Series
+from simgap.errors import InputError
+from simgap.models.contract import FitContext
+from simgap.models.free_run import free_run_scores
+from simgap.models.settings import Training
+from simgap.models.windows import Series
 from tests.pipeline.models import learnable
 from tests.pipeline.models.rig import rig
 

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.models.quadrotor_parameters import identify_quadrotor
-from pipeline.models.settings import SystemIdentification
+from simgap.errors import InputError
+from simgap.models.quadrotor_parameters import identify_quadrotor
+from simgap.models.settings import SystemIdentification
 from tests.pipeline.models.synthetic import QUADROTOR, flight, recording, with_noise
 
 TRUTH = {

@@ -1,11 +1,11 @@
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.contract import FitContext
-from pipeline.models.orthogonal_least_squares import choose
-from pipeline.models.rbf import RadialBasisModel
-from pipeline.models.residual_ratios import ratios, residual_ratios
+from simgap.errors import InputError
+from simgap.models.contract import FitContext
+from simgap.models.orthogonal_least_squares import choose
+from simgap.models.rbf import RadialBasisModel
+from simgap.models.residual_ratios import ratios, residual_ratios
 from tests.pipeline.models import learnable
 
 

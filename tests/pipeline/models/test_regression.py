@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.models.regression import Table, fit_table, is_determined, jackknife_error, join
+from simgap.models.regression import Table, fit_table, is_determined, jackknife_error, join
 
 
 @given(st.integers(0, 1000), st.integers(1, 4))

@@ -3,10 +3,10 @@ import pandas as pd
 import pytest
 import torch
 
-from pipeline.models.identify import identify
-from pipeline.models.rolling_radius import identify_rolling_radius
-from pipeline.models.settings import SystemIdentification
-from pipeline.platforms.swerve_kinematics import module_states
+from simgap.models.identify import identify
+from simgap.models.rolling_radius import identify_rolling_radius
+from simgap.models.settings import SystemIdentification
+from simgap.platforms.swerve_kinematics import module_states
 from tests.pipeline.models.synthetic import recording
 from tests.pipeline.platforms.machines import SWERVE
 

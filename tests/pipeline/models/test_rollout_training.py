@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.contract import FitContext
-from pipeline.models.evaluation import rollout_errors
-from pipeline.models.rollout_training import usual_changes
-from pipeline.models.settings import Training
+from simgap.errors import InputError
+from simgap.models.contract import FitContext
+from simgap.models.evaluation import rollout_errors
+from simgap.models.rollout_training import usual_changes
+from simgap.models.settings import Training
 from tests.pipeline.models import learnable
 from tests.pipeline.models.test_training import Killed
 

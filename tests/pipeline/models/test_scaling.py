@@ -2,7 +2,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.models.scaling import SCALINGS, Scaler
+from simgap.models.scaling import SCALINGS, Scaler
 
 
 @given(st.integers(0, 100), st.sampled_from(SCALINGS))

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.registry import MODELS, model_settings
-from pipeline.models.settings import Training
-from pipeline.models.state_space import low_passed
-from pipeline.models.swerve_chassis_layout import SwerveChassisLayout
-from pipeline.models.swerve_layout import four
-from pipeline.models.windows import Series
+from simgap.errors import InputError
+from simgap.models.registry import MODELS, model_settings
+from simgap.models.settings import Training
+from simgap.models.state_space import low_passed
+from simgap.models.swerve_chassis_layout import SwerveChassisLayout
+from simgap.models.swerve_layout import four
+from simgap.models.windows import Series
 from tests.pipeline.models import learnable
 
 LAYOUT = SwerveChassisLayout((*four("drive_voltage"), *four("steer_voltage")))

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from torch import nn
 
-from pipeline.errors import InputError
-from pipeline.models.registry import model_settings
-from pipeline.models.tcn import TemporalConvolutionModel, TemporalConvolutionSettings
+from simgap.errors import InputError
+from simgap.models.registry import model_settings
+from simgap.models.tcn import TemporalConvolutionModel, TemporalConvolutionSettings
 from tests.pipeline.models import learnable
 
 

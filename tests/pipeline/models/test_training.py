@@ -1,9 +1,9 @@
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.contract import FitContext
-from pipeline.models.settings import Training
+from simgap.errors import InputError
+from simgap.models.contract import FitContext
+from simgap.models.settings import Training
 from tests.pipeline.models import learnable
 
 

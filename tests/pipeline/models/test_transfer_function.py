@@ -5,10 +5,10 @@ import pytest
 import torch
 from scipy.signal import cont2discrete
 
-from pipeline.errors import InputError
-from pipeline.models.second_order import SecondOrder, responses
-from pipeline.models.transfer_function import fit_axis, next_output
-from pipeline.models.windows import gather
+from simgap.errors import InputError
+from simgap.models.second_order import SecondOrder, responses
+from simgap.models.transfer_function import fit_axis, next_output
+from simgap.models.windows import gather
 from tests.pipeline.models import learnable
 from tests.pipeline.models.rig import COMMANDED, rig
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.models.motion_equations import quadrotor_terms
+from simgap.errors import InputError
+from simgap.models.motion_equations import quadrotor_terms
 from tests.pipeline.models import learnable
 from tests.pipeline.models.synthetic import QUADROTOR
 

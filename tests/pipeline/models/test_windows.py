@@ -5,11 +5,11 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.errors import InputError
-from pipeline.models.examples import Examples
-from pipeline.models.layout import layout_of
-from pipeline.models.segments import segments
-from pipeline.models.windows import gather, series_of
+from simgap.errors import InputError
+from simgap.models.examples import Examples
+from simgap.models.layout import layout_of
+from simgap.models.segments import segments
+from simgap.models.windows import gather, series_of
 from tests.pipeline.models.synthetic import recording
 
 LENGTHS = st.lists(st.tuples(st.integers(0, 2), st.integers(2, 12)), min_size=1, max_size=6)

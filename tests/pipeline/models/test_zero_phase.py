@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.models.zero_phase import zero_phase
+from simgap.errors import InputError
+from simgap.models.zero_phase import zero_phase
 from tests.pipeline.models import learnable
 from tests.pipeline.models.synthetic import recording
 

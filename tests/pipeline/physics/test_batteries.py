@@ -3,7 +3,7 @@ import pytest
 import torch
 from hypothesis import given
 
-from pipeline.physics import batteries
+from simgap.physics import batteries
 
 
 def test_voltage_falls_with_charge():

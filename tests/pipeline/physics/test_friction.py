@@ -3,7 +3,7 @@ import pytest
 import torch
 from hypothesis import given
 
-from pipeline.physics import friction
+from simgap.physics import friction
 
 LAWS = {
     "coulomb": lambda v: friction.coulomb(v, 0.3),

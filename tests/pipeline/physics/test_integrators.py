@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from pipeline.physics.integrators import euler, rk4, semi_implicit
+from simgap.physics.integrators import euler, rk4, semi_implicit
 
 
 def oscillator(state: torch.Tensor) -> torch.Tensor:

@@ -5,7 +5,7 @@ import pytest
 import torch
 from hypothesis import given
 
-from pipeline.physics import motors
+from simgap.physics import motors
 
 
 @given(st.floats(-10, 10), st.floats(-10, 10), st.floats(1e-3, 1.0), st.floats(1e-4, 1.0))

@@ -1,7 +1,7 @@
 import torch
 
-from pipeline.physics import rigid_body, rotations
-from pipeline.physics.integrators import rk4
+from simgap.physics import rigid_body, rotations
+from simgap.physics.integrators import rk4
 
 INERTIA = torch.tensor([2.0e-3, 3.1e-3, 4.2e-3], dtype=torch.float64)
 

@@ -5,7 +5,7 @@ import torch
 from hypothesis import given
 from scipy.spatial.transform import Rotation
 
-from pipeline.physics import rotations
+from simgap.physics import rotations
 
 COMPONENT = st.floats(-1.0, 1.0, allow_subnormal=False)
 ANY_VECTOR = numpy_strategies.arrays(float, (3,), elements=COMPONENT).map(torch.from_numpy)

@@ -1,6 +1,6 @@
 import torch
 
-from pipeline.physics import rotors
+from simgap.physics import rotors
 
 POSITIONS = torch.tensor(
     [[0.1, -0.1, 0.0], [-0.1, -0.1, 0.0], [-0.1, 0.1, 0.0], [0.1, 0.1, 0.0]], dtype=torch.float64

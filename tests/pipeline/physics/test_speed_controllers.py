@@ -3,7 +3,7 @@ import pytest
 import torch
 from hypothesis import given
 
-from pipeline.physics.speed_controllers import SpeedMap, calibrated_speed_map, motor_speed, steady_speed
+from simgap.physics.speed_controllers import SpeedMap, calibrated_speed_map, motor_speed, steady_speed
 
 SPEED_MAX, HOVER, VOLTAGE, EFFICIENCY = 2366.4, 1168.6, 14.8, 0.75
 

@@ -6,7 +6,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.physics.weak_form import (
+from simgap.physics.weak_form import (
     mean_of,
     mean_rate_of,
     moving_centres,

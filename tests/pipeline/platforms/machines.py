@@ -3,9 +3,9 @@
 import torch
 from torch import Tensor
 
-from pipeline.effects import Effect, effects_of
-from pipeline.physics import rotations
-from pipeline.platforms import (
+from simgap.effects import Effect, effects_of
+from simgap.physics import rotations
+from simgap.platforms import (
     DirectCurrentMotor,
     Joint,
     JointMotor,

@@ -6,8 +6,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.errors import InputError
-from pipeline.platforms import Joint, Quadrotor, Swerve, platform_from_config, platform_to_config
+from simgap.errors import InputError
+from simgap.platforms import Joint, Quadrotor, Swerve, platform_from_config, platform_to_config
 from tests.pipeline.platforms.machines import JOINT, MACHINES, QUADROTOR, SWERVE
 
 PLATFORM_FILES = sorted((Path(__file__).parents[3] / "conf" / "platform").glob("*.yaml"))

@@ -7,10 +7,10 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.physics import rotations
-from pipeline.platforms.mechanisms import mechanism_of
-from pipeline.platforms.swerve_constraint import along_the_wheels
-from pipeline.platforms.swerve_mechanism import CREEP, MEASURED, SLIDING, chassis_velocity_from_wheels
+from simgap.physics import rotations
+from simgap.platforms.mechanisms import mechanism_of
+from simgap.platforms.swerve_constraint import along_the_wheels
+from simgap.platforms.swerve_mechanism import CREEP, MEASURED, SLIDING, chassis_velocity_from_wheels
 from tests.pipeline.platforms.machines import JOINT, MACHINES, QUADROTOR, SWERVE, some_signals
 
 KINDS = pytest.mark.parametrize("kind", list(MACHINES))

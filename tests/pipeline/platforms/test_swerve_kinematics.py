@@ -6,7 +6,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.platforms.swerve_kinematics import (
+from simgap.platforms.swerve_kinematics import (
     chassis_twist,
     heading_of,
     lateral_matrix,

@@ -2,7 +2,7 @@
 
 import torch
 
-from pipeline.policies.environment import Environment, Observation, Transition
+from simgap.policies.environment import Environment, Observation, Transition
 
 
 def check_contract(environment: Environment, steps: int = 50) -> None:

@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from pipeline.policies.environment import Environment, Machines, Observation
+from simgap.policies.environment import Environment, Machines, Observation
 
 
 class PointMass(Environment):

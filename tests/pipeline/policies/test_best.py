@@ -1,10 +1,10 @@
 import pytest
 import torch
 
-from pipeline.policies.best import Best
-from pipeline.policies.networks import Gaussian
-from pipeline.policies.settings import Learning
-from pipeline.policies.training import Training
+from simgap.policies.best import Best
+from simgap.policies.networks import Gaussian
+from simgap.policies.settings import Learning
+from simgap.policies.training import Training
 from tests.pipeline.policies.point_mass import PointMass
 
 LEARNING = Learning(

@@ -1,7 +1,7 @@
 import torch
 
-from pipeline.policies.collector import Collector
-from pipeline.policies.networks import Critic, Gaussian
+from simgap.policies.collector import Collector
+from simgap.policies.networks import Critic, Gaussian
 from tests.pipeline.policies.point_mass import PointMass
 
 

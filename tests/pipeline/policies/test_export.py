@@ -1,8 +1,8 @@
 import onnxruntime
 import torch
 
-from pipeline.policies.export import ONNX_FILE, SCRIPT_FILE, export_policy
-from pipeline.policies.networks import Gaussian, Policy
+from simgap.policies.export import ONNX_FILE, SCRIPT_FILE, export_policy
+from simgap.policies.networks import Gaussian, Policy
 
 
 def test_exported_policies_agree_with_the_policy(tmp_path):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from pipeline.policies.gymnasium_adapter import GymnasiumEnvironment
+from simgap.policies.gymnasium_adapter import GymnasiumEnvironment
 from tests.pipeline.policies.point_mass import PointMass
 from tests.pipeline.policies.racing.machines import racing
 

@@ -2,9 +2,9 @@ import pytest
 import torch
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.policies.networks import Critic, Gaussian
-from pipeline.policies.storage import (
+from simgap.errors import InputError
+from simgap.policies.networks import Critic, Gaussian
+from simgap.policies.storage import (
     DESCRIPTION_FILE,
     TENSOR_FILE,
     Description,

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 import torch
 
-from pipeline.policies.collector import Collector
-from pipeline.policies.networks import Policy
-from pipeline.policies.settings import Learning
-from pipeline.policies.training import CHECKPOINT_FILE, Training, final
+from simgap.policies.collector import Collector
+from simgap.policies.networks import Policy
+from simgap.policies.settings import Learning
+from simgap.policies.training import CHECKPOINT_FILE, Training, final
 from tests.pipeline.policies.point_mass import PointMass
 
 QUICK = Learning(

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.recordings.contract import COLUMNS, REQUIRED
+from simgap.recordings.contract import COLUMNS, REQUIRED
 
 Frames = Callable[..., pd.DataFrame]
 

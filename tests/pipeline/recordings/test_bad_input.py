@@ -6,8 +6,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.recordings import read_recording
+from simgap.errors import InputError
+from simgap.recordings import read_recording
 
 
 def refused(path, *words: str) -> str:

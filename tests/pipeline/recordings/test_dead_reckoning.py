@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pipeline.recordings.cleaning import clean_recording
-from pipeline.recordings.dead_reckoning import dead_reckoning
-from pipeline.recordings.importers import nanobench
+from simgap.recordings.cleaning import clean_recording
+from simgap.recordings.dead_reckoning import dead_reckoning
+from simgap.recordings.importers import nanobench
 
 GRAVITY = 9.81
 

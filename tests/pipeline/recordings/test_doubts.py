@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.recordings import read_recording
-from pipeline.recordings.contract import KINDS
+from simgap.recordings import read_recording
+from simgap.recordings.contract import KINDS
 
 
 @pytest.fixture

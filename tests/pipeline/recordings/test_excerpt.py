@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from pipeline.errors import InputError
-from pipeline.recordings.excerpt import evenly, first_seconds, of_runs
-from pipeline.recordings.recording import Recording
+from simgap.errors import InputError
+from simgap.recordings.excerpt import evenly, first_seconds, of_runs
+from simgap.recordings.recording import Recording
 
 
 @pytest.fixture

@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.recordings import write_recording
-from pipeline.recordings.dataset import Dataset
-from pipeline.recordings.load import load_dataset
-from pipeline.recordings.recording import recording_from_frame
-from pipeline.recordings.split import Split, runs_of, split_runs
+from simgap.errors import InputError
+from simgap.recordings import write_recording
+from simgap.recordings.dataset import Dataset
+from simgap.recordings.load import load_dataset
+from simgap.recordings.recording import recording_from_frame
+from simgap.recordings.split import Split, runs_of, split_runs
 
 CONFIGURED = Path(__file__).parents[3] / "conf" / "dataset"
 HELD_OUT = {

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.errors import InputError
-from pipeline.recordings import Recording, read_recording, require_kind, write_recording
-from pipeline.recordings.contract import KINDS, REQUIRED, channel_units
-from pipeline.recordings.recording import recording_from_frame
+from simgap.errors import InputError
+from simgap.recordings import Recording, read_recording, require_kind, write_recording
+from simgap.recordings.contract import KINDS, REQUIRED, channel_units
+from simgap.recordings.recording import recording_from_frame
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -9,8 +9,8 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.recordings import registry
+from simgap.errors import InputError
+from simgap.recordings import registry
 
 CONTENT = b"t,voltage\n0,1\n"
 NAME = "slow run.csv"

@@ -5,7 +5,7 @@ import pandas as pd
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.recordings.resemblance import distances_of
+from simgap.recordings.resemblance import distances_of
 
 
 def runs(*motions: np.ndarray, **others: float) -> pd.DataFrame:

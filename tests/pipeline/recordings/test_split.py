@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.errors import InputError
-from pipeline.recordings.split import PARTS, Split, require_holdout, runs_of, split_runs
+from simgap.errors import InputError
+from simgap.recordings.split import PARTS, Split, require_holdout, runs_of, split_runs
 
 RUNS = st.lists(st.text(min_size=1, max_size=5), unique=True, max_size=30)
 

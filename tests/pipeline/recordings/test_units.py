@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from pipeline.recordings.contract import KINDS, SLIDING_JOINT_UNITS, channel_units
-from pipeline.recordings.units import KNOWN, conversion
+from simgap.recordings.contract import KINDS, SLIDING_JOINT_UNITS, channel_units
+from simgap.recordings.units import KNOWN, conversion
 
 
 @pytest.mark.parametrize("kind", KINDS)

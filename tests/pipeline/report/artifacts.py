@@ -9,9 +9,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import yaml
 
-from pipeline.comparison.comparison import Comparison, Job
-from pipeline.comparison.figure import FIGURE, draw
-from pipeline.comparison.settings import Results, TableOf
+from simgap.comparison.comparison import Comparison, Job
+from simgap.comparison.figure import FIGURE, draw
+from simgap.comparison.settings import Results, TableOf
 from tests.pipeline.report.diagnoses import RUNS, diagnosis
 from tests.pipeline.report.evidence import write_evidence, write_json
 

@@ -1,4 +1,4 @@
-"""Read back what `pipeline.report.figure.encode` wrote."""
+"""Read back what `simgap.report.figure.encode` wrote."""
 
 import base64
 

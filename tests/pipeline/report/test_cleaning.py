@@ -1,8 +1,8 @@
 import pandas as pd
 
-from pipeline.report.cleaning import cleaning_section, condensed, summary
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.section import Drawing
+from simgap.report.cleaning import cleaning_section, condensed, summary
+from simgap.report.inputs import ReportInputs
+from simgap.report.section import Drawing
 from tests.pipeline.report.artifacts import make_branch
 from tests.pipeline.report.decode import decode
 

@@ -5,13 +5,13 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.report.competition import competition_section
-from pipeline.report.figure import LONGEST_LABEL, band, distances, encode, label, script_json
-from pipeline.report.fit import fit_section
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.laws import laws_section
-from pipeline.report.section import Drawing
-from pipeline.report.where import where_section
+from simgap.report.competition import competition_section
+from simgap.report.figure import LONGEST_LABEL, band, distances, encode, label, script_json
+from simgap.report.fit import fit_section
+from simgap.report.inputs import ReportInputs
+from simgap.report.laws import laws_section
+from simgap.report.section import Drawing
+from simgap.report.where import where_section
 from tests.pipeline.report.artifacts import HOSTILE, make_branch
 from tests.pipeline.report.decode import decode
 

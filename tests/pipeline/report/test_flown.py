@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
-from pipeline.report.flown import flown_section
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.page import write_page
-from pipeline.report.race import animate_race
-from pipeline.report.section import Drawing
+from simgap.report.flown import flown_section
+from simgap.report.inputs import ReportInputs
+from simgap.report.page import write_page
+from simgap.report.race import animate_race
+from simgap.report.section import Drawing
 
 GATE = np.array([[[1.0, -0.5, 0.5], [1.0, 0.5, 0.5], [1.0, 0.5, 1.5], [1.0, -0.5, 1.5]]], dtype=np.float32)
 

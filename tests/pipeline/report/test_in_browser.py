@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from pipeline.report import ReportInputs, write_page
+from simgap.report import ReportInputs, write_page
 from tests.pipeline.report.artifacts import HOSTILE, make_branch
 from tests.pipeline.report.browser import Browser, chromium, find_chromium
 

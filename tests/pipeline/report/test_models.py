@@ -2,10 +2,10 @@
 
 import re
 
-from pipeline.comparison.figure import FIGURE, draw
-from pipeline.report import ReportInputs, write_page
-from pipeline.report.models import model_section, sweeps_section
-from pipeline.report.section import Drawing
+from simgap.comparison.figure import FIGURE, draw
+from simgap.report import ReportInputs, write_page
+from simgap.report.models import model_section, sweeps_section
+from simgap.report.section import Drawing
 from tests.pipeline.comparison.sweeps import job, sweep
 from tests.pipeline.report.artifacts import HOSTILE, make_branch, make_sweep
 

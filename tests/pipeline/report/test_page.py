@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.report import ReportInputs, write_page
+from simgap.errors import InputError
+from simgap.report import ReportInputs, write_page
 from tests.pipeline.report.artifacts import HOSTILE, make_branch
 from tests.pipeline.report.diagnoses import VERDICTS
 

@@ -1,4 +1,4 @@
-from pipeline.report.tables import metric_tables, parameter_rows
+from simgap.report.tables import metric_tables, parameter_rows
 
 
 def test_groups_with_common_keys_become_rows():

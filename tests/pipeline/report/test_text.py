@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.report import text
+from simgap.report import text
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@ import pandas as pd
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.report.timeline import simplified, timeline
+from simgap.report.timeline import simplified, timeline
 from tests.pipeline.report.decode import decode
 
 

@@ -3,9 +3,9 @@ import pandas as pd
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.report.inputs import ReportInputs
-from pipeline.report.section import Drawing
-from pipeline.report.traces import thin, traces_section
+from simgap.report.inputs import ReportInputs
+from simgap.report.section import Drawing
+from simgap.report.traces import thin, traces_section
 from tests.pipeline.report.decode import decode
 
 

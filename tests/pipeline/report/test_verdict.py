@@ -1,6 +1,6 @@
 import pytest
 
-from pipeline.report.verdict import sentence
+from simgap.report.verdict import sentence
 from tests.pipeline.report.diagnoses import VERDICTS, diagnosis
 
 

@@ -5,10 +5,10 @@ import math
 import torch
 from torch import Tensor
 
-from pipeline.platforms import Swerve
-from pipeline.simulation import Simulator
-from pipeline.simulation.motion import motion_of
-from pipeline.simulation.rollout import step
+from simgap.platforms import Swerve
+from simgap.simulation import Simulator
+from simgap.simulation.motion import motion_of
+from simgap.simulation.rollout import step
 
 _BANDWIDTH = 30.0  # rad/s, of the modules behind their controllers, critically damped
 

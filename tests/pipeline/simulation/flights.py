@@ -5,10 +5,10 @@ import pandas as pd
 import torch
 from torch import Tensor
 
-from pipeline.recordings.contract import channel_units
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import Simulator, rollout
-from pipeline.simulation.motion import motion_of
+from simgap.recordings.contract import channel_units
+from simgap.recordings.recording import Recording
+from simgap.simulation import Simulator, rollout
+from simgap.simulation.motion import motion_of
 
 _SUFFIXES = {3: ("x", "y", "z"), 4: ("1", "2", "3", "4")}
 

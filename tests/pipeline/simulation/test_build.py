@@ -1,9 +1,9 @@
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.platforms import platform_to_config
-from pipeline.simulation.build import build_simulator
-from pipeline.simulation.settings import SimulatorSettings
+from simgap.errors import InputError
+from simgap.platforms import platform_to_config
+from simgap.simulation.build import build_simulator
+from simgap.simulation.settings import SimulatorSettings
 from tests.pipeline.platforms.machines import JOINT, MACHINES
 
 

@@ -5,9 +5,9 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.effects import effect_by_key, effects_of
-from pipeline.simulation import FittedEffect, Simulator, read_simulator, step, write_simulator
-from pipeline.simulation.driver import SimulatedDriver, with_drivers, without_driver
+from simgap.effects import effect_by_key, effects_of
+from simgap.simulation import FittedEffect, Simulator, read_simulator, step, write_simulator
+from simgap.simulation.driver import SimulatedDriver, with_drivers, without_driver
 from tests.pipeline.platforms.machines import MACHINES
 
 SAG = FittedEffect(effect_by_key("quadrotor", "battery_sag"), {"sensitivity": 0.8})

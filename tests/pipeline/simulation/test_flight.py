@@ -6,12 +6,12 @@ import torch
 import yaml
 from torch import Tensor
 
-from pipeline.effects import effect_by_key
-from pipeline.physics import batteries
-from pipeline.platforms import platform_from_config
-from pipeline.simulation import FittedEffect
-from pipeline.simulation.flight import Flight, racing_flight
-from pipeline.simulation.motion import QuadrotorMotion
+from simgap.effects import effect_by_key
+from simgap.physics import batteries
+from simgap.platforms import platform_from_config
+from simgap.simulation import FittedEffect
+from simgap.simulation.flight import Flight, racing_flight
+from simgap.simulation.motion import QuadrotorMotion
 from tests.pipeline.platforms.machines import QUADROTOR, some_signals
 
 CONF = Path(__file__).parents[3] / "conf" / "platform"

@@ -5,8 +5,8 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.effects import DryFriction, effect_by_key, effects_of
-from pipeline.simulation import FittedEffect, Simulator
+from simgap.effects import DryFriction, effect_by_key, effects_of
+from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.platforms.machines import JOINT, SWERVE, some_signals
 
 COULOMB = {"level": 0.2}

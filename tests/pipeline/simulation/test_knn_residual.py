@@ -1,10 +1,10 @@
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.physics import rotations
-from pipeline.simulation.flight import racing_flight
-from pipeline.simulation.knn_residual import NearestNeighbours, residual_features
+from simgap.errors import InputError
+from simgap.physics import rotations
+from simgap.simulation.flight import racing_flight
+from simgap.simulation.knn_residual import NearestNeighbours, residual_features
 from tests.pipeline.platforms.machines import QUADROTOR
 from tests.pipeline.simulation.test_flight import actions, flown, level, tumbling
 

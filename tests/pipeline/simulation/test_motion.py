@@ -7,12 +7,12 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.effects import MeasurementEffect, effects_of
-from pipeline.physics import rigid_body, rotations
-from pipeline.platforms import Joint, JointMotor
-from pipeline.platforms.swerve_mechanism import chassis_velocity_from_wheels
-from pipeline.simulation import FittedEffect, Simulator, rollout
-from pipeline.simulation.motion import SwerveMotion, motion_of
+from simgap.effects import MeasurementEffect, effects_of
+from simgap.physics import rigid_body, rotations
+from simgap.platforms import Joint, JointMotor
+from simgap.platforms.swerve_mechanism import chassis_velocity_from_wheels
+from simgap.simulation import FittedEffect, Simulator, rollout
+from simgap.simulation.motion import SwerveMotion, motion_of
 from tests.pipeline.platforms.machines import JOINT, MACHINES, QUADROTOR, SWERVE, some_signals
 
 UPRIGHT = [1.0, 0.0, 0.0, 0.0]

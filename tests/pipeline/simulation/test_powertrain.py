@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.physics import batteries
-from pipeline.simulation.powertrain import Powertrain, powertrain_values
+from simgap.physics import batteries
+from simgap.simulation.powertrain import Powertrain, powertrain_values
 from tests.pipeline.platforms.machines import QUADROTOR
 
 DT = 0.002

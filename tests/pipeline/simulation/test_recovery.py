@@ -4,11 +4,11 @@ import pytest
 import torch
 from torch import Tensor
 
-from pipeline.effects import effect_by_key, effects_of
-from pipeline.effects.effect import ActuatorEffect, WrenchEffect
-from pipeline.physics import rotations
-from pipeline.simulation import FittedEffect, Simulator, rollout
-from pipeline.simulation.motion import motion_of
+from simgap.effects import effect_by_key, effects_of
+from simgap.effects.effect import ActuatorEffect, WrenchEffect
+from simgap.physics import rotations
+from simgap.simulation import FittedEffect, Simulator, rollout
+from simgap.simulation.motion import motion_of
 from tests.pipeline.platforms.machines import JOINT, QUADROTOR
 from tests.pipeline.simulation.flights import smooth
 

@@ -7,12 +7,12 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.effects import CommandEffect, MeasurementEffect, effect_by_key, effects_of
-from pipeline.errors import InputError
-from pipeline.recordings.recording import Recording
-from pipeline.simulation import FittedEffect, Simulator, replay, replay_error
-from pipeline.simulation.blocks import cut_blocks
-from pipeline.simulation.motion import motion_of
+from simgap.effects import CommandEffect, MeasurementEffect, effect_by_key, effects_of
+from simgap.errors import InputError
+from simgap.recordings.recording import Recording
+from simgap.simulation import FittedEffect, Simulator, replay, replay_error
+from simgap.simulation.blocks import cut_blocks
+from simgap.simulation.motion import motion_of
 from tests.pipeline.platforms.machines import JOINT, MACHINES, QUADROTOR, some_signals
 from tests.pipeline.simulation.flights import recorded, smooth
 

@@ -1,9 +1,9 @@
 import pytest
 import torch
 
-from pipeline.effects import effect_by_key, effects_of
-from pipeline.simulation import FittedEffect, Simulator, rollout
-from pipeline.simulation.motion import motion_of
+from simgap.effects import effect_by_key, effects_of
+from simgap.simulation import FittedEffect, Simulator, rollout
+from simgap.simulation.motion import motion_of
 from tests.pipeline.platforms.machines import JOINT, MACHINES, SWERVE, some_signals
 
 COMMANDS = {

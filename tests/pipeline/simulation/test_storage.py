@@ -5,9 +5,9 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.effects import effects_of
-from pipeline.errors import InputError
-from pipeline.simulation import FittedEffect, Simulator, read_simulator, write_simulator
+from simgap.effects import effects_of
+from simgap.errors import InputError
+from simgap.simulation import FittedEffect, Simulator, read_simulator, write_simulator
 from tests.pipeline.platforms.machines import MACHINES
 
 

@@ -7,11 +7,11 @@ import torch
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from pipeline.platforms.swerve_constraint import rolling_projection
-from pipeline.platforms.swerve_kinematics import lateral_matrix, module_states
-from pipeline.simulation import Simulator, rollout
-from pipeline.simulation.integration import rk4
-from pipeline.simulation.motion import SwerveMotion
+from simgap.platforms.swerve_constraint import rolling_projection
+from simgap.platforms.swerve_kinematics import lateral_matrix, module_states
+from simgap.simulation import Simulator, rollout
+from simgap.simulation.integration import rk4
+from simgap.simulation.motion import SwerveMotion
 from tests.pipeline.platforms.machines import SWERVE, some_signals
 
 POSITIONS = torch.tensor(SWERVE.module_positions, dtype=torch.float64)

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.tracking import Tracker, Tracking
-from pipeline.tracking.store import open_store, store_uri
-from pipeline.tracking.tracker import PARENT_TAG, STAGE_TAG
+from simgap.tracking import Tracker, Tracking
+from simgap.tracking.store import open_store, store_uri
+from simgap.tracking.tracker import PARENT_TAG, STAGE_TAG
 
 
 def tracker(uri: str, stage: str = "clean", key: str = "key", **keywords: object) -> Tracker:

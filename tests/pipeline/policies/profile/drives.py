@@ -5,7 +5,7 @@ import math
 import torch
 from scipy.optimize import brentq
 
-from pipeline.policies.profile.drive import Drive
+from simgap.policies.profile.drive import Drive
 
 WHEELS = 4
 

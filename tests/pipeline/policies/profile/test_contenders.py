@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.policies.profile import contenders
-from pipeline.policies.profile.rollout import drive_by_policy
-from pipeline.policies.profile.settings import Profile
-from pipeline.policies.profile.storage import FILE, read_motions, write_motions
-from pipeline.report.motions import draw_motions
+from simgap.policies.profile import contenders
+from simgap.policies.profile.rollout import drive_by_policy
+from simgap.policies.profile.settings import Profile
+from simgap.policies.profile.storage import FILE, read_motions, write_motions
+from simgap.report.motions import draw_motions
 from tests.pipeline.policies.profile.drives import uniform
 
 TASK = Profile(acceleration_limit=8.0)

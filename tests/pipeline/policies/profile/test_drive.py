@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from pipeline.policies.profile.drive import Drive
+from simgap.policies.profile.drive import Drive
 from tests.pipeline.policies.profile.drives import uniform
 
 speeds = st.floats(-3.0, 3.0).filter(lambda value: value == 0.0 or abs(value) > 1e-3)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.policies.profile.environment import MotionProfile
-from pipeline.policies.profile.motion import drive_along
-from pipeline.policies.profile.settings import Profile
-from pipeline.policies.profile.time_optimal import time_optimal
+from simgap.policies.profile.environment import MotionProfile
+from simgap.policies.profile.motion import drive_along
+from simgap.policies.profile.settings import Profile
+from simgap.policies.profile.time_optimal import time_optimal
 from tests.pipeline.policies.environment_contract import check_contract
 from tests.pipeline.policies.profile.drives import uniform
 

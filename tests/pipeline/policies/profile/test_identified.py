@@ -2,8 +2,8 @@ import pytest
 import torch
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.policies.profile.identified import identified_drive
+from simgap.errors import InputError
+from simgap.policies.profile.identified import identified_drive
 from tests.pipeline.platforms.machines import SWERVE
 
 

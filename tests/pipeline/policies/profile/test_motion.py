@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.policies.profile.motion import Motion, drive_along, drive_open_loop
-from pipeline.policies.profile.reference import trapezoid
+from simgap.policies.profile.motion import Motion, drive_along, drive_open_loop
+from simgap.policies.profile.reference import trapezoid
 from tests.pipeline.policies.profile.drives import uniform
 
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.policies.profile.reference import s_curve, trapezoid
+from simgap.policies.profile.reference import s_curve, trapezoid
 
 positive = st.floats(0.05, 50.0)
 

@@ -3,8 +3,8 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.policies.profile.rewards import final_reward, step_reward
-from pipeline.policies.profile.settings import Profile, Weights
+from simgap.policies.profile.rewards import final_reward, step_reward
+from simgap.policies.profile.settings import Profile, Weights
 
 NOTHING = Weights(**dict.fromkeys(vars(Weights()), 0.0))
 

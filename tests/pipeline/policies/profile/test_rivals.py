@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from pipeline.policies.profile.motion import drive_along
-from pipeline.policies.profile.reference import trapezoid
-from pipeline.policies.profile.rivals import fastest_s_curve, fastest_trapezoid, peak_voltage
-from pipeline.policies.profile.time_optimal import time_optimal
+from simgap.policies.profile.motion import drive_along
+from simgap.policies.profile.reference import trapezoid
+from simgap.policies.profile.rivals import fastest_s_curve, fastest_trapezoid, peak_voltage
+from simgap.policies.profile.time_optimal import time_optimal
 from tests.pipeline.policies.profile.drives import uniform
 
 

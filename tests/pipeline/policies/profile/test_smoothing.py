@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.policies.profile.motion import drive_along, drive_open_loop
-from pipeline.policies.profile.reference import trapezoid
-from pipeline.policies.profile.smoothing import smoothed
+from simgap.policies.profile.motion import drive_along, drive_open_loop
+from simgap.policies.profile.reference import trapezoid
+from simgap.policies.profile.smoothing import smoothed
 from tests.pipeline.policies.profile.drives import uniform
 
 PERIOD = 0.005

@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.policies.profile.reference import trapezoid
-from pipeline.policies.profile.time_optimal import time_optimal
+from simgap.errors import InputError
+from simgap.policies.profile.reference import trapezoid
+from simgap.policies.profile.time_optimal import time_optimal
 from tests.pipeline.policies.profile.drives import bang_bang, uniform
 
 

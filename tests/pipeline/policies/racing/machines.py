@@ -6,12 +6,12 @@ from pathlib import Path
 import yaml
 from omegaconf import OmegaConf
 
-from pipeline.platforms import Quadrotor, platform_from_config
-from pipeline.policies.racing.flying import flight_in
-from pipeline.policies.racing.racing import Misjudging, Racing
-from pipeline.policies.racing.settings import Flying, RacingSettings, TrackSettings
-from pipeline.policies.racing.track import Track, track_from
-from pipeline.simulation import Simulator
+from simgap.platforms import Quadrotor, platform_from_config
+from simgap.policies.racing.flying import flight_in
+from simgap.policies.racing.racing import Misjudging, Racing
+from simgap.policies.racing.settings import Flying, RacingSettings, TrackSettings
+from simgap.policies.racing.track import Track, track_from
+from simgap.simulation import Simulator
 
 CONF = Path(__file__).parents[4] / "conf"
 # Fewer and simpler inner steps than a race has: they are compiled sooner.

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.policies.racing.deployed import Deployed, RateLoop
-from pipeline.policies.racing.flying import PARTS, Fleet, flight_in, state_of
-from pipeline.policies.racing.settings import Flying
-from pipeline.reality.case import PlantCase, Sensors
-from pipeline.reality.race import RacedMachines
-from pipeline.simulation import Simulator
+from simgap.plants.case import PlantCase, Sensors
+from simgap.plants.race import RacedMachines
+from simgap.policies.racing.deployed import Deployed, RateLoop
+from simgap.policies.racing.flying import PARTS, Fleet, flight_in, state_of
+from simgap.policies.racing.settings import Flying
+from simgap.simulation import Simulator
 from tests.pipeline.policies.racing.machines import racer
 
 RACER = racer()

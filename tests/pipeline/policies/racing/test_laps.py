@@ -3,9 +3,9 @@ import math
 import pytest
 import torch
 
-from pipeline.policies.racing.flying import PARTS
-from pipeline.policies.racing.laps import Laps, fly_laps
-from pipeline.policies.racing.settings import RacingSettings, Starts
+from simgap.policies.racing.flying import PARTS
+from simgap.policies.racing.laps import Laps, fly_laps
+from simgap.policies.racing.settings import RacingSettings, Starts
 from tests.pipeline.policies.racing.machines import COARSE, racing
 
 STILL = Starts(position=0.0, velocity=0.0, attitude=0.0, body_rate=0.0, speed=0.0)

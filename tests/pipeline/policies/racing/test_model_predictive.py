@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from pipeline.policies.environment import Observation
-from pipeline.policies.racing.laps import fly_laps
-from pipeline.policies.racing.model_predictive import bounded_least, time_optimal_pilot
-from pipeline.policies.racing.settings import RacingSettings, Starts
+from simgap.policies.environment import Observation
+from simgap.policies.racing.laps import fly_laps
+from simgap.policies.racing.model_predictive import bounded_least, time_optimal_pilot
+from simgap.policies.racing.settings import RacingSettings, Starts
 from tests.pipeline.policies.racing.machines import COARSE, racing, track_named
 
 CALM = Starts(position=0.1, velocity=0.1, attitude=0.02, body_rate=0.1)

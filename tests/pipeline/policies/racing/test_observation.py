@@ -1,7 +1,7 @@
 import torch
 
-from pipeline.physics import rotations
-from pipeline.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
+from simgap.physics import rotations
+from simgap.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
 from tests.pipeline.policies.racing.machines import track_named
 
 

@@ -2,7 +2,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.policies.racing.passage import passage
+from simgap.policies.racing.passage import passage
 from tests.pipeline.policies.racing.test_track import track_from, two_gates
 
 TRACK = track_from(

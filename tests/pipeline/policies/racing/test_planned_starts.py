@@ -3,18 +3,18 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.policies.racing.entry import (
+from simgap.policies.racing.entry import (
     described_race,
     gone_on_with,
     race_from,
     race_in,
     trained_race,
 )
-from pipeline.policies.racing.flying import PARTS
-from pipeline.policies.racing.passage import passage
-from pipeline.policies.racing.settings import RacingSettings, Randomisation, Reward, Starts
-from pipeline.policies.racing.time_optimal import Limits, optimal_lap
-from pipeline.simulation import Simulator
+from simgap.policies.racing.flying import PARTS
+from simgap.policies.racing.passage import passage
+from simgap.policies.racing.settings import RacingSettings, Randomisation, Reward, Starts
+from simgap.policies.racing.time_optimal import Limits, optimal_lap
+from simgap.simulation import Simulator
 from tests.pipeline.policies.environment_contract import check_contract
 from tests.pipeline.policies.racing.machines import COARSE, racer, track_named, track_settings
 

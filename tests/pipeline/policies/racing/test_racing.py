@@ -3,15 +3,15 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.effects import effect_by_key
-from pipeline.errors import InputError
-from pipeline.platforms import Joint
-from pipeline.policies.racing.flying import PARTS, Fleet, flight_in, left_out, state_of
-from pipeline.policies.racing.observation import seen_state
-from pipeline.policies.racing.racing import commanded
-from pipeline.policies.racing.settings import Flying, RacingSettings, Reward
-from pipeline.simulation import FittedEffect, Simulator
-from pipeline.simulation.driver import SimulatedDriver
+from simgap.effects import effect_by_key
+from simgap.errors import InputError
+from simgap.platforms import Joint
+from simgap.policies.racing.flying import PARTS, Fleet, flight_in, left_out, state_of
+from simgap.policies.racing.observation import seen_state
+from simgap.policies.racing.racing import commanded
+from simgap.policies.racing.settings import Flying, RacingSettings, Reward
+from simgap.simulation import FittedEffect, Simulator
+from simgap.simulation.driver import SimulatedDriver
 from tests.pipeline.policies.environment_contract import check_contract
 from tests.pipeline.policies.racing.machines import COARSE, racer, racing
 

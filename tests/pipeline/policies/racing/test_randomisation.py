@@ -3,11 +3,11 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.policies.racing.entry import described_race, race_from, race_in, trained_race
-from pipeline.policies.racing.flying import state_of
-from pipeline.policies.racing.randomisation import drawn_episode, drawn_wrench
-from pipeline.policies.racing.settings import RacingSettings, Randomisation
-from pipeline.simulation import Simulator
+from simgap.policies.racing.entry import described_race, race_from, race_in, trained_race
+from simgap.policies.racing.flying import state_of
+from simgap.policies.racing.randomisation import drawn_episode, drawn_wrench
+from simgap.policies.racing.settings import RacingSettings, Randomisation
+from simgap.simulation import Simulator
 from tests.pipeline.policies.environment_contract import check_contract
 from tests.pipeline.policies.racing.machines import COARSE, racer, track_settings
 from tests.pipeline.policies.racing.test_racing import put

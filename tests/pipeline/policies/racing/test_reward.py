@@ -4,9 +4,9 @@ from itertools import pairwise
 import pytest
 import torch
 
-from pipeline.physics import rotations
-from pipeline.policies.racing.reward import racing_reward, reward_at, viewing_angle
-from pipeline.policies.racing.settings import Reward
+from simgap.physics import rotations
+from simgap.policies.racing.reward import racing_reward, reward_at, viewing_angle
+from simgap.policies.racing.settings import Reward
 
 LEVEL = torch.tensor([[1.0, 0.0, 0.0, 0.0]])
 HOVER = torch.tensor([[9.81, 0.0, 0.0, 0.0]])

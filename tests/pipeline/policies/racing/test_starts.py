@@ -3,12 +3,12 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.physics import rotations
-from pipeline.policies.racing.flying import PARTS
-from pipeline.policies.racing.passage import passage
-from pipeline.policies.racing.settings import Starts
-from pipeline.policies.racing.starts import drawn_start, first_starts, keep, perturbed
+from simgap.errors import InputError
+from simgap.physics import rotations
+from simgap.policies.racing.flying import PARTS
+from simgap.policies.racing.passage import passage
+from simgap.policies.racing.settings import Starts
+from simgap.policies.racing.starts import drawn_start, first_starts, keep, perturbed
 from tests.pipeline.policies.racing.machines import track_named
 
 SETTINGS = Starts(kept=8)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.physics import rotations
-from pipeline.policies.racing.passage import passage
-from pipeline.policies.racing.settings import GateSettings, TrackSettings
-from pipeline.policies.racing.time_optimal import Limits, optimal_lap
-from pipeline.policies.racing.track import track_from
+from simgap.errors import InputError
+from simgap.physics import rotations
+from simgap.policies.racing.passage import passage
+from simgap.policies.racing.settings import GateSettings, TrackSettings
+from simgap.policies.racing.time_optimal import Limits, optimal_lap
+from simgap.policies.racing.track import track_from
 from tests.pipeline.policies.racing.machines import track_named
 
 LIMITS = Limits(thrust=30.0, rate=10.0, yaw_rate=4.0)

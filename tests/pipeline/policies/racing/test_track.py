@@ -1,9 +1,9 @@
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.policies.racing.settings import GateSettings, TrackSettings
-from pipeline.policies.racing.track import track_from
+from simgap.errors import InputError
+from simgap.policies.racing.settings import GateSettings, TrackSettings
+from simgap.policies.racing.track import track_from
 from tests.pipeline.policies.racing.machines import CONF, track_named
 
 BOX = [[-5.0, -5.0, 0.0], [5.0, 5.0, 5.0]]

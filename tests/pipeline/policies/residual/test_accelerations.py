@@ -4,19 +4,19 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.effects import effect_by_key
-from pipeline.errors import InputError
-from pipeline.platforms import Joint
-from pipeline.policies.racing.flying import PARTS, Fleet, flight_in
-from pipeline.policies.residual.accelerations import left_over, nearest_of
-from pipeline.reality.case import PlantCase, Sensors
-from pipeline.reality.fly import fly
-from pipeline.recordings.cleaning import clean_recording
-from pipeline.recordings.cleaning.settings import Cleaning
-from pipeline.recordings.dataset import Dataset
-from pipeline.simulation import FittedEffect, Simulator, read_simulator, write_simulator
-from pipeline.simulation.knn_residual import commanded_thrust
-from pipeline.simulation.motion import QuadrotorMotion
+from simgap.effects import effect_by_key
+from simgap.errors import InputError
+from simgap.plants.case import PlantCase, Sensors
+from simgap.plants.fly import fly
+from simgap.platforms import Joint
+from simgap.policies.racing.flying import PARTS, Fleet, flight_in
+from simgap.policies.residual.accelerations import left_over, nearest_of
+from simgap.recordings.cleaning import clean_recording
+from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.dataset import Dataset
+from simgap.simulation import FittedEffect, Simulator, read_simulator, write_simulator
+from simgap.simulation.knn_residual import commanded_thrust
+from simgap.simulation.motion import QuadrotorMotion
 from tests.pipeline.policies.racing.machines import COARSE, racer
 
 DRAG = 0.5

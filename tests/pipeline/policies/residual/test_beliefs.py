@@ -5,9 +5,9 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as some
 
-from pipeline.errors import InputError
-from pipeline.physics import rotations
-from pipeline.policies.residual.beliefs import (
+from simgap.errors import InputError
+from simgap.physics import rotations
+from simgap.policies.residual.beliefs import (
     FEATURES,
     RESIDUALS,
     misjudged,

@@ -6,9 +6,9 @@ import torch
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
-from pipeline.policies.residual.gaussian_processes import fit
-from pipeline.policies.residual.realisations import draw
-from pipeline.policies.residual.wander import Course
+from simgap.policies.residual.gaussian_processes import fit
+from simgap.policies.residual.realisations import draw
+from simgap.policies.residual.wander import Course
 
 NOISE = 0.1
 ONE_FLIGHT = Course(torch.zeros(200, dtype=torch.long), 0.05 * torch.arange(200).double())

@@ -2,16 +2,16 @@ import pytest
 import torch
 import yaml
 
-from pipeline.errors import InputError
-from pipeline.policies.residual.gaussian_processes import fit
-from pipeline.policies.residual.realisations import draw
-from pipeline.policies.residual.storage import (
+from simgap.errors import InputError
+from simgap.policies.residual.gaussian_processes import fit
+from simgap.policies.residual.realisations import draw
+from simgap.policies.residual.storage import (
     DESCRIPTION_FILE,
     TENSOR_FILE,
     load_observation,
     save_observation,
 )
-from pipeline.policies.residual.wander import Course
+from simgap.policies.residual.wander import Course
 
 
 @pytest.fixture

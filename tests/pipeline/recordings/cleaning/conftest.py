@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.recordings import Recording
-from pipeline.recordings.cleaning.work import RunUnderCleaning
-from pipeline.recordings.contract import COLUMNS, channel_units, needed_channels
+from simgap.recordings import Recording
+from simgap.recordings.cleaning.work import RunUnderCleaning
+from simgap.recordings.contract import COLUMNS, channel_units, needed_channels
 
 STEP = 0.01
 _FREQUENCIES = np.array([1.3, 2.1, 3.4, 4.7, 6.2, 7.9])

@@ -6,17 +6,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.errors import InputError
-from pipeline.recordings import Recording, read_recording, write_recording
-from pipeline.recordings.cleaning import (
+from simgap.errors import InputError
+from simgap.recordings import Recording, read_recording, write_recording
+from simgap.recordings.cleaning import (
     CHANGE_COLUMNS,
     Cleaning,
     clean_recording,
     clean_with_coverage,
     summary,
 )
-from pipeline.recordings.contract import needed_channels
-from pipeline.recordings.split import Split
+from simgap.recordings.contract import needed_channels
+from simgap.recordings.split import Split
 from tests.pipeline.recordings.cleaning.conftest import flight_frame, joint_frame, recording_of
 
 FRAMES = {"quadrotor": flight_frame, "joint": joint_frame}

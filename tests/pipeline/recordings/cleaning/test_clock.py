@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from pipeline.recordings.cleaning.clock import compare_clocks, estimate_clock_offset
+from simgap.recordings.cleaning.clock import compare_clocks, estimate_clock_offset
 
 LARGEST = 0.1
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from pipeline.recordings.cleaning.channels import ATTITUDE
-from pipeline.recordings.cleaning.crash import cut_crash
+from simgap.recordings.cleaning.channels import ATTITUDE
+from simgap.recordings.cleaning.crash import cut_crash
 
 MARGIN = 0.5
 

@@ -2,8 +2,8 @@ import xml.etree.ElementTree as ET
 
 import pandas as pd
 
-from pipeline.recordings.cleaning import COVERAGE_COLUMNS
-from pipeline.recordings.cleaning.figure import coverage_figure
+from simgap.recordings.cleaning import COVERAGE_COLUMNS
+from simgap.recordings.cleaning.figure import coverage_figure
 
 _SVG = "{http://www.w3.org/2000/svg}"
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from pipeline.recordings.cleaning.channels import BODY_RATE, MOTOR_SPEED, POSITION, VELOCITY
-from pipeline.recordings.cleaning.frozen import erase_frozen
+from simgap.recordings.cleaning.channels import BODY_RATE, MOTOR_SPEED, POSITION, VELOCITY
+from simgap.recordings.cleaning.frozen import erase_frozen
 
 STATE = [*POSITION, *VELOCITY, *BODY_RATE, *(f"attitude_{axis}" for axis in "wxyz")]
 MAX_GAP = 0.1

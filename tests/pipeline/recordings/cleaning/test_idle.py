@@ -1,6 +1,6 @@
 import numpy as np
 
-from pipeline.recordings.cleaning.idle import drop_idle
+from simgap.recordings.cleaning.idle import drop_idle
 
 
 def dropped(run):

@@ -1,6 +1,6 @@
 import numpy as np
 
-from pipeline.recordings.cleaning.limits import erase_beyond_limits
+from simgap.recordings.cleaning.limits import erase_beyond_limits
 
 
 def test_commands_outside_zero_to_one_are_erased_and_saturated_ones_left(flight, as_run):

@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from pipeline.recordings.cleaning.channels import ATTITUDE
-from pipeline.recordings.cleaning.quaternions import mend_quaternions, slerp
+from simgap.recordings.cleaning.channels import ATTITUDE
+from simgap.recordings.cleaning.quaternions import mend_quaternions, slerp
 
 
 def test_norms_are_mended_and_signs_made_continuous(flight, as_run):

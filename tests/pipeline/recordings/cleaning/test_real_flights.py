@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.recordings.cleaning import clean_with_coverage
-from pipeline.recordings.importers import importer
+from simgap.recordings.cleaning import clean_with_coverage
+from simgap.recordings.importers import importer
 
 
 @pytest.fixture(scope="module")

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.recordings.cleaning import Cleaning
-from pipeline.recordings.cleaning.resample import (
+from simgap.recordings.cleaning import Cleaning
+from simgap.recordings.cleaning.resample import (
     FIFTH_DIFFERENCE,
     noise_kept,
     resample,

@@ -1,6 +1,6 @@
 import numpy as np
 
-from pipeline.recordings.cleaning.segments import (
+from simgap.recordings.cleaning.segments import (
     drop_incomplete,
     drop_made_up,
     drop_short,

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.recordings.cleaning.spikes import erase_spikes, find_spikes
+from simgap.recordings.cleaning.spikes import erase_spikes, find_spikes
 
 STEP = 0.01
 TIME = np.arange(600) * STEP

@@ -1,7 +1,7 @@
 import numpy as np
 
-from pipeline.recordings.cleaning.channels import BODY_RATE
-from pipeline.recordings.cleaning.straight import erase_straight
+from simgap.recordings.cleaning.channels import BODY_RATE
+from simgap.recordings.cleaning.straight import erase_straight
 
 
 def test_a_log_that_was_extrapolated_to_the_end_is_erased(flight, as_run):

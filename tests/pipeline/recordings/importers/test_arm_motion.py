@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers.arm_motion import read
+from simgap.errors import InputError
+from simgap.recordings.importers.arm_motion import read
 
 OPTIONS = {"joint": 1, "supply": 10.0, "gain": 2.0}
 STATE = """type,timestamp,positions,velocities,torques

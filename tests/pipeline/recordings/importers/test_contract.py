@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.recordings import read_recording, write_recording
-from pipeline.recordings.contract import ANY_OF, INDEX_COLUMNS, REQUIRED, channel_units
-from pipeline.recordings.importers import IMPORTERS, importer
-from pipeline.recordings.rates import body_rate_and_derived, recorded_and_derived
+from simgap.errors import InputError
+from simgap.recordings import read_recording, write_recording
+from simgap.recordings.contract import ANY_OF, INDEX_COLUMNS, REQUIRED, channel_units
+from simgap.recordings.importers import IMPORTERS, importer
+from simgap.recordings.rates import body_rate_and_derived, recorded_and_derived
 
 FLYWHEEL = {
     "kind": "joint",

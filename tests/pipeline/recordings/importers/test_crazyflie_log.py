@@ -6,9 +6,9 @@ import zlib
 import numpy as np
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers.crazyflie_log import read
-from pipeline.recordings.importers.event_log import read_event_log
+from simgap.errors import InputError
+from simgap.recordings.importers.crazyflie_log import read
+from simgap.recordings.importers.event_log import read_event_log
 
 VARIABLES = [f"{sensor}.{axis}(f)" for sensor in ("acc", "gyro") for axis in "xyz"]
 VARIABLES += [f"motor.m{rotor}(I)" for rotor in "1234"]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.recordings.importers import nanobench, nanodrone
+from simgap.recordings.importers import nanobench, nanodrone
 
 GRAVITY = 9.81
 

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers.pendulum_json import read
+from simgap.errors import InputError
+from simgap.recordings.importers.pendulum_json import read
 
 HEADER = {"mass": 0.49, "length": 0.1, "kp": 100, "vin": 8.85, "motor": "xl330", "trajectory": "sin_sin"}
 

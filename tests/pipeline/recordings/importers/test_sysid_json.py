@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers.sysid_json import read
+from simgap.errors import InputError
+from simgap.recordings.importers.sysid_json import read
 
 STEP = [
     [0.0, 0, 0, 1.0, 2.0, 0.0, 0.0, 0, 0],

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers.table import read
+from simgap.errors import InputError
+from simgap.recordings.importers.table import read
 
 COLUMNS = {"t": "time", "position": "angle", "velocity": "speed", "voltage": "u"}
 

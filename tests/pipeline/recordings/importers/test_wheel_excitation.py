@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.errors import InputError
-from pipeline.recordings.importers.wheel_excitation import read
+from simgap.errors import InputError
+from simgap.recordings.importers.wheel_excitation import read
 
 ROW = "10, 0, -10, 0, 256, 0, -512, 4, 360, -1540\n"
 

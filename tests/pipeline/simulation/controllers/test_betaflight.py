@@ -3,9 +3,9 @@ import math
 import pytest
 import torch
 
-from pipeline.errors import InputError
-from pipeline.simulation.controllers import Betaflight
-from pipeline.simulation.controllers.mixer import allocation
+from simgap.errors import InputError
+from simgap.simulation.controllers import Betaflight
+from simgap.simulation.controllers.mixer import allocation
 from tests.pipeline.platforms.machines import QUADROTOR
 
 DT = 0.002

@@ -5,9 +5,9 @@ import pytest
 import torch
 from hypothesis import given
 
-from pipeline.errors import InputError
-from pipeline.platforms import Quadrotor
-from pipeline.simulation.controllers.mixer import allocation, distribution, mix
+from simgap.errors import InputError
+from simgap.platforms import Quadrotor
+from simgap.simulation.controllers.mixer import allocation, distribution, mix
 from tests.pipeline.platforms.machines import QUADROTOR
 
 MOST = 8.75

@@ -6,9 +6,9 @@ import pytest
 import torch
 from torch import Tensor
 
-from pipeline.errors import InputError
-from pipeline.physics import rotations
-from pipeline.simulation.fused.trace import component_graph
+from simgap.errors import InputError
+from simgap.physics import rotations
+from simgap.simulation.fused.trace import component_graph
 
 BATCH = 7
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import pytest
 import torch
 
-from pipeline.effects import ActuatorEffect, CommandEffect, WrenchEffect, effect_by_key, effects_of
-from pipeline.errors import InputError
-from pipeline.simulation import FittedEffect, Simulator, step
-from pipeline.simulation.flight import racing_flight
-from pipeline.simulation.fused import FusedStep
-from pipeline.simulation.fused.trace import component_graph
-from pipeline.simulation.motion import motion_of
+from simgap.effects import ActuatorEffect, CommandEffect, WrenchEffect, effect_by_key, effects_of
+from simgap.errors import InputError
+from simgap.simulation import FittedEffect, Simulator, step
+from simgap.simulation.flight import racing_flight
+from simgap.simulation.fused import FusedStep
+from simgap.simulation.fused.trace import component_graph
+from simgap.simulation.motion import motion_of
 from tests.pipeline.platforms.machines import MACHINES, QUADROTOR, some_signals
 from tests.pipeline.simulation.test_flight import actions, tumbling
 

@@ -1,0 +1,187 @@
+"""What a benchmark measures: over all cases, and for each kind and effect."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from simgap.benchmark.intervals import Share, quantile, share_of
+from simgap.benchmark.reliability import brier_score, calibration_error, calibration_error_by_chance
+
+Result = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A figure that has to be reached.
+
+    Attributes:
+        name: of what is measured.
+        wanted: the figure.
+        at_least: whether more is better.
+        measured: from the results; a share or a number.
+        percent: whether it reads as a percentage.
+    """
+
+    name: str
+    wanted: float
+    at_least: bool
+    measured: Callable[[Sequence[Result]], Share | float]
+    percent: bool = True
+
+
+def category(result: Result) -> str:
+    """Return the category of a case."""
+    return str(result["case"]["subject"]["category"])
+
+
+def strength(result: Result) -> str:
+    """Return `clear`, `faint`, or nothing."""
+    return str(result["case"]["subject"]["strength"])
+
+
+def is_case(result: Result) -> bool:
+    """Whether what is concealed shows as its category says (`stages/_strengths.py`), or what is wrong is known."""
+    return "score" in result or "failed" in result
+
+
+def scored(results: Iterable[Result]) -> list[Result]:
+    """Return the results that were held against a key: all but those whose recording failed."""
+    return [result for result in results if "score" in result]
+
+
+def of(results: Iterable[Result], *categories: str) -> list[Result]:
+    """Return the results of some categories."""
+    return [result for result in results if category(result) in categories]
+
+
+def named_first(results: Iterable[Result]) -> Share:
+    """Return the share of cases whose first name is right; failed cases count as wrong."""
+    return share_of(result.get("score", {}).get("outcome") == "right" for result in results)
+
+
+def recall(results: Iterable[Result]) -> Share:
+    """Return the share of concealed effects that are named with a probability of a half or more."""
+    scores = [result["score"] for result in scored(results)]
+    found = sum(score["found"] * len(score["concealed"]) for score in scores)
+    return Share(found, sum(len(score["concealed"]) for score in scores))
+
+
+def false_alarms(results: Iterable[Result]) -> Share:
+    """Return the share of null cases in which anything is named."""
+    return share_of(result["score"]["outcome"] == "wrong" for result in scored(of(results, "nothing")))
+
+
+def parameter_error(results: Iterable[Result]) -> float:
+    """Return the median relative error of the first parameter of every concealed effect that was named."""
+    return quantile(first_errors(results), 0.5)
+
+
+def first_errors(results: Iterable[Result]) -> list[float]:
+    """Return the relative error of each found effect's strength, its first parameter."""
+    every = [errors for result in scored(results) for errors in result["score"]["errors"].values()]
+    return [next(iter(errors.values())) for errors in every if errors]
+
+
+def gaps_closed(results: Iterable[Result]) -> list[float]:
+    """Return the share of the gap closed wherever an effect is concealed."""
+    present = [r["score"] for r in scored(results) if r["score"]["concealed"]]
+    return [score["gap_closed"] for score in present if score["gap_closed"] is not None]
+
+
+def greatest_wrong(results: Iterable[Result]) -> float:
+    """Return the greatest probability of a wrong name in cases outside the catalogue; 0 where nothing is wrong."""
+    stated = [pair for r in scored(of(results, "outside")) for pair in r["score"]["stated"]]
+    return max((probability for probability, true in stated if not true), default=0.0)
+
+
+def stated(results: Iterable[Result]) -> list[tuple[float, bool]]:
+    """Return every stated probability with what was true."""
+    return [(float(p), bool(true)) for result in scored(results) for p, true in result["score"]["stated"]]
+
+
+def seconds(results: Iterable[Result]) -> float:
+    """Return the median time of a diagnosis from recording to answer, s."""
+    return quantile([result["seconds"] for result in results if "seconds" in result], 0.5)
+
+
+def longest(results: Iterable[Result]) -> float:
+    """Return the time within which nine of ten diagnoses are done, s."""
+    return quantile([result["seconds"] for result in results if "seconds" in result], 0.9)
+
+
+BARS = (
+    Bar("clear effects named first", 0.95, True, lambda r: named_first(of(r, "clear"))),
+    Bar("faint effects named first", 0.75, True, lambda r: named_first(of(r, "faint"))),
+    Bar("effects of pairs found", 0.85, True, lambda r: recall(of(r, "pair"))),
+    Bar("nulls in which something is named", 0.02, False, false_alarms),
+    Bar("parameter error, median", 0.10, False, parameter_error),
+    Bar("gap closed, median", 0.90, True, lambda r: quantile(gaps_closed(r), 0.5)),
+    Bar(
+        "greatest probability of a wrong name outside the catalogue",
+        0.5,
+        False,
+        greatest_wrong,
+        percent=False,
+    ),
+    Bar("expected calibration error", 0.05, False, lambda r: calibration_error(stated(r)), percent=False),
+    Bar("seconds per case, nine of ten within", 60.0, False, longest, percent=False),
+)
+"""What the diagnosis has to show."""
+
+
+def is_met(bar: Bar, value: Share | float) -> bool | None:
+    """Return whether a bar is met; None where nothing was measured."""
+    number = value.value if isinstance(value, Share) else value
+    if math.isnan(number):
+        return None
+    return number >= bar.wanted if bar.at_least else number <= bar.wanted
+
+
+def confusions(results: Iterable[Result]) -> list[tuple[str, str, int]]:
+    """Return what was concealed, what was named first instead, and how often, the most frequent first."""
+    pairs: Counter[tuple[str, str]] = Counter()
+    for result in results:
+        outcome = result.get("score", {}).get("outcome", "failed")
+        if outcome != "right":
+            subject = result["case"]["subject"]
+            hidden = "+".join(subject["names"]) or "nothing"
+            pairs[f"{hidden} ({subject['category']})", _instead(result, outcome)] += 1
+    return [(hidden, instead, count) for (hidden, instead), count in pairs.most_common()]
+
+
+def _instead(result: Result, outcome: str) -> str:
+    named = result.get("score", {}).get("named", [])
+    return named[0][0] if named and outcome in ("wrong", "ambiguous") else outcome
+
+
+def overall(results: Sequence[Result]) -> dict[str, Share | float | int]:
+    """Return the figures beside the bars."""
+    return {
+        "decoys whose verdict is right": share_of(
+            r["score"]["verdict_right"] for r in scored(of(results, "decoy"))
+        ),
+        "decoys named first": named_first(of(results, "decoy")),
+        "concealed drivers: effect named first": named_first(of(results, "hidden")),
+        "beside physics without a name: effects found": recall(of(results, "mixed")),
+        "ambiguous excitation: named first, or listed as ambiguous with the right one": share_of(
+            r["score"]["outcome"] in ("right", "ambiguous") for r in scored(of(results, "ambiguous"))
+        ),
+        "nulls whose verdict is none": share_of(
+            r["score"]["verdict_right"] for r in scored(of(results, "nothing"))
+        ),
+        "outside the catalogue: nothing named above 0.5": share_of(
+            not any(p > 0.5 and not true for p, true in r["score"]["stated"])
+            for r in scored(of(results, "outside"))
+        ),
+        "abstentions: something is there, but without a name": share_of(
+            r["score"]["outcome"] == "unnamed" for r in scored(results) if r["score"]["concealed"]
+        ),
+        "expected calibration error that chance leaves of kept probabilities": calibration_error_by_chance(
+            stated(results)
+        ),
+        "Brier score": brier_score(stated(results)),
+        "stated probabilities": len(stated(results)),
+        "cases that failed": share_of("failed" in result for result in results),
+    }

@@ -1,0 +1,213 @@
+"""Slow drivers that were not recorded (a battery's voltage, a motor's temperature), estimated from what they did."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import torch
+from torch import Tensor
+
+from simgap.effects import Effect, ParameterError
+from simgap.gap.candidate import BEYOND_NOISE
+from simgap.gap.candidates import allowed, available_signals
+from simgap.gap.command_hold import cost_of, left_of
+from simgap.gap.fit import Problem, channel_scale, excess_of, fit
+from simgap.gap.name import Naming
+from simgap.gap.prepare import Prepared
+from simgap.gap.scoring import independent_clusters
+from simgap.gap.settings import Gap
+from simgap.gap.short_lags import name_with_short_lags
+from simgap.simulation import FittedEffect, Simulator
+from simgap.simulation.blocks import Blocks
+
+_STEP = 0.01  # of a driver's value at rest, by which the answer to it is taken
+_LEAST_COST = 2.0  # of a driver and the name that it drives
+_PASSES = 2  # a thrust answers to the square of a voltage
+
+
+def name_with_latent_inputs(prepared: Prepared, naming: Naming, settings: Gap) -> tuple[Prepared, Naming]:
+    """Name again with estimates of the slow drivers that were not recorded, where that costs less.
+
+    A driver that changes from run to run passes for a wrong number that drifts, or is left over. Each driver costs as
+    much as a name: it is one more thing to believe.
+    """
+    effects = undriven(prepared.nominal, prepared.problem.blocks, settings.effects)
+    if not effects or not _suspicious(prepared, naming):
+        return prepared, naming
+    known = [f for f in naming.fit.simulator.effects if not isinstance(f.effect, ParameterError)]
+    simulator = prepared.nominal.with_effects(tuple(known))
+    problem, proving = prepared.problem, prepared.proving
+    for driver in sorted({effect.driver for effect in effects}):
+        law = DriverLaw.of([effect for effect in effects if effect.driver == driver], problem, simulator)
+        problem = replace(problem, blocks=with_signal(problem.blocks, driver, law.along(problem)))
+        proving = with_signal(proving, driver, law.along(_problem_on(proving, problem)))
+    if not _may_cost_less(naming, effects, problem, simulator):
+        return prepared, naming
+    driven = replace(prepared, problem=problem, proving=proving)
+    driven, renamed = name_with_short_lags(driven, settings)
+    used = {c.effect.driver for c in renamed.named} & {effect.driver for effect in effects}
+    if not used or cost_of(renamed, problem.noise) + len(used) >= cost_of(naming, problem.noise):
+        return prepared, naming
+    remarks = [
+        f"{driver} was not recorded: its changes were estimated, stretch by stretch from the others of each run, and "
+        "only they count, not its size; record it to be sure"
+        for driver in sorted(used)
+    ]
+    return replace(driven, remarks=[*driven.remarks, *remarks]), renamed
+
+
+def undriven(simulator: Simulator, blocks: Blocks, names: Sequence[str] | None) -> list[Effect]:
+    """Return the effects that a recording would allow to test if their slow driver had been recorded."""
+    recorded = available_signals(blocks.signals)
+    wanted = allowed(simulator.platform.kind, names)
+    return [effect for effect in wanted if set(effect.needs) - recorded == {effect.driver}]
+
+
+@dataclass(frozen=True)
+class DriverLaw:
+    """How a driver moves: from run to run, slowly with time, and at once with its load.
+
+    Attributes:
+        name: of the driver.
+        acting: the simulator in which it acts, with the default strength of its effects.
+        load: what makes it give way, as the effect has it; None where nothing does.
+        rest: its value where its effects do nothing, in its unit.
+        giving: by how much it falls per load, in its unit; the same in all runs.
+    """
+
+    name: str
+    acting: Simulator
+    load: Effect | None
+    rest: float
+    giving: float = 0.0
+
+    @classmethod
+    def of(cls, effects: Sequence[Effect], problem: Problem, simulator: Simulator) -> "DriverLaw":
+        """Fit the law of the driver that some effects share to the runs of a problem.
+
+        Args:
+            effects: those that it drives.
+            problem: the runs, windows and noise.
+            simulator: everything else that is known.
+        """
+        first = effects[0]
+        where = first.driver_at_rest
+        rest = float(first.defaults()[where] if where in first.defaults() else simulator.constants()[where])
+        acting = simulator.with_effects(
+            (*simulator.effects, *(FittedEffect(effect, effect.defaults()) for effect in effects))
+        )
+        law = cls(first.driver, acting, first, rest)
+        load = law._load(problem.blocks)
+        return replace(law, load=None) if load is None else replace(law, giving=law._fitted(problem, load))
+
+    def along(self, problem: Problem) -> Tensor:
+        """Return the driver along the blocks, (blocks, samples with margins), in its unit.
+
+        Within a run it is a level or a line in time, less what the load takes. It is fitted by least squares to all
+        stretches but the one that it is estimated for: what a stretch shows never explains itself.
+        """
+        load = self._load(problem.blocks)
+        taken = 0.0 if load is None else self.giving * load
+        line = constant(problem.blocks, self.rest)
+        for _ in range(_PASSES):
+            residual, answer = self._answer(problem, line - taken, torch.ones_like(line))
+            scale = channel_scale(residual, problem.noise)
+            information = (answer / scale).square().sum((1, 2))
+            score = (answer * residual / scale.square()).sum((1, 2))
+            shown = problem.blocks.inner(line).mean(1) + score / information.clamp_min(1e-300)
+            line = _interpolated(problem, shown, information, self.rest)
+        return line - taken
+
+    def _fitted(self, problem: Problem, load: Tensor) -> float:
+        """Return by how much the driver falls per load, beside a line in time of each run."""
+        series = constant(problem.blocks, self.rest)
+        residual, level = self._answer(problem, series, torch.ones_like(series))
+        _, falling = self._answer(problem, series, -load)
+        weight = 1.0 / channel_scale(residual, problem.noise)
+        time = problem.blocks.start[:, None, None]
+        apart = [torch.zeros(()), torch.zeros(())]
+        for run in torch.unique(problem.blocks.run):
+            mine = problem.blocks.run == run
+            columns = [
+                level[mine],
+                level[mine] * (time[mine] - time[mine].mean()),
+                falling[mine],
+                residual[mine],
+            ]
+            line, slope, own, left = ((column * weight).flatten() for column in columns)
+            basis = torch.linalg.qr(torch.stack([line, slope], dim=1))[0]
+            own = own - basis @ (basis.T @ own)
+            apart = [apart[0] + own @ left, apart[1] + own @ own]
+        return max(float(apart[0] / apart[1].clamp_min(1e-300)), 0.0)
+
+    def _answer(self, problem: Problem, series: Tensor, direction: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the residual under a driver, and how the prediction answers to a change, (blocks, rows, channels)."""
+        step = _STEP * abs(self.rest) / float(direction.abs().max().clamp_min(1e-300))
+        residual, moved = (
+            replace(problem, blocks=with_signal(problem.blocks, self.name, value)).residual(self.acting)
+            for value in (series, series + step * direction)
+        )
+        return residual, (residual - moved) / step
+
+    def _load(self, blocks: Blocks) -> Tensor | None:
+        if self.load is None:
+            return None
+        resting = with_signal(blocks, self.name, constant(blocks, self.rest))
+        signals = self.acting.along_time(resting.signals, blocks.time_step)
+        return self.load.load(signals, self.acting.constants())
+
+
+def _interpolated(problem: Problem, shown: Tensor, information: Tensor, rest: float) -> Tensor:
+    """Return levels or lines in time, whichever other stretches bear out, (blocks, samples with margins)."""
+    found = [_lines(problem, shown, information, rest, sloping) for sloping in (False, True)]
+    missed = [
+        float((information * (problem.blocks.inner(line).mean(1) - shown).square()).sum()) for line in found
+    ]
+    return found[1] if missed[1] < missed[0] else found[0]
+
+
+def _lines(problem: Problem, shown: Tensor, information: Tensor, rest: float, sloping: bool) -> Tensor:
+    """Return for each stretch the line through what the others of its run show, (blocks, samples with margins)."""
+    blocks, cluster = problem.blocks, problem.cluster
+    series = constant(blocks, rest)
+    length = series.shape[1]
+    offset = (torch.arange(length, dtype=torch.float64) - 0.5 * (length - 1)) * blocks.time_step
+    for stretch in torch.unique(cluster).tolist():
+        mine = cluster == stretch
+        others = (blocks.run == blocks.run[mine][0]) & ~mine
+        weight, time = information[others], blocks.start[others]
+        total = weight.sum()
+        if float(total) > 0:
+            centre, level = (weight * time).sum() / total, (weight * shown[others]).sum() / total
+            spread = (weight * (time - centre).square()).sum().clamp_min(1e-300)
+            slope = (weight * (time - centre) * (shown[others] - level)).sum() / spread * float(sloping)
+            series[mine] = level + slope * (blocks.start[mine, None] + offset - centre)
+    return series
+
+
+def _suspicious(prepared: Prepared, naming: Naming) -> bool:
+    """Whether more than noise is left, or a number of the platform took it up, and a driver might cost less."""
+    left = excess_of(naming.fit, prepared.problem.noise) > BEYOND_NOISE
+    taken_up = any(isinstance(c.effect, ParameterError) for c in naming.named)
+    return (bool(left.any()) or taken_up) and cost_of(naming, prepared.problem.noise) > _LEAST_COST
+
+
+def _may_cost_less(naming: Naming, effects: Sequence[Effect], problem: Problem, simulator: Simulator) -> bool:
+    """Whether names may cost less with drivers, which all that stand and all that they drive explain together."""
+    driven = tuple(FittedEffect(effect, effect.defaults()) for effect in effects)
+    together = fit(simulator.with_effects((*naming.fit.simulator.effects, *driven)), problem)
+    return left_of(together, problem.noise) + _LEAST_COST < cost_of(naming, problem.noise)
+
+
+def _problem_on(blocks: Blocks, problem: Problem) -> Problem:
+    return replace(problem, blocks=blocks, cluster=independent_clusters(blocks))
+
+
+def constant(blocks: Blocks, value: float) -> Tensor:
+    """Return a series that stays, (blocks, samples with margins)."""
+    length = next(iter(blocks.signals.values())).shape[1]
+    return torch.full((len(blocks), length), value, dtype=torch.float64)
+
+
+def with_signal(blocks: Blocks, name: str, series: Tensor) -> Blocks:
+    """Return the blocks with one more signal."""
+    return replace(blocks, signals={**blocks.signals, name: series})

@@ -1,0 +1,115 @@
+"""From a recording to what is fitted and what is held out: blocks, windows, noise, and how finely they resolve."""
+
+from dataclasses import dataclass, replace
+
+import torch
+
+from simgap.errors import InputError
+from simgap.gap.fit import Problem
+from simgap.gap.hold_test import cut_blocks_as_held
+from simgap.gap.residuals import noise_of_rows, quadrature_of_rows
+from simgap.gap.resolution import resolution_of, resolved, with_resolution
+from simgap.gap.scoring import ENOUGH_CLUSTERS, independent_clusters
+from simgap.gap.sensors import settle_accelerometer, settle_velocity
+from simgap.gap.settings import Gap
+from simgap.physics.weak_form import window_functions
+from simgap.recordings.recording import Recording
+from simgap.simulation import Simulator
+from simgap.simulation.blocks import Blocks
+
+_SHORTEST = 0.5  # s, of a block
+_SLOWEST = 1.0  # s between samples, beyond which no machine of these kinds is seen moving
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """What a diagnosis works on.
+
+    Attributes:
+        nominal: the simulator before, with the resolution of the recording.
+        problem: the runs to fit.
+        proving: the runs to prove on.
+        held_out: whether those were kept from the fit.
+        remarks: what was settled about the sensors on the way.
+    """
+
+    nominal: Simulator
+    problem: Problem
+    proving: Blocks
+    held_out: bool
+    remarks: list[str]
+
+
+def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool | None = None) -> Prepared:
+    """Cut a recording and divide it.
+
+    Args:
+        recording: cleaned, with its runs divided into train, validation and hold-out.
+        nominal: what is believed before.
+        settings: of the gap engine.
+        held: whether commands are held between samples; None: what the recording looks like.
+
+    Raises:
+        InputError: when the recording is too short or its samples too rare, or no run is left to fit.
+    """
+    _require_motion(recording)
+    blocks, remarks = _blocks(recording, nominal, settings, held)
+    fitted, proving, held_out = _divide(blocks, recording.split, settings)
+    nominal, known_to = resolved(nominal, fitted), resolution_of(nominal, fitted)
+    fitted, proving = (with_resolution(blocks, nominal, known_to) for blocks in (fitted, proving))
+    functions = window_functions(fitted.samples, settings.test_width, fitted.time_step)
+    noise, quadrature = (of(nominal, fitted, functions) for of in (noise_of_rows, quadrature_of_rows))
+    problem = Problem(fitted, functions, noise, quadrature, independent_clusters(fitted))
+    return Prepared(nominal, problem, proving, held_out, remarks)
+
+
+def _require_motion(recording: Recording) -> None:
+    if recording.time_step > _SLOWEST:
+        raise InputError(
+            f"a sample every {recording.time_step:.3g} s shows no motion: milliseconds where seconds belong?",
+            recording.source or "recording",
+            "give the time t in seconds",
+        )
+
+
+def _blocks(
+    recording: Recording, nominal: Simulator, settings: Gap, held: bool | None
+) -> tuple[Blocks, list[str]]:
+    settings = _suiting(settings, recording)
+    blocks = cut_blocks_as_held(recording, nominal.platform, settings, held)
+    remarks: list[str] = []
+    if recording.kind == "quadrotor":
+        blocks, remarks = settle_accelerometer(blocks, nominal.platform.gravity, settings.test_width)
+    if recording.kind == "joint":
+        blocks, remarks = settle_velocity(blocks, settings.test_width)
+    return _with_clock_deviation(blocks, recording.clock_offset), remarks
+
+
+def _suiting(settings: Gap, recording: Recording) -> Gap:
+    """Return settings with blocks so short that even a short recording has enough of them to test with."""
+    fitted = sum(recording.split.get(run, "train") != "holdout" for run in recording.frame["run"])
+    enough = fitted * recording.time_step / ENOUGH_CLUSTERS
+    return replace(settings, block_duration=min(settings.block_duration, max(enough, _SHORTEST)))
+
+
+def _with_clock_deviation(blocks: Blocks, offsets: dict[str, float]) -> Blocks:
+    """Add how much each run's clock offset differs from the mean of those that cleaning could tell."""
+    known = [offsets[run] for run in blocks.runs if run in offsets]
+    if not known:
+        return blocks
+    mean = sum(known) / len(known)
+    deviation = torch.tensor([offsets.get(run, mean) - mean for run in blocks.runs], dtype=torch.float64)
+    length = next(iter(blocks.signals.values())).shape[1]
+    series = deviation[blocks.run][:, None].expand(-1, length)
+    return replace(blocks, signals={**blocks.signals, "clock_deviation": series})
+
+
+def _divide(blocks: Blocks, split: dict[str, str], settings: Gap) -> tuple[Blocks, Blocks, bool]:
+    """Return the blocks to fit, those to prove on, and whether the latter are held out."""
+    kept = [run for run in blocks.runs if split.get(run, "train") != "holdout"]
+    held = [run for run in blocks.runs if split.get(run) == "holdout"]
+    fitted, proving = blocks.of_runs(kept), blocks.of_runs(held)
+    if not len(fitted):
+        raise InputError("no run is left to fit", "dataset.split", "hold out fewer runs")
+    fitted = fitted.thinned(settings.most_blocks)
+    return (fitted, proving.thinned(settings.most_blocks), True) if len(proving) else (fitted, fitted, False)

@@ -1,0 +1,146 @@
+"""What a concealed joint is, how it is moved, and how it is recorded."""
+
+from dataclasses import dataclass, field
+
+from simgap.checks import check_positive
+from simgap.errors import InputError
+from simgap.plants.concealment import Concealed, check_chosen
+from simgap.plants.conditions import check_gentlest, check_listed, check_logger, check_noise
+from simgap.plants.joint.effects import CONCEALABLE, NEEDS_MOTOR, OUTSIDE
+from simgap.platforms import Joint
+
+REFERENCES = ("multisine", "chirp", "steps", "triangle", "creep", "sine", "one_way")
+RECORDABLE = ("current", "battery_voltage", "temperature")
+
+
+@dataclass
+class JointSensors:
+    """Standard deviations of white noise, and steps of quantisation, in the units of the machine.
+
+    Attributes:
+        scale: on all figures below; 0 gives perfect sensors.
+        position: rad or m.
+        position_step: of the encoder, rad or m.
+        velocity: of a velocity that is measured by itself, rad/s or m/s.
+        velocity_window: time over which the encoder is differenced for the velocity, s; 0: measured by itself.
+        effort: of the recorded effort, N·m or N.
+        voltage_step: of the recorded voltage, V.
+        current: A.
+        battery_voltage: V.
+        temperature: K.
+    """
+
+    scale: float = 1.0
+    position: float = 2e-4
+    position_step: float = 3.8e-4
+    velocity: float = 5e-3
+    velocity_window: float = 0.0
+    effort: float = 0.0
+    voltage_step: float = 0.01
+    current: float = 0.02
+    battery_voltage: float = 0.02
+    temperature: float = 0.2
+
+
+@dataclass
+class JointCase:
+    """A set of runs of one concealed joint.
+
+    Attributes:
+        effects: values by effect of the catalogue and quantity (see `effects.CONCEALABLE`).
+        outside: the same for physics that the catalogue has no name for (see `effects.OUTSIDE`).
+        sliding: whether the unit of position is m.
+        references: what the joint is told to follow, in turn over the runs (see `REFERENCES`).
+        runs: number of runs.
+        duration: of each run, s.
+        rate: of the recording, Hz.
+        amplitude: greatest position of the widest run, rad or m.
+        velocity: greatest of the fastest run, rad/s or m/s.
+        acceleration: greatest, rad/s² or m/s².
+        gentlest: size of the gentlest run over that of the wildest.
+        bandwidth: of the position loop, rad/s.
+        held: whether commands change only when a sample is taken.
+        supply: greatest voltage, V, where a voltage drives the machine.
+        channels: what is recorded besides position, velocity and input (see `RECORDABLE`).
+        jitter: standard deviation of the sampling instant, s.
+        dropped: share of the samples that are lost.
+        sensors: noise of the sensors.
+    """
+
+    effects: dict[str, dict[str, float]] = field(default_factory=dict)
+    outside: dict[str, dict[str, float]] = field(default_factory=dict)
+    sliding: bool = False
+    references: list[str] = field(default_factory=lambda: ["multisine", "chirp", "steps", "triangle"])
+    runs: int = 10
+    duration: float = 10.0
+    rate: float = 200.0
+    amplitude: float = 1.2
+    velocity: float = 5.0
+    acceleration: float = 60.0
+    gentlest: float = 0.35
+    bandwidth: float = 25.0
+    held: bool = False
+    supply: float = 12.0
+    channels: list[str] = field(default_factory=list)
+    jitter: float = 0.0
+    dropped: float = 0.002
+    sensors: JointSensors = field(default_factory=JointSensors)
+
+    def check(self, where: str = "record") -> None:
+        """Refuse a case that cannot be run.
+
+        Raises:
+            InputError: naming the key.
+        """
+        check_chosen(self.effects, CONCEALABLE, f"{where}.effects")
+        check_chosen(self.outside, OUTSIDE, f"{where}.outside")
+        positive = (
+            "runs",
+            "duration",
+            "rate",
+            "amplitude",
+            "velocity",
+            "acceleration",
+            "bandwidth",
+            "supply",
+        )
+        check_positive(self, positive, where)
+        check_gentlest(self.gentlest, where)
+        check_listed(self.references, REFERENCES, f"{where}.references")
+        check_listed(self.channels, RECORDABLE, f"{where}.channels", least=0)
+        check_logger(self.rate, self.jitter, self.dropped, where)
+        check_noise(self.sensors, f"{where}.sensors")
+
+    def check_machine(self, platform: Joint, where: str = "record") -> None:
+        """Refuse what this machine cannot conceal.
+
+        Raises:
+            InputError: naming the effect.
+        """
+        driven = platform.motor is not None
+        for name in NEEDS_MOTOR:
+            if name in self.effects and not driven:
+                raise InputError("needs a motor", f"{where}.effects.{name}", "choose a platform with a motor")
+        if self.sliding and "gravity_load" in self.effects:
+            raise InputError(
+                "turns no sliding axis", f"{where}.effects.gravity_load", "conceal a constant_load"
+            )
+        if "backlash" in self.effects and "flexible_coupling" in self.outside:
+            raise InputError("excludes backlash", f"{where}.outside.flexible_coupling", "leave out either")
+
+    def concealed(self, platform: Joint) -> tuple[Concealed, Concealed]:
+        """Return what is concealed in a machine: effects of the catalogue, and those outside it."""
+        size = self.size(platform)
+        return Concealed(self.effects, CONCEALABLE, size), Concealed(self.outside, OUTSIDE, size)
+
+    def size(self, platform: Joint) -> dict[str, float]:
+        """Return what is typical of the machine in this case: half its greatest load, and so on."""
+        load = abs(platform.gravity_torque) + platform.stiffness * self.amplitude
+        effort = 0.5 * (platform.inertia * self.acceleration + load)
+        size = {"effort": effort, "position": self.amplitude, "velocity": 0.5 * self.velocity}
+        if platform.motor is None:
+            return size | {"current": effort, "command": effort}
+        constant = platform.motor.torque_constant * platform.motor.gear_ratio
+        current = effort / constant
+        command = platform.motor.resistance * current + constant * size["velocity"]
+        return size | {"current": current, "command": command}

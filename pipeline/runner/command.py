@@ -1,0 +1,124 @@
+"""A stage on the command line: flags, help, one line for a mistake, exit codes."""
+
+import argparse
+import logging
+import sys
+import traceback
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+from simgap.errors import InputError
+
+if TYPE_CHECKING:
+    from simgap.runner.wrapper import Stage
+
+MISTAKE = 2
+INTERRUPTED = 130
+
+
+def run_command(stage: "Stage[Any]", argv: Sequence[str]) -> int:
+    """Run a stage with the arguments of a command line and return the exit code: 2 for a person's mistake."""
+    parser = stage_parser(
+        stage.name, stage.__doc__ or "", [field.name for field in fields(stage.config_class)]
+    )
+    flags, unknown = parser.parse_known_args(argv)
+    return report_mistakes(stage.name, flags.debug, lambda: _run(stage, flags, unknown))
+
+
+def report_mistakes(name: str, debug: bool, action: Callable[[], None]) -> int:
+    """Do something; a person's mistake becomes one line on standard error (a traceback with `debug`)."""
+    try:
+        with _plain_output(debug):
+            action()
+    except (InputError, OSError) as error:
+        # An error of the system without a file's name is not something a person can mend.
+        if isinstance(error, OSError) and error.filename is None:
+            raise
+        if debug:
+            traceback.print_exc()
+        text = str(error) if isinstance(error, InputError) else f"{error.filename}: {error.strerror}"
+        print(f"simgap {name}: {text}", file=sys.stderr, flush=True)
+        return MISTAKE
+    except KeyboardInterrupt:
+        print(f"simgap {name}: interrupted", file=sys.stderr, flush=True)
+        return INTERRUPTED
+    return 0
+
+
+def _run(stage: "Stage[Any]", flags: argparse.Namespace, unknown: list[str]) -> None:
+    from simgap.runner.compose import compose, typed
+    from simgap.runner.sweep import run_sweep
+
+    overrides = [*flags.overrides, *unknown]
+    for text in overrides:
+        if text.startswith("-"):
+            raise InputError("unknown flag", text, "see --help")
+    if flags.multirun:
+        run_sweep(stage, overrides, flags.config_dir)
+        return
+    values = compose(overrides, flags.config_dir)
+    if flags.cfg:
+        from omegaconf import OmegaConf
+
+        print(OmegaConf.to_yaml(OmegaConf.structured(typed(stage.config_class, values))), end="")
+        return
+    _warn_unread(stage, overrides, values)
+    logging.getLogger("simgap").info("%s: wrote %s", stage.name, stage.run(values))
+
+
+def _warn_unread(stage: "Stage[Any]", overrides: Sequence[str], values: dict[str, Any]) -> None:
+    """Say that an override has no effect here: it may be meant for another stage, or be a mistake."""
+    read = {field.name for field in fields(stage.config_class)}
+    for override in overrides:
+        first, dot, _ = override.partition("=")[0].lstrip("+~").partition(".")
+        if (dot or not isinstance(values.get(first), dict)) and first in values and first not in read:
+            print(
+                f"warning: {stage.name} does not read {first!r}, so {override!r} has no effect",
+                file=sys.stderr,
+            )
+
+
+@contextmanager
+def _plain_output(debug: bool) -> Iterator[None]:
+    """Log plain lines to standard output, and leave out what libraries want to tell their developers."""
+    handler = logging.StreamHandler(sys.stdout)
+    handler.setFormatter(logging.Formatter("%(message)s"))
+    root = logging.getLogger()
+    level = root.level
+    root.addHandler(handler)
+    root.setLevel(logging.DEBUG if debug else logging.WARNING)
+    logging.getLogger("simgap").setLevel(logging.DEBUG if debug else logging.INFO)
+    try:
+        with warnings.catch_warnings():
+            if not debug:
+                warnings.simplefilter("ignore")
+            yield
+    finally:
+        root.removeHandler(handler)
+        root.setLevel(level)
+
+
+def stage_parser(name: str, text: str, keys: Sequence[str]) -> argparse.ArgumentParser:
+    """Return the parser of a stage's flags, which also prints its help.
+
+    Args:
+        name: of the stage.
+        text: what it does.
+        keys: of the configuration that it reads.
+    """
+    parser = argparse.ArgumentParser(
+        prog=f"simgap {name}",
+        description=text,
+        epilog=f"Keys that it reads: {', '.join(keys)}. What they mean: conf/. Their values: --cfg.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("overrides", nargs="*", metavar="key=value", help="change a value")
+    parser.add_argument("-m", "--multirun", action="store_true", help="one job per combination of key=a,b,c")
+    parser.add_argument("--config-dir", "-cd", metavar="DIR", help="your own groups: DIR/platform/NAME.yaml")
+    parser.add_argument("--cfg", action="store_true", help="print the configuration and stop")
+    parser.add_argument("--debug", action="store_true", help="show tracebacks and the messages of libraries")
+    return parser

@@ -1,0 +1,67 @@
+"""Which jobs of a sweep are done: each leaves a note of what its output came from, so that a killed sweep goes on."""
+
+import json
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from simgap.artifacts import PACKAGE, hash_path
+from simgap.errors import InputError
+
+FILE = "job.json"
+
+_ROOT = PACKAGE.parent
+
+
+@dataclass(frozen=True)
+class Note:
+    """What an output came from.
+
+    Attributes:
+        identity: hash of the configuration.
+        values: what was swept.
+        seed: of every random draw.
+        seconds: that the job took.
+        inputs: SHA-256 of every input, by path.
+        code: SHA-256 of every file of the project that was loaded, by its path beside the package.
+    """
+
+    identity: str
+    values: dict[str, Any]
+    seed: int
+    seconds: float
+    inputs: dict[str, str]
+    code: dict[str, str] = field(default_factory=lambda: loaded_code())
+
+    def write(self, folder: Path) -> None:
+        """Write the note beside the output."""
+        (folder / FILE).write_text(json.dumps(asdict(self), indent=1) + "\n", encoding="utf-8")
+
+    @classmethod
+    def read(cls, folder: Path) -> "Note | None":
+        """Return the note of a finished job; None where there is none."""
+        try:
+            return cls(**json.loads((folder / FILE).read_text(encoding="utf-8")))
+        except (OSError, ValueError, TypeError):
+            return None
+
+    def holds(self, identity: str) -> bool:
+        """Whether a job of this configuration would come to the same, inputs and code being what they were."""
+        files = self.inputs | {str(_ROOT / path): digest for path, digest in self.code.items()}
+        return self.identity == identity and _unchanged(files)
+
+
+def loaded_code() -> dict[str, str]:
+    """Return the SHA-256 of every file of the package that this process has loaded."""
+    modules = [module for name, module in list(sys.modules.items()) if name.partition(".")[0] == "simgap"]
+    files = {Path(place) for module in modules if (place := getattr(module, "__file__", None))}
+    return {path.relative_to(_ROOT).as_posix(): hash_path(path) for path in sorted(files)}
+
+
+def _unchanged(files: Mapping[str, str]) -> bool:
+    try:
+        return all(hash_path(path) == digest for path, digest in files.items())
+    except InputError:
+        return False

@@ -1,0 +1,106 @@
+"""What a stage is given beside its configuration: a place to write, and ways to say what it does."""
+
+import json
+import logging
+import math
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from simgap.artifacts import hash_path, progress
+from simgap.artifacts.project import STAGES
+from simgap.errors import InputError
+from simgap.tracking import Tracker
+
+Item = TypeVar("Item")
+
+METRICS_FILE = "metrics.json"
+
+
+class StageRun:
+    """One run of a stage.
+
+    Attributes:
+        output: the directory to write into; it takes its final place when the stage returns.
+        inputs: SHA-256 of every input, by path.
+        metrics: the last value of every metric that was logged without a step.
+        warnings: what was warned of, in order.
+    """
+
+    def __init__(self, output: str | Path, tracker: Tracker | None = None) -> None:
+        """Write into `output`, which is there, and log with `tracker`, if any."""
+        self.output = Path(output)
+        self.tracker = tracker or Tracker.none()
+        self.inputs: dict[str, str] = {}
+        self.metrics: dict[str, float] = {}
+        self.warnings: list[str] = []
+
+    def input(self, path: str | Path) -> Path:
+        """Return the path of an input that exists; its hash is logged.
+
+        Raises:
+            InputError: when the path is not there or cannot be read.
+        """
+        path = Path(path)
+        if not path.exists():
+            raise InputError("does not exist", str(path), _how_to_get(path))
+        self.inputs[str(path)] = hash_path(path)
+        self.tracker.log_input(str(path), self.inputs[str(path)])
+        return path
+
+    def log_metrics(self, metrics: Mapping[str, float | int], step: int | None = None) -> None:
+        """Log numbers; those without a step are also written to `metrics.json` of the output."""
+        values = {name: float(value) for name, value in metrics.items()}
+        if step is None:
+            self.metrics |= values
+        self.tracker.log_metrics(values, step)
+
+    def log_results(self, metrics: Mapping[str, float]) -> None:
+        """Log the final numbers of the whole reproduction to the parent of the stages' runs."""
+        self.tracker.log_results({name: float(value) for name, value in metrics.items()})
+
+    def log_figure(self, figure: Any, name: str) -> None:
+        """Log a plotly (or matplotlib) figure under a name without suffix."""
+        self.tracker.log_figure(figure, name)
+
+    def say(self, text: str) -> None:
+        """Say in one line what came out."""
+        logging.getLogger("simgap").info("%s", " ".join(text.split()))
+
+    def warn(self, text: str) -> None:
+        """Say a doubt in one line on standard error."""
+        line = " ".join(text.split())
+        self.warnings.append(line)
+        print(f"warning: {line}", file=sys.stderr, flush=True)
+
+    def progress(self, iterable: Iterable[Item], label: str, total: int | None = None) -> Iterator[Item]:
+        """Yield the items and show how far the work is; see `simgap.artifacts.progress`."""
+        return progress(iterable, label, total)
+
+    def leave_out(self, reason: str) -> None:
+        """Say why the stage has nothing to do, and write that nothing was measured: the stages after it read that."""
+        self.say(reason)
+        (self.output / METRICS_FILE).write_text("{}\n")
+
+    def write_metrics(self) -> None:
+        """Write the metrics beside the other output, unless the stage wrote such a file itself."""
+        path = self.output / METRICS_FILE
+        if self.metrics and not path.exists():
+            plain = {key: value if math.isfinite(value) else None for key, value in self.metrics.items()}
+            path.write_text(json.dumps(plain, indent=2, sort_keys=True) + "\n")
+
+
+def _how_to_get(path: Path) -> str:
+    """Return what to do about an input that is not there: another path, or the stage in whose folder it would be.
+
+    The innermost such folder counts: those around it are a person's own.
+    """
+    writers = [part for part in path.parts if not part.startswith("_") and (STAGES / f"{part}.py").exists()]
+    return f"check the path, or run simgap {writers[-1]} first" if writers else "check the path"
+
+
+def read_metrics(output: Path) -> dict[str, Any]:
+    """Return the metrics that a stage has written; none where it has not."""
+    path = output / METRICS_FILE
+    return json.loads(path.read_text()) if path.exists() else {}

@@ -1,0 +1,162 @@
+"""What the benchmark does with one case, in a process of its own: record, clean, build the simulator, diagnose."""
+
+import json
+import shutil
+import time
+import traceback
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from simgap.benchmark.settings import Benchmark
+from simgap.gap.settings import Gap
+from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.dataset import Dataset
+from simgap.runner import Stage, StageConfig, StageRun
+from simgap.simulation.settings import SimulatorSettings
+
+
+@dataclass
+class ProveStage(StageConfig):
+    """What the benchmark reads of the configuration."""
+
+    dataset: Dataset = field(default_factory=Dataset)
+    clean: Cleaning = field(default_factory=Cleaning)
+    simulator: SimulatorSettings = field(default_factory=SimulatorSettings)
+    gap: Gap = field(default_factory=Gap)
+    prove: Benchmark = field(default_factory=Benchmark)
+
+
+@dataclass(frozen=True)
+class Concealed:
+    """A concealed case with all that its examination needs, as it travels to a process.
+
+    Attributes:
+        case: that is recorded and diagnosed.
+        config: of the stages.
+        sealed: where its key is written.
+    """
+
+    case: Any
+    config: ProveStage
+    sealed: Path
+
+    @property
+    def identity(self) -> Any:
+        """What the answer depends on besides the code."""
+        settings = {
+            key: asdict(getattr(self.config, key)) for key in ("dataset", "clean", "simulator", "gap")
+        }
+        return [self.case.plain, settings]
+
+
+@dataclass(frozen=True)
+class Published:
+    """A real recording with a known answer.
+
+    Attributes:
+        branch: of the pipeline.
+        values: its composed configuration.
+        ablate: effects to take out of the simulator that fits, each of which has to be found again.
+        keep: whether recordings and reports are kept.
+    """
+
+    branch: str
+    values: dict[str, Any]
+    ablate: tuple[str, ...]
+    keep: bool
+
+    @property
+    def identity(self) -> Any:
+        """What the answer depends on besides the code."""
+        sections = ("platform", "dataset", "clean", "simulator", "gap")
+        return [self.branch, self.ablate, {key: self.values[key] for key in sections}]
+
+
+def examine(task: Concealed | Published, folder: Path) -> dict[str, Any]:
+    """Do a task in an empty folder; what goes wrong is part of the answer."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    answer: dict[str, Any] = {}
+    keep = task.config.prove.keep if isinstance(task, Concealed) else task.keep
+    with (folder / "log.txt").open("w") as log, redirect_stdout(log), redirect_stderr(log):
+        try:
+            if isinstance(task, Concealed):
+                _examine_concealed(task, folder, answer)
+            else:
+                _examine_published(task, folder, answer)
+        except Exception as error:
+            answer["failed"] = f"{type(error).__name__}: {error}"
+            answer["traceback"] = traceback.format_exc()
+    if not keep:
+        for entry in filter(Path.is_dir, folder.iterdir()):
+            shutil.rmtree(entry)
+    return answer
+
+
+def _examine_concealed(task: Concealed, folder: Path, answer: dict[str, Any]) -> None:
+    """Settle how strong a case is, record it, seal its key, and diagnose the recording from what the person is told.
+
+    An effect that this machine and motion cannot show as clearly, or as faintly, as its case says is no case.
+    """
+    from simgap.benchmark.strength import is_settled
+    from simgap.stages._strengths import settled
+    from simgap.stages.record import record_sealed
+
+    start = time.perf_counter()
+    case, answer["energies"] = settled(task.case, task.config)
+    if not all(is_settled(energy, case.subject.strength) for energy in answer["energies"].values()):
+        return
+    answer["source"] = record_sealed(case, folder / "record" / "recording.parquet", task.sealed)
+    answer["seconds_recording"] = time.perf_counter() - start
+    sections = ("dataset", "clean", "simulator", "gap")
+    values = {key: asdict(getattr(task.config, key)) for key in sections}
+    values |= {"platform": case.platform, "seed": case.seed}
+    answer |= _timed(partial(_diagnosed, values, folder, ("clean", "build_sim", "diagnose")))
+
+
+def _examine_published(task: Published, folder: Path, answer: dict[str, Any]) -> None:
+    """Diagnose a published recording; then take named effects out of what fits, one at a time, and diagnose again."""
+    from simgap.simulation import read_simulator
+
+    _diagnosed(task.values, folder, ("record", "clean"))
+    answer |= _timed(partial(_diagnosed, task.values, folder, ("build_sim", "diagnose")))
+    fitted = read_simulator(folder / "diagnose" / "simulator")
+    named = {effect.effect.key: dict(effect.values) for effect in fitted.free}
+    known = task.values["simulator"]["effects"] or {}
+    answer["ablated"] = {}
+    for name in filter(named.__contains__, task.ablate):
+        others = {key: values for key, values in named.items() if key != name}
+        given = {key: values for key, values in known.items() if key != name}
+        simulator = task.values["simulator"] | {"effects": given | others}
+        place = folder / f"without_{name}"
+        shutil.copytree(folder / "clean", place / "clean")
+        values = task.values | {"simulator": simulator}
+        answer["ablated"][name] = _timed(partial(_diagnosed, values, place, ("build_sim", "diagnose")))
+
+
+def _timed(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    wall, busy = time.perf_counter(), time.process_time()
+    done = work()
+    return done | {"seconds": time.perf_counter() - wall, "seconds_busy": time.process_time() - busy}
+
+
+def _diagnosed(values: dict[str, Any], folder: Path, commands: tuple[str, ...]) -> dict[str, Any]:
+    """Run stages on a folder of artifacts and return what the diagnosis says, if there is one."""
+    from importlib import import_module
+
+    from simgap.runner.compose import typed
+
+    places = {"name": folder.name, "artifacts": str(folder), "output": None, "recording": None}
+    for name in commands:
+        command: Stage[Any] = getattr(import_module(f"simgap.stages.{name}"), name)
+        output = folder / name
+        output.mkdir(parents=True)
+        command(typed(command.config_class, values | places), StageRun(output))
+    found = folder / "diagnose"
+    files = {"diagnosis": found / "diagnosis.json"}
+    files |= {name: found / "evidence" / f"{name}.json" for name in ("features", "competition")}
+    return {key: json.loads(path.read_text(encoding="utf-8")) for key, path in files.items() if path.exists()}

@@ -1,0 +1,99 @@
+"""The strength of what a case conceals, settled on the machine and the motion that it is concealed in."""
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from simgap.stages._benchmark_case import ProveStage
+
+
+def settled(case: Any, config: "ProveStage") -> tuple[Any, dict[str, float]]:
+    """Make what a case conceals as strong as its subject says.
+
+    Args:
+        case: of `draw_cases`, its effects at their usual strength.
+        config: of the stages.
+
+    Returns:
+        The case, and by effect the energy that it adds to the residual over that of the sensors' noise.
+    """
+    from simgap.benchmark.strength import settle_strength
+
+    energies = {}
+    for effect in case.effects:
+        energy_of = partial(_energy_of, case.shown, effect, config)
+        strength, energies[effect] = settle_strength(energy_of, case.subject.strength)
+        case = case.scaled(effect, strength)
+    return case, energies
+
+
+def _energy_of(case: Any, effect: str, config: "ProveStage", strength: float) -> float:
+    return energy_over_noise(case.scaled(effect, strength), effect, config)
+
+
+def energy_over_noise(case: Any, effect: str, config: "ProveStage") -> float:
+    """Return the energy over the noise's that an effect explains, in the channel where it explains most.
+
+    One recording, two simulators: one that knows all that is concealed, one that lacks the effect alone. What makes
+    something late by less than samples can tell shows nothing, since nobody may name it.
+    """
+    from simgap.effects import effect_by_key
+    from simgap.gap.prepare import prepare
+    from simgap.gap.residuals import noise_of_rows, residual_rows
+    from simgap.gap.resolution import is_short
+    from simgap.recordings.cleaning import clean_with_coverage
+    from simgap.simulation.build import build_simulator
+    from simgap.simulation.settings import SimulatorSettings
+    from simgap.stages.record import record_drawn
+
+    recording, key = record_drawn(case)
+    cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, case.seed).recording
+    nominal = build_simulator(case.platform, SimulatorSettings(), cleaned.units)
+    prepared = prepare(cleaned, nominal, config.gap)
+    blocks, functions = prepared.problem.blocks, prepared.problem.functions
+    known = _known(case.kind, key)
+    without = {name: values for name, values in known.items() if not _is_of(name, effect)}
+    simulators = [
+        replace(
+            build_simulator(case.platform, SimulatorSettings(effects=effects), cleaned.units),
+            settings=prepared.nominal.settings,
+        )
+        for effects in (known, without)
+    ]
+    constants = simulators[0].constants()
+    if any(
+        is_short(effect_by_key(case.kind, name).lateness(values, constants), blocks.time_step)
+        for name, values in known.items()
+        if _is_of(name, effect)
+    ):
+        return 0.0
+    noise = noise_of_rows(simulators[0], blocks, functions)
+    complete, lacking = (
+        (residual_rows(simulator, blocks, functions) / noise).square().mean((0, 1))
+        for simulator in simulators
+    )
+    return float((lacking - complete).max())
+
+
+def _known(kind: str, key: dict[str, Any]) -> dict[str, dict[str, float]]:
+    """Return what the catalogue's effects of a key amount to, by the catalogue's key."""
+    from simgap.benchmark.score import effect_name
+
+    known = {}
+    for effect in key["effects"]:
+        values = {name: entry["value"] for name, entry in effect["parameters"].items()}
+        known[_key_of(kind, effect_name(effect), values)] = values
+    return known
+
+
+def _key_of(kind: str, name: str, values: dict[str, float]) -> str:
+    """Return the catalogue's key of a concealed effect: one name may stand for each of four rotors."""
+    from simgap.effects import effects_of
+
+    alike = [effect for effect in effects_of(kind) if _is_of(effect.key, name)]
+    return next(e.key for e in alike if set(values) <= {parameter.name for parameter in e.parameters})
+
+
+def _is_of(key: str, name: str) -> bool:
+    return key == name or key.partition("@")[0] == name
