@@ -55,7 +55,7 @@ def against_peers(plan: Plan) -> dict[tuple[int, str], dict[str, Laps]]:
             }
             contenders = {
                 OURS: ours(plan, simgap, batch=batch, integrator=integrator),
-                f"{OURS}, an inner step per call": ours(
+                f"{OURS}, one inner step per call": ours(
                     plan, simgap, batch=batch, integrator=integrator, path="inner"
                 ),
                 f"{OURS}, eager": ours(plan, simgap, batch=batch, integrator=integrator, path="eager"),

@@ -14,27 +14,27 @@ from simgap.comparison.machine import processor
 
 _HEAD = """# Benchmark
 
-Made by `{command}` on {day}; every figure below was measured in that one run. {machine}
+Made by `{command}` on {day}. Every figure below was measured in that one run. {machine}
 
-Contenders are processes that run laps in turns, {rounds} rounds of laps of about {seconds} s, so that whatever else
-slows the machine down slows all of them down. A rate is the median over the rounds, in brackets the least and the
-greatest. Ratios are medians of the ratios within a round. Control steps are at 100 Hz, each of five inner steps at
-500 Hz, in single precision (rotorpy computes in double, as it comes).
+Each contender is a process. The processes take turns, {rounds} rounds of laps of about {seconds} s, so that a disturbance
+of the machine slows all of them alike. A rate is the median over the rounds; brackets give minimum and maximum. A ratio is
+the median of the ratios within a round. A control step lasts 10 ms and has five inner steps of 2 ms. Computation is in
+single precision; rotorpy computes in double precision by default.
 """
 
 _PEERS = """
-## Beside its peers
+## Comparison with other simulators
 
-Millions of control steps a second, of all machines together; multiply by five for inner steps.
+The unit is 10⁶ control steps per second, summed over all machines of the batch. Multiply by five for inner steps.
 
-- **simgap**: the 870 g racer of `conf/platform/racer.yaml` with Betaflight's rate controller at every inner step,
-  battery, speed controllers, motors, the torque of rotor acceleration and the grey-box aerodynamics; the whole
-  control step is compiled into one loop over the batch. *An inner step per call* compiles one inner step and calls
-  it five times; *eager* compiles nothing and keeps gradients.
-- **crazyflow** 0.4: its first-principles Crazyflie (rotors, linear drag; no battery), its own rate or attitude
-  controller at 500 Hz, compiled by XLA. Its integrator is Euler's rule unless Runge and Kutta's is asked for.
-- **rotorpy** 3, batched: its Crazyflie with aerodynamics and its own rate controller, Runge and Kutta's rule in
-  PyTorch's eager mode. It is measured at inner steps of 2 ms, and as it is commonly run, at one step of 10 ms.
+- **simgap**: the 870 g racer of `conf/platform/racer.yaml`. It has Betaflight's rate controller at every inner step,
+  battery, speed controllers, motors, the torque of rotor acceleration and grey-box aerodynamics. The whole control step is
+  compiled into one loop over the batch. *One inner step per call* compiles one inner step and calls it five times.
+  *eager* compiles nothing and keeps gradients.
+- **crazyflow** 0.4: its first-principles Crazyflie with rotors and linear drag, without a battery. Its own rate or
+  attitude controller runs at 500 Hz, compiled by XLA. Euler integration is its default.
+- **rotorpy** 3, batched: its Crazyflie with aerodynamics and its own rate controller, Runge–Kutta integration in eager
+  PyTorch. It is measured with inner steps of 2 ms and, as it is usually run, with one step of 10 ms.
 """
 
 
@@ -54,7 +54,7 @@ def written(
         command=command, day=date.today().isoformat(), machine=machine, rounds=rounds, seconds=seconds
     )
     parts = [head, _PEERS]
-    for integrator, name in (("rk4", "Runge and Kutta's rule, fourth order"), ("euler", "Euler's rule")):
+    for integrator, name in (("rk4", "Fourth-order Runge–Kutta"), ("euler", "Euler")):
         parts.append(f"\n### {name}\n\n" + _peer_table(peers, integrator))
     parts += [_bars(peers, residual), _floor_part(peers, floors), _linear_part(linear)]
     parts += [_residual_part(residual)]
@@ -90,7 +90,7 @@ def _number(value: float) -> str:
 
 
 def _peer_table(peers: dict[tuple[int, str], dict[str, Laps]], integrator: str) -> str:
-    batches = [batch for batch, rule in peers if rule == integrator]
+    batches = [batch for batch, integrator in peers if rule == integrator]
     names = peers[batches[0], integrator]
     rows = [[name, *(_rate(peers[batch, integrator][name]) for batch in batches)] for name in names]
     for name in names:
@@ -109,7 +109,7 @@ def _bars(peers: dict[tuple[int, str], dict[str, Laps]], residual: dict[str, Lap
             ratio = laps[OURS].over(laps[fastest])
             ahead = OURS if ratio > 1 else fastest
             rows.append([f"{batch:,}, {integrator}", fastest, f"{_number(ratio)}×", ahead])
-    return "\n### Who is ahead\n\n" + table(["batch, rule", "fastest peer", f"{OURS} over it", "ahead"], rows)
+    return "\n### Fastest simulator\n\n" + table(["batch, integrator", "fastest peer", f"{OURS} over it", "ahead"], rows)
 
 
 def _floor_part(peers: dict[tuple[int, str], dict[str, Laps]], floors: dict[int, Floor]) -> str:
@@ -117,10 +117,10 @@ def _floor_part(peers: dict[tuple[int, str], dict[str, Laps]], floors: dict[int,
     text = f"""
 ## Where the time goes
 
-A machine is {floor.rows} numbers of state and memory: {8 * floor.rows} bytes are read and written in a control step
-that is one loop, and {floor.operations} operations of arithmetic are done (Runge and Kutta's rule; a root or an
-exponential counts as one). The floors are a copy of the same rows, and the same number of operations in a compiled
-chain of multiplications and additions, both measured in this run.
+A machine has {floor.rows} numbers of state and memory. A control step that is one loop reads and writes
+{8 * floor.rows} bytes per machine and does {floor.operations} arithmetic operations (Runge–Kutta; a root or an exponential
+counts as one). Two lower bounds were measured in the same run: a copy of the same rows, and the same number of operations in a
+compiled chain of multiplications and additions.
 
 """
     rows = []
@@ -146,7 +146,7 @@ def _linear_part(linear: dict[int, Laps]) -> str:
     rows = [[f"{batch:,}", _rate(linear[batch]), _number(value)] for batch, value in each.items()]
     ratio = max(each.values()) / min(each.values())
     text = (
-        f"\n## Cost grows with the batch\n\nThe time of a machine's control step differs by a factor of "
+        f"\n## Cost per machine over the batch size\n\nThe time per machine differs by a factor of "
         f"{_number(ratio)} between {min(linear):,} and {max(linear):,} machines.\n\n"
     )
     return text + table(["batch", "control steps, 10⁶/s", "ns per machine and control step"], rows)
@@ -159,16 +159,16 @@ def _residual_part(residual: dict[str, Laps]) -> str:
         share = without.over(beside) - 1
         rows.append([path, _rate(without), _rate(beside), _number(share)])
     text = """
-## What the residual costs
+## Cost of the learned residual
 
-The mean of the residuals at the five nearest of 1,000 samples, in seven features, once in a control step; 10,000
-machines. Millions of control steps a second; a cost of 1 is that of the physics. All samples are looked at: 1,000
-distances in seven features are 21,000 operations (a difference, a product and a sum each) before the nearest are picked
-out; how many the physics takes stands above.
+The residual is the mean of the residuals at the five nearest of 1,000 samples, in seven features. It is evaluated once per
+control step, for 10,000 machines. The unit of the rates is 10⁶ control steps per second. A residual over physics of 1 doubles the time.
+All samples are compared: 1,000 distances in seven features are 21,000 operations (a difference, a product and a sum each).
+The number of operations of the physics stands above.
 
 """
     return text + table(
-        ["path", "physics", "physics and residual", "cost of the residual over physics"], rows
+        ["path", "physics", "physics and residual", "residual over physics"], rows
     )
 
 
@@ -176,10 +176,10 @@ def _effect_part(effects: dict[str, tuple[Laps, Laps]]) -> str:
     shares = {key: bare.over(beside) - 1 for key, (bare, beside) in effects.items()}
     rows = [[key, f"{100 * share:.0f} %"] for key, share in sorted(shares.items(), key=lambda item: -item[1])]
     text = """
-## What each effect costs
+## Cost of each effect
 
-Time added to the control step of the racer with controller and drive alone (Runge and Kutta's rule, an inner step
-per call, 10,000 machines) by one effect of the catalogue; nothing where it is not in the simulator.
+The table gives the time that one effect of the catalogue adds to the control step of the racer with controller and drive
+alone (Runge–Kutta, one inner step per call, 10,000 machines). An effect that is not in the simulator costs nothing.
 
 """
     return text + table(["effect", "added time"], rows)

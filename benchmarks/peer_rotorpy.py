@@ -1,4 +1,4 @@
-"""rotorpy: a batch of Crazyflies with aerodynamics, its own rate controller, Runge and Kutta's rule of fourth order."""
+"""rotorpy: a batch of Crazyflies with aerodynamics, its own rate controller, fourth-order Runge–Kutta."""
 
 from typing import Any
 

@@ -32,19 +32,22 @@ BATCHES = (128, 512)
 BAR = 0.6
 OURS, BARE = "simgap", "bare loop"
 
-_PAGE = """# Training, measured
+_PAGE = """# Training speed
 
 Made by `{command}` on {day}. {machine}
 
-The TCN of `conf/model/tcn.yaml` ({parameters:,} parameters) on windows of {length} samples with {features} features and
-{targets} targets, as a swerve drive has them. *simgap* is what `simgap train` runs: PyTorch Lightning with early
-stopping, best weights and logging; the *bare loop* is forward, loss, backward and Adam's step on the same batches, and
-the same validation windows. They run in turns, {rounds} rounds of one epoch over {windows:,} windows with {threads}
-threads; a rate is the median over the rounds, in brackets the least and the greatest, the ratio is the median of the
-ratios within a round. The bar is {bar:.0%} of the bare loop.
+Both contenders train the TCN of `conf/model/tcn.yaml` ({parameters:,} parameters). The windows have {length} samples,
+{features} features and {targets} targets, like those of a swerve drive.
+
+- *simgap* is `simgap train`: PyTorch Lightning with early stopping, best weights and logging.
+- The *bare loop* is forward pass, loss, backward pass and Adam step on the same batches, and the same validation.
+
+They run in turns: {rounds} rounds of one epoch over {windows:,} windows, with {threads} threads. A rate is the median
+over the rounds; brackets give minimum and maximum. The ratio is the median of the ratios within a round. The target is
+{bar:.0%} of the bare loop.
 
 {rates}
-One epoch over {whole:,} windows at batches of {batch} takes {seconds:.0f} s, validation included.
+One epoch over {whole:,} windows takes {seconds:.0f} s with batches of {batch}, validation included.
 """
 
 

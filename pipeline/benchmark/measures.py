@@ -1,4 +1,4 @@
-"""What a benchmark measures: over all cases, and for each kind and effect."""
+"""The figures of merit of the benchmark, over all cases and per kind and effect."""
 
 import math
 from collections import Counter
@@ -14,14 +14,14 @@ Result = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Bar:
-    """A figure that has to be reached.
+    """A target of the benchmark.
 
     Attributes:
-        name: of what is measured.
-        wanted: the figure.
-        at_least: whether more is better.
-        measured: from the results; a share or a number.
-        percent: whether it reads as a percentage.
+        name: what is measured.
+        wanted: target value.
+        at_least: whether larger is better.
+        measured: computes the value from results; a share or a number.
+        percent: whether it is printed as a percentage.
     """
 
     name: str
@@ -42,12 +42,12 @@ def strength(result: Result) -> str:
 
 
 def is_case(result: Result) -> bool:
-    """Whether what is concealed shows as its category says (`stages/_strengths.py`), or what is wrong is known."""
+    """Whether the effect reaches the size that its category demands (`stages/_strengths.py`), or the case failed."""
     return "score" in result or "failed" in result
 
 
 def scored(results: Iterable[Result]) -> list[Result]:
-    """Return the results that were held against a key: all but those whose recording failed."""
+    """Return the results that have a score: all but those that failed."""
     return [result for result in results if "score" in result]
 
 
@@ -128,7 +128,7 @@ BARS = (
     Bar("expected calibration error", 0.05, False, lambda r: calibration_error(stated(r)), percent=False),
     Bar("seconds per case, nine of ten within", 60.0, False, longest, percent=False),
 )
-"""What the diagnosis has to show."""
+"""The targets of the diagnosis."""
 
 
 def is_met(bar: Bar, value: Share | float) -> bool | None:
@@ -140,7 +140,7 @@ def is_met(bar: Bar, value: Share | float) -> bool | None:
 
 
 def confusions(results: Iterable[Result]) -> list[tuple[str, str, int]]:
-    """Return what was concealed, what was named first instead, and how often, the most frequent first."""
+    """Return (concealed, named first instead, count), the most frequent first."""
     pairs: Counter[tuple[str, str]] = Counter()
     for result in results:
         outcome = result.get("score", {}).get("outcome", "failed")
@@ -157,28 +157,28 @@ def _instead(result: Result, outcome: str) -> str:
 
 
 def overall(results: Sequence[Result]) -> dict[str, Share | float | int]:
-    """Return the figures beside the bars."""
+    """Return the figures without a target."""
     return {
-        "decoys whose verdict is right": share_of(
+        "decoys with the right verdict": share_of(
             r["score"]["verdict_right"] for r in scored(of(results, "decoy"))
         ),
         "decoys named first": named_first(of(results, "decoy")),
-        "concealed drivers: effect named first": named_first(of(results, "hidden")),
-        "beside physics without a name: effects found": recall(of(results, "mixed")),
-        "ambiguous excitation: named first, or listed as ambiguous with the right one": share_of(
+        "driver not recorded: effect named first": named_first(of(results, "hidden")),
+        "with physics outside the catalogue: effects found": recall(of(results, "mixed")),
+        "ambiguous excitation: named first, or listed as ambiguous": share_of(
             r["score"]["outcome"] in ("right", "ambiguous") for r in scored(of(results, "ambiguous"))
         ),
-        "nulls whose verdict is none": share_of(
+        "nulls with verdict none": share_of(
             r["score"]["verdict_right"] for r in scored(of(results, "nothing"))
         ),
         "outside the catalogue: nothing named above 0.5": share_of(
             not any(p > 0.5 and not true for p, true in r["score"]["stated"])
             for r in scored(of(results, "outside"))
         ),
-        "abstentions: something is there, but without a name": share_of(
+        "abstentions: a gap is found, but no name": share_of(
             r["score"]["outcome"] == "unnamed" for r in scored(results) if r["score"]["concealed"]
         ),
-        "expected calibration error that chance leaves of kept probabilities": calibration_error_by_chance(
+        "expected calibration error of perfectly calibrated probabilities (chance)": calibration_error_by_chance(
             stated(results)
         ),
         "Brier score": brier_score(stated(results)),

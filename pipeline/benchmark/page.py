@@ -1,4 +1,4 @@
-"""What a benchmark showed, as a page that a person reads."""
+"""The results of the benchmark as a Markdown page (`docs/proof.md`)."""
 
 import math
 import platform as machine
@@ -14,16 +14,19 @@ from simgap.benchmark.reliability import reliability_figure
 
 DOCS = PROJECT_ROOT / "docs"
 FIGURE = "images/reliability.svg"
+RESULTS = "## Results"
+"""Heading of the measured part of the page."""
+
 _INTRODUCTION = Path(__file__).with_name("introduction.md")
-_WORST = 25  # confusions that are listed
+_WORST = 25  # wrong first names that are listed
 
 
 def results_text(results: Sequence[measures.Result], command: str) -> str:
-    """Return the whole page as Markdown.
+    """Return the results as Markdown.
 
     Args:
         results: of all cases.
-        command: that made them.
+        command: the command that produced them.
     """
     parts = [f"`{command}` on {_processor()}."]
     concealed = [result for result in results if "case" in result]
@@ -31,8 +34,8 @@ def results_text(results: Sequence[measures.Result], command: str) -> str:
     if concealed:
         parts += _concealed(concealed)
     if published:
-        head = ["recording", "known", "named", "gap closed", "taken out and found first again", "seconds"]
-        parts += ["Published recordings, whose answer is known:", _table(head, published_rows(published))]
+        head = ["recording", "known", "named", "gap closed", "removed and named first again", "seconds"]
+        parts += ["Published recordings with known effects:", _table(head, published_rows(published))]
     return "\n\n".join(parts) + "\n"
 
 
@@ -40,24 +43,40 @@ def _concealed(results: Sequence[measures.Result]) -> list[str]:
     drawn, results = len(results), [result for result in results if measures.is_case(result)]
     kinds = list(dict.fromkeys(result["case"]["kind"] for result in results))
     return [
-        f"{len(results)} concealed cases; {drawn - len(results)} more were drawn in which no strength that a machine "
-        "has shows as clearly, or as faintly, as the case wants.",
+        f"{len(results)} concealed cases. {drawn - len(results)} more were drawn, but no realistic effect size reaches "
+        "what their category demands.",
         _table(["measured", "bar", "", *kinds], _bar_rows(results, kinds)),
         _table(["also", "", *kinds], _other_rows(results, kinds)),
-        "Every effect: how often it is named first, the median error of its strength, the median of the gap closed.",
+        "Per effect: how often it is named first, median error of its first parameter, median of the gap closed.",
         _table(["kind", "effect", "clear", "faint", "error", "gap closed"], _effect_rows(results)),
-        "What was taken for what, the most frequent first:",
+        "Wrong first names, most frequent first:",
         _table(["concealed", "named first", "cases"], [list(map(str, row)) for row in _worst(results)]),
     ]
 
 
 def write_docs(results: Sequence[measures.Result], command: str) -> None:
-    """Write the page and its figure into the documentation."""
+    """Write introduction, results and figure into the documentation."""
     stated = measures.stated([result for result in results if "case" in result])
     (DOCS / FIGURE).write_text(reliability_figure(stated), encoding="utf-8")
     figure = f"![Stated probabilities against the share that is there]({FIGURE})"
-    text = f"{_INTRODUCTION.read_text(encoding='utf-8')}\n{results_text(results, command)}\n{figure}\n"
-    (DOCS / "proof.md").write_text(text, encoding="utf-8")
+    _write_page(f"{results_text(results, command)}\n{figure}\n")
+
+
+def renew_introduction() -> None:
+    """Replace the introduction of docs/proof.md and keep the results that were measured.
+
+    Raises:
+        ValueError: when the page has no results.
+    """
+    _, heading, results = (DOCS / "proof.md").read_text(encoding="utf-8").partition(f"\n{RESULTS}\n\n")
+    if not heading:
+        raise ValueError(f"{DOCS / 'proof.md'} has no heading {RESULTS!r}")
+    _write_page(results)
+
+
+def _write_page(results: str) -> None:
+    introduction = _INTRODUCTION.read_text(encoding="utf-8")
+    (DOCS / "proof.md").write_text(f"{introduction}\n{RESULTS}\n\n{results}", encoding="utf-8")
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -135,3 +154,7 @@ def _text(value: Any, percent: bool) -> str:
 
 def _processor() -> str:
     return f"{machine.system()} {machine.machine()}, Python {machine.python_version()}"
+
+
+if __name__ == "__main__":  # python -m simgap.benchmark.page
+    renew_introduction()

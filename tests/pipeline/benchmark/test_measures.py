@@ -1,12 +1,14 @@
 """What a benchmark measures, on hand-made results whose figures are known."""
 
 import math
+from pathlib import Path
 
 import pytest
 
 from simgap.benchmark import measures
+from simgap.benchmark import page as page_module
 from simgap.benchmark.intervals import Share
-from simgap.benchmark.page import results_text, write_docs
+from simgap.benchmark.page import DOCS, RESULTS, renew_introduction, results_text, write_docs
 
 
 def result(category="clear", outcome="right", names=("drag",), kind="joint", **score):
@@ -114,3 +116,27 @@ def test_the_documentation_is_the_page_with_its_figure(tmp_path, monkeypatch):
     write_docs([result()], "make prove")
     assert (tmp_path / "images" / "reliability.svg").read_text().startswith("<svg")
     assert "images/reliability.svg" in (tmp_path / "proof.md").read_text()
+
+
+def test_a_new_introduction_leaves_the_results_as_they_were_measured(tmp_path, monkeypatch):
+    monkeypatch.setattr("simgap.benchmark.page.DOCS", tmp_path)
+    (tmp_path / "images").mkdir()
+    write_docs([result()], "make prove")
+    page = (tmp_path / "proof.md").read_text()
+    (tmp_path / "proof.md").write_text(f"An old introduction.\n\n{page[page.index(RESULTS) :]}")
+    renew_introduction()
+    assert (tmp_path / "proof.md").read_text() == page
+
+
+def test_a_page_without_results_is_not_overwritten(tmp_path, monkeypatch):
+    monkeypatch.setattr("simgap.benchmark.page.DOCS", tmp_path)
+    (tmp_path / "proof.md").write_text("Something else.")
+    with pytest.raises(ValueError, match="no heading"):
+        renew_introduction()
+    assert (tmp_path / "proof.md").read_text() == "Something else."
+
+
+def test_the_documentation_has_the_introduction_of_today():
+    page = (DOCS / "proof.md").read_text(encoding="utf-8")
+    introduction = Path(page_module.__file__).with_name("introduction.md").read_text(encoding="utf-8")
+    assert page.startswith(f"{introduction}\n{RESULTS}\n"), "run python -m simgap.benchmark.page"
