@@ -16,10 +16,10 @@ _HEAD = """# Benchmark
 
 Made by `{command}` on {day}. Every figure below was measured in that one run. {machine}
 
-Each contender is a process. The processes take turns, {rounds} rounds of laps of about {seconds} s, so that a disturbance
-of the machine slows all of them alike. A rate is the median over the rounds; brackets give minimum and maximum. A ratio is
-the median of the ratios within a round. A control step lasts 10 ms and has five inner steps of 2 ms. Computation is in
-single precision; rotorpy computes in double precision by default.
+Each contender is a process. The processes take turns, {rounds} rounds of laps of about {seconds} s, so that a
+disturbance of the machine slows all of them alike. A rate is the median over the rounds; brackets give minimum and
+maximum. A ratio is the median of the ratios within a round. A control step lasts 10 ms and has five inner steps of
+2 ms. Computation is in single precision; rotorpy computes in double precision by default.
 """
 
 _PEERS = """
@@ -27,14 +27,14 @@ _PEERS = """
 
 The unit is 10⁶ control steps per second, summed over all machines of the batch. Multiply by five for inner steps.
 
-- **simgap**: the 870 g racer of `conf/platform/racer.yaml`. It has Betaflight's rate controller at every inner step,
-  battery, speed controllers, motors, the torque of rotor acceleration and grey-box aerodynamics. The whole control step is
-  compiled into one loop over the batch. *One inner step per call* compiles one inner step and calls it five times.
-  *eager* compiles nothing and keeps gradients.
+- **simgap**: the 870 g racer of `conf/platform/racer.yaml`. It has Betaflight's rate controller at every inner
+  step, battery, speed controllers, motors, the torque of rotor acceleration and grey-box aerodynamics. The whole
+  control step is compiled into one loop over the batch. *One inner step per call* compiles one inner step and calls
+  it five times. *eager* compiles nothing and keeps gradients.
 - **crazyflow** 0.4: its first-principles Crazyflie with rotors and linear drag, without a battery. Its own rate or
   attitude controller runs at 500 Hz, compiled by XLA. Euler integration is its default.
-- **rotorpy** 3, batched: its Crazyflie with aerodynamics and its own rate controller, Runge–Kutta integration in eager
-  PyTorch. It is measured with inner steps of 2 ms and, as it is usually run, with one step of 10 ms.
+- **rotorpy** 3, batched: its Crazyflie with aerodynamics and its own rate controller, Runge–Kutta integration in
+  eager PyTorch. It is measured with inner steps of 2 ms and, as it is usually run, with one step of 10 ms.
 """
 
 
@@ -90,7 +90,7 @@ def _number(value: float) -> str:
 
 
 def _peer_table(peers: dict[tuple[int, str], dict[str, Laps]], integrator: str) -> str:
-    batches = [batch for batch, integrator in peers if rule == integrator]
+    batches = [batch for batch, rule in peers if rule == integrator]
     names = peers[batches[0], integrator]
     rows = [[name, *(_rate(peers[batch, integrator][name]) for batch in batches)] for name in names]
     for name in names:
@@ -109,7 +109,8 @@ def _bars(peers: dict[tuple[int, str], dict[str, Laps]], residual: dict[str, Lap
             ratio = laps[OURS].over(laps[fastest])
             ahead = OURS if ratio > 1 else fastest
             rows.append([f"{batch:,}, {integrator}", fastest, f"{_number(ratio)}×", ahead])
-    return "\n### Fastest simulator\n\n" + table(["batch, integrator", "fastest peer", f"{OURS} over it", "ahead"], rows)
+    head = ["batch, integrator", "fastest peer", f"{OURS} over it", "ahead"]
+    return "\n### Fastest simulator\n\n" + table(head, rows)
 
 
 def _floor_part(peers: dict[tuple[int, str], dict[str, Laps]], floors: dict[int, Floor]) -> str:
@@ -118,9 +119,9 @@ def _floor_part(peers: dict[tuple[int, str], dict[str, Laps]], floors: dict[int,
 ## Where the time goes
 
 A machine has {floor.rows} numbers of state and memory. A control step that is one loop reads and writes
-{8 * floor.rows} bytes per machine and does {floor.operations} arithmetic operations (Runge–Kutta; a root or an exponential
-counts as one). Two lower bounds were measured in the same run: a copy of the same rows, and the same number of operations in a
-compiled chain of multiplications and additions.
+{8 * floor.rows} bytes per machine and does {floor.operations} arithmetic operations (Runge–Kutta; a root or an
+exponential counts as one). Two lower bounds were measured in the same run: a copy of the same rows, and the same
+number of operations in a compiled chain of multiplications and additions.
 
 """
     rows = []
@@ -161,10 +162,10 @@ def _residual_part(residual: dict[str, Laps]) -> str:
     text = """
 ## Cost of the learned residual
 
-The residual is the mean of the residuals at the five nearest of 1,000 samples, in seven features. It is evaluated once per
-control step, for 10,000 machines. The unit of the rates is 10⁶ control steps per second. A residual over physics of 1 doubles the time.
-All samples are compared: 1,000 distances in seven features are 21,000 operations (a difference, a product and a sum each).
-The number of operations of the physics stands above.
+The residual is the mean of the residuals at the five nearest of 1,000 samples, in seven features. It is evaluated
+once per control step, for 10,000 machines. The unit of the rates is 10⁶ control steps per second. A residual over
+physics of 1 doubles the time. All samples are compared: 1,000 distances in seven features are 21,000 operations (a
+difference, a product and a sum each). The number of operations of the physics stands above.
 
 """
     return text + table(
@@ -178,8 +179,9 @@ def _effect_part(effects: dict[str, tuple[Laps, Laps]]) -> str:
     text = """
 ## Cost of each effect
 
-The table gives the time that one effect of the catalogue adds to the control step of the racer with controller and drive
-alone (Runge–Kutta, one inner step per call, 10,000 machines). An effect that is not in the simulator costs nothing.
+The table gives the time that one effect of the catalogue adds to the control step of the racer with controller and
+drive alone (Runge–Kutta, one inner step per call, 10,000 machines). An effect that is not in the simulator costs
+nothing.
 
 """
     return text + table(["effect", "added time"], rows)

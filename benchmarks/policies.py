@@ -37,10 +37,10 @@ _PAGE = """# Policy training speed
 
 Made by `{command}` on {day}. {machine}
 
-The task is PPO on the Split-S course with the full racing quadrotor. Its simulator has Betaflight's rate controller at
-every inner step, battery, speed controllers, motors, the torque of rotor acceleration and grey-box aerodynamics. Control
-runs at 100 Hz with five inner steps each. An update takes {machines:,} machines × {horizon} steps, in {epochs} passes
-with minibatches of {minibatch:,}. Policy and critic have two layers of {hidden}.
+The task is PPO on the Split-S course with the full racing quadrotor. Its simulator has Betaflight's rate controller
+at every inner step, battery, speed controllers, motors, the torque of rotor acceleration and grey-box aerodynamics.
+Control runs at 100 Hz with five inner steps each. An update takes {machines:,} machines × {horizon} steps, in
+{epochs} passes with minibatches of {minibatch:,}. Policy and critic have two layers of {hidden}.
 
 - *simgap* is `simgap train_policy`: simulation, advantages, learning, learning curve and checkpoints.
 - The *bare loop* is the same physics, networks and updates in plain PyTorch. It has no TensorDict, torchrl, learning

@@ -19,4 +19,4 @@ def test_the_page_states_ratio_and_time_of_an_epoch():
     laps = {512: {OURS: Laps((3000.0, 4000.0, 2000.0)), BARE: Laps((4000.0, 5000.0, 4000.0))}}
     page = written(laps, windows=120_000, rounds=3, load_before=0.0)
     assert "| 512 | 3,000 (2,000–4,000) | 4,000 (4,000–5,000) | 75% |" in page
-    assert "One epoch over 120,000 windows at batches of 512 takes 40 s" in page
+    assert "One epoch over 120,000 windows takes 40 s with batches of 512" in page
