@@ -168,9 +168,7 @@ physics of 1 doubles the time. All samples are compared: 1,000 distances in seve
 difference, a product and a sum each). The number of operations of the physics stands above.
 
 """
-    return text + table(
-        ["path", "physics", "physics and residual", "residual over physics"], rows
-    )
+    return text + table(["path", "physics", "physics and residual", "residual over physics"], rows)
 
 
 def _effect_part(effects: dict[str, tuple[Laps, Laps]]) -> str:
