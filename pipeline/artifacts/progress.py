@@ -64,4 +64,4 @@ def _left(done: int, total: int | None, seconds: float) -> str:
     if total is None or done == 0:
         return ""
     left = seconds / done * (total - done)
-    return f", some {left / 60.0:.0f} min left" if left >= 90.0 else f", some {left:.0f} s left"
+    return f", about {left / 60.0:.0f} min left" if left >= 90.0 else f", about {left:.0f} s left"

@@ -19,7 +19,7 @@ _Z95 = 1.96
 _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
-_IMITATED = "smaller than the quadrature of the equations can tell"
+_IMITATED = "smaller than the discretisation error of the equations"
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 BEYOND_NOISE = 4.0
 """Times the noise's energy: coloured noise may pass for more than the white noise it is measured by."""
@@ -208,13 +208,13 @@ class Judge:
             return refusal
         blocks = self.problem.blocks
         if limit := effect.limit(values, blocks.signals | blocks.resolution, constants):
-            return f"comes down to {limit} here"
+            return f"equals {limit} in this recording"
         if self.clusters < fit.jacobian.shape[-1] + FEWEST_MORE:
-            return "too little was recorded to tell"
+            return "too little data for this number of parameters"
         if candidate.p_value > self.settings.significance / max(self.contestants, 1):
             return "not significant"
         if candidate.gain <= 0:
-            return "does not predict runs it was not fitted on"
+            return "does not improve the prediction of left-out runs"
         if why := effect.unphysical(values, constants) or self.silenced(effect, fit.simulator):
             return why
         seen = energies > _LEAST_ENERGY * self.problem.noise.square()
@@ -245,7 +245,7 @@ class Judge:
         worst = int(lost.argmax())
         if lost[worst] <= math.log(_WORSE) or lost.sum() <= _PRICE * won.sum():
             return ""
-        return f"makes {channels_on(self.base.simulator, self.problem.blocks)[worst].name} worse"
+        return f"makes the prediction of {channels_on(self.base.simulator, self.problem.blocks)[worst].name} worse"
 
     def bound(self, effect: Effect, values: dict[str, float]) -> str:
         """Return which bound a parameter rests on, if it does and that is not where it changes nothing."""
@@ -253,9 +253,9 @@ class Judge:
         for parameter in effect.parameters:
             value = values[parameter.name]
             if value <= parameter.low and parameter.low != resting[parameter.name]:
-                return f"{parameter.name} rests on its lower bound"
+                return f"the fit of {parameter.name} ends on its lower bound"
             if value >= parameter.high:
-                return f"{parameter.name} rests on its upper bound"
+                return f"the fit of {parameter.name} ends on its upper bound"
         return ""
 
     def unresolved(self, effect: Effect, values: dict[str, float], constants: dict[str, Any]) -> str:
@@ -268,7 +268,7 @@ class Judge:
         """
         resting = self.rest(effect)
         if effect.key in self.resting and self.is_short(effect, values, constants):
-            return "changes by less than samples can tell"
+            return "differs from the known value by less than the sampling can show"
         if isinstance(effect, ParameterError) and abs(values["ratio"] - resting["ratio"]) < _LEAST_ERROR:
             return _IMITATED
         return ""
@@ -289,7 +289,7 @@ class Judge:
             for each in (simulator.with_effects(others), simulator)
         )
         if any(_is_gone(after[name], without[name]) for name in without.keys() & after.keys()):
-            return "takes away all that drives the machine"
+            return "removes nearly all of what drives the machine"
         return ""
 
     def matters(self, candidate: Candidate) -> bool:
@@ -315,5 +315,5 @@ def _unseen(candidate: Candidate) -> str:
     for parameter, column in zip(effect.parameters, columns_of(fit, effect), strict=True):
         error = float(fit.covariance[column, column].clamp_min(0.0).sqrt())
         if error > parameter.high - parameter.low or not fit.jacobian[..., column].any():
-            return f"{parameter.name} makes no difference here"
+            return f"{parameter.name} makes no difference in this recording"
     return ""

@@ -33,7 +33,7 @@ def coarseness_of(axes: Mapping[str, float], time_step: float) -> list[str]:
         time_step: between samples, s.
     """
     return [
-        f"{name}: what moves settles within {seconds:.2g} s, and samples are {time_step:.2g} s apart: friction, dead "
-        "zones and inertia may pass for each other; record more often"
+        f"{name}: the axis settles within {seconds:.2g} s, but samples are {time_step:.2g} s apart, so friction, dead "
+        "zone and inertia can be confused; record at a higher rate"
         for name, seconds in axes.items()
     ]

@@ -30,7 +30,7 @@ _INCREDIBLE = 0.1  # a probability below which an effect carries no other
 _SERIOUS = 0.5  # of a winner's share, with which a simpler effect may be a part of what that one explains
 _EXCHANGES = 3  # each costs a round for every named effect
 
-_pace = Pace("what is missing")
+_pace = Pace("selecting effects")
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,8 @@ class Competition:
         """Add effects until none may be named any more."""
         while len(self.current.simulator.free) < self.settings.most_effects:
             tried = [effect for effect in contestants if effect.key not in self.names() | self.dropped]
-            beside = f"beside {', '.join(sorted(self.names()))}" if self.names() else "alone"
-            _pace.tell(f"trying {len(tried)} effects {beside}")
+            named = ", ".join(sorted(self.names())) or "none"
+            _pace.tell(f"trying {len(tried)} effects (named so far: {named})")
             candidates = [self.candidate(effect) for effect in tried]
             admitted = [candidate for candidate in candidates if not candidate.refusal]
             winner = self.first_of(self.likeliest(admitted), admitted)

@@ -57,15 +57,15 @@ def _driven_otherwise(prepared: Prepared) -> Iterator[str]:
     for channel, agreement in agreements(prepared.nominal, prepared.problem).items():
         if agreement.correlation < _AGAINST:
             yield (
-                f"{channel}: the machine moves against what is commanded (correlation {agreement.correlation:.2f}): a "
-                "sign, a frame or the order of the motors is not the platform's"
+                f"{channel}: the motion opposes the commands (correlation {agreement.correlation:.2f}); check the "
+                "signs, the frames and the order of the motors against the platform file"
             )
         elif agreement.correlation > _ALIKE and not _LEAST_RATIO < agreement.ratio < _GREATEST_RATIO:
             ratio = agreement.ratio
-            much = f"{ratio:.0f} times what" if ratio > 1.0 else f"1/{1.0 / ratio:.0f} of what"
+            much = f"{ratio:.0f} times" if ratio > 1.0 else f"1/{1.0 / ratio:.0f} of"
             yield (
-                f"{channel}: with the platform's numbers the motion takes {much} is commanded: a unit of the commands "
-                "(mN·m for N·m?), the gear ratio or the inertia is not as the platform says"
+                f"{channel}: by the platform file, the motion needs {much} the effort that was commanded; check the "
+                "unit of the commands (mN·m instead of N·m?), the gear ratio and the inertia"
             )
 
 

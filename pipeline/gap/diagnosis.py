@@ -35,8 +35,8 @@ from simgap.simulation.driver import with_drivers
 _FEW_CLUSTERS = 10  # so few that a person should know
 _BELIEVED = 0.5  # a probability from which on an effect says what kind of gap there is
 _NOTABLE_SHARE = 0.1  # of the energy that was left before
-_NEVER_FITTED = "what they do is in no fitted run; record more like them"
-_LAW_FAILS = "what has no name, or a law that only nearly holds, does more there"
+_NEVER_FITTED = "no fitted run contains such motion; record more runs like them"
+_LAW_FAILS = "an unknown effect, or a law that holds only approximately, is stronger there"
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,9 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     prepared = prepare(recording, nominal, settings)
     contradicted = contradictions(recording, prepared)
     if contradicted:
-        contradicted.append("nothing is named as long as the recording contradicts itself or the platform")
+        contradicted.append(
+            "no effect is named, because the recording contradicts itself or the platform file; correct that first"
+        )
         settings = replace(settings, effects=[])
     read = name_with_hold(prepared, recording, nominal, settings)
     prepared, naming = name_with_latent_inputs(*read, settings)
@@ -218,8 +220,8 @@ def _unseen(
     _, after, noise = validation.channels.square().unbind(1)
     fitted = excess_of(naming.fit, problem.noise).clamp_min(1.0)
     return [
-        f"{channel.name}: the held-out runs leave {proved:.2g} times the noise's energy, the fitted ones {known:.2g}; "
-        + (_LAW_FAILS if known > BEYOND_NOISE else _NEVER_FITTED)
+        f"{channel.name}: the error energy is {proved:.2g} times the noise on held-out runs and {known:.2g} times on "
+        f"fitted runs; {_LAW_FAILS if known > BEYOND_NOISE else _NEVER_FITTED}"
         for channel, proved, known in zip(channels, (after / noise).tolist(), fitted.tolist(), strict=True)
         if proved > BEYOND_NOISE * known
     ]
@@ -230,8 +232,8 @@ def _disproved(naming: Naming, validation: Validation) -> list[str]:
     if not (naming.named and validation.disproves):
         return []
     return [
-        "the held-out runs are predicted worse with what was named than without: do not build on it; record more runs "
-        "that resemble each other"
+        "the named effects make the prediction of the held-out runs worse: do not rely on them; record more runs that "
+        "resemble each other"
     ]
 
 
@@ -243,7 +245,7 @@ def _shortness(problem: Problem) -> list[str]:
     seconds = len(problem.blocks) * problem.blocks.samples * problem.blocks.time_step
     most = max(clusters - FEWEST_MORE, 0)
     return [
-        f"only {seconds:.2g} s could be fitted, which show no more than {most} parameters; record ten seconds"
+        f"only {seconds:.2g} s could be fitted, enough for {most} parameters at most; record at least ten seconds"
     ]
 
 
@@ -253,17 +255,17 @@ def _doubts(
     doubts = []
     if not held_out:
         doubts.append(
-            "one run only: nothing could be held out, so the fit is judged on the data it was made on"
+            "there is only one run: nothing could be held out, so the fit is judged on the data it was fitted to"
         )
     for candidate in naming.named:
         for drift in drifts[candidate.effect.key]:
             if drift.notable and not isinstance(candidate.effect, MeasurementEffect):
                 doubts.append(
                     f"{candidate.effect.name}: {drift.parameter} differs between runs by {drift.spread:.0%} of its "
-                    "value; it may be absorbing something else"
+                    "value; it may be absorbing another effect"
                 )
     lasting = remembered(memories)
     if lasting:
-        more = f" (so does that of {len(lasting) - 1} other channels)" if len(lasting) > 1 else ""
+        more = f" (the same in {len(lasting) - 1} other channels)" if len(lasting) > 1 else ""
         doubts.append(f"{lasting[0].sentence}{more}")
     return doubts

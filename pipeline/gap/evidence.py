@@ -24,9 +24,7 @@ _BINS = 8
 _LAW_BINS = 15
 _MOST_ROWS = 20_000
 _Z95 = 1.96
-_SCORE = (
-    "share of the excess error over the noise floor explained, cross-validated over runs, in the best channel"
-)
+_SCORE = "explained share of the error energy above the noise, cross-validated over runs, in the effect's best channel"
 
 
 def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
@@ -159,7 +157,7 @@ def competition(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _entry(candidate: Candidate, chosen: bool, kept: bool) -> dict[str, Any]:
-    dropped = "dropped later, when others made it needless or unlikely" if chosen and not kept else ""
+    dropped = "removed later: other effects made it unnecessary or unlikely" if chosen and not kept else ""
     return {
         "name": candidate.effect.key,
         "gain": candidate.share,

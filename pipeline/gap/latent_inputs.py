@@ -48,8 +48,8 @@ def name_with_latent_inputs(prepared: Prepared, naming: Naming, settings: Gap) -
     if not used or cost_of(renamed, problem.noise) + len(used) >= cost_of(naming, problem.noise):
         return prepared, naming
     remarks = [
-        f"{driver} was not recorded: its changes were estimated, stretch by stretch from the others of each run, and "
-        "only they count, not its size; record it to be sure"
+        f"{driver} was not recorded: its changes within each run were estimated from the motion, its absolute value is "
+        "unknown; record it to be sure"
         for driver in sorted(used)
     ]
     return replace(driven, remarks=[*driven.remarks, *remarks]), renamed

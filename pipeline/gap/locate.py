@@ -134,6 +134,6 @@ def _sentence(channel: Channel, rms: float, noise: float, regime: tuple[Regime, 
     place = _WORDS.get(channel.name, f"in {channel.name.replace('_', ' ')}")
     variable, low, high = regime
     return (
-        f"The simulator misses {rms:.2g} {channel.unit} {place} where the sensors' noise is {noise:.2g}, most of it at "
-        f"{variable.name.replace('_', ' ')} {low:.2g} to {high:.2g} {variable.unit}."
+        f"The simulator's error {place} is {rms:.2g} {channel.unit}; sensor noise alone would give {noise:.2g}. It is "
+        f"largest at {variable.name.replace('_', ' ')} {low:.2g} to {high:.2g} {variable.unit}."
     )

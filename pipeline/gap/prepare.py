@@ -66,7 +66,7 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool 
 def _require_motion(recording: Recording) -> None:
     if recording.time_step > _SLOWEST:
         raise InputError(
-            f"a sample every {recording.time_step:.3g} s shows no motion: milliseconds where seconds belong?",
+            f"one sample every {recording.time_step:.3g} s is too slow: is t in milliseconds instead of seconds?",
             recording.source or "recording",
             "give the time t in seconds",
         )

@@ -56,9 +56,7 @@ def settle_velocity(blocks: Blocks, width: float) -> tuple[Blocks, list[str]]:
     offset = late * blocks.time_step
     shifted = shift_in_time(blocks.signals["velocity"], -offset, blocks.time_step)
     word = "late" if late > 0 else "early"
-    remark = (
-        f"the velocity was recorded {abs(offset):.3g} s {word} with respect to the position; shifted back"
-    )
+    remark = f"the velocity was recorded {abs(offset):.3g} s {word} relative to the position; the shift was removed"
     return replace(blocks, signals={**blocks.signals, "velocity": shifted}), [remark]
 
 
@@ -69,8 +67,8 @@ def _remarks(zeros: dict[str, Tensor]) -> list[str]:
     worst = max(notable, key=lambda run: float(notable[run].abs().max()))
     text = ", ".join(f"{value:+.2f}" for value in notable[worst].tolist())
     return [
-        f"the accelerometer's zero is off in {len(notable)} of {len(zeros)} runs, most in {worst} by ({text}) m/s² "
-        "along x, y, z, as velocity and attitude show; taken out"
+        f"the accelerometer has a zero error in {len(notable)} of {len(zeros)} runs, the largest in run {worst}: "
+        f"({text}) m/s² along x, y, z, compared with velocity and attitude; it was removed"
     ]
 
 

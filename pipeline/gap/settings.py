@@ -51,6 +51,6 @@ class Gap:
         check_not_negative(self, ("margin", *_SHARES), "gap")
         for key in _SHARES:
             if getattr(self, key) > 1:
-                raise InputError(f"is a share, is {getattr(self, key)}", f"gap.{key}", "give at most 1")
+                raise InputError(f"must be at most 1, is {getattr(self, key)}", f"gap.{key}", "give a share")
         if self.folds < 2:
-            raise InputError(f"nothing could be left out with {self.folds}", "gap.folds", "give 2 or more")
+            raise InputError(f"must be at least 2, is {self.folds}", "gap.folds", "give 2 or more")

@@ -33,8 +33,8 @@ def _with_lags(prepared: Prepared, short: Sequence[FittedEffect]) -> Prepared:
     known = tuple(replace(fitted, known=True) for fitted in short)
     constants = nominal.constants()
     remarks = [
-        f"{f.effect.name}: {f.effect.lateness(f.values, constants):.2g} s is less than samples {sample:.2g} s apart "
-        "can tell from how a command is held; it is in the simulator, and not named"
+        f"{f.effect.name}: {f.effect.lateness(f.values, constants):.2g} s is too short to be told from the timing of "
+        f"the commands, with samples {sample:.2g} s apart; it stays in the simulator, but is not named"
         for f in short
     ]
     settled = nominal.with_effects((*others, *known))

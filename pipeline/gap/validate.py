@@ -118,7 +118,7 @@ def _common_unit(counted: list[Channel], before: Tensor) -> tuple[str, Tensor]:
     units = {channel.unit for channel in counted}
     if len(units) == 1:
         return f"in {units.pop()}", torch.ones(len(counted), dtype=torch.float64)
-    return "each over its error before", before.square().mean((0, 1)).sqrt().clamp_min(1e-12)
+    return "each divided by its error before", before.square().mean((0, 1)).sqrt().clamp_min(1e-12)
 
 
 def gap_closed(before: float, after: float, noise_floor: float) -> float:

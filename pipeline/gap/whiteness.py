@@ -43,11 +43,11 @@ class Memory:
     @property
     def sentence(self) -> str:
         """What it means, in a line."""
-        past = "its own past" if self.of == "itself" else self.of
+        past = "its own value" if self.of == "itself" else self.of
         return (
-            f"what is left of {self.channel.name} follows {past} {self.lag:.2g} s before (correlation "
-            f"{self.correlation:+.2f}, by chance ±{self.band:.2f}): something with memory, or with a driver that was "
-            "not recorded, is not in the simulator"
+            f"the remaining error of {self.channel.name} correlates with {past} {self.lag:.2g} s earlier "
+            f"({self.correlation:+.2f}, by chance ±{self.band:.2f}): the simulator lacks an effect with memory, or an "
+            "input was not recorded"
         )
 
 

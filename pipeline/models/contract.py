@@ -80,9 +80,9 @@ class DynamicsModel(ABC):
         if self.kinds is not None and layout.kind not in self.kinds:
             known = ", ".join(sorted(self.kinds))
             raise InputError(
-                f"{settings.name!r} knows no {layout.kind}",
+                f"{settings.name!r} does not support {layout.kind}",
                 "model.name",
-                f"use another model; it knows {known}",
+                f"use another model; it supports {known}",
             )
         self.layout = layout
         self.settings = settings

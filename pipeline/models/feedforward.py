@@ -54,7 +54,7 @@ def identify_feedforward(
     balance = _voltage_balance(motor, numbers, threshold, settings.window)
     units = {"kS": "V", "kV": f"V/({motor.speed_unit})", "kA": f"V/({motor.speed_unit}²)"}
     if not is_determined(balance.regressors):
-        note = f"{WITHHELD}the recording does not move the motor in enough ways"
+        note = f"{WITHHELD}the motion does not excite all parameters"
         unknown = {
             name: Parameter(None, unit, nominal=nominal.get(name), note=note) for name, unit in units.items()
         }

@@ -225,7 +225,9 @@ def _motion_model(layout: Layout, settings: HybridSettings, time_step: float) ->
 
     own = model_settings(settings.motion)
     if isinstance(own, TrainedSettings):
-        raise InputError(f"{own.name!r} is no motion model", "model.motion.name", "use white_box or linear")
+        raise InputError(
+            f"{own.name!r} is not a motion model", "model.motion.name", "use white_box or linear"
+        )
     if own.sequence_length > settings.sequence_length:
         raise InputError("is longer than model.sequence_length", "model.motion.sequence_length", "shorten it")
     return model_class(settings.motion)(layout, own, time_step)

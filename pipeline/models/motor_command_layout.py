@@ -72,7 +72,9 @@ class MotorCommandLayout(Layout):
         """
         machine = platform_from_config(platform)
         if not isinstance(machine, Quadrotor):
-            raise InputError(f"is a {machine.kind}, no quadrotor", "platform", "choose another train.layout")
+            raise InputError(
+                f"is a {machine.kind}, not a quadrotor", "platform", "choose another train.layout"
+            )
         x, y, z = zip(*machine.rotor_positions, strict=True)
         return replace(self, rotor_x=x, rotor_y=y, rotor_z=z)
 

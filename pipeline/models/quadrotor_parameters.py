@@ -26,7 +26,7 @@ _EQUATIONS = {
     "inertia_yy": ("thrust", "pitch"),
     "torque_coefficient_over_inertia_zz": ("yaw",),
 }
-_MIXED_IN = "feedback or physics outside the equation is mixed in"
+_MIXED_IN = "feedback or other physics biases the estimate"
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def _fill(
         return replace(declared, note=note)
     error = float(jackknife_error(near.left_out[name]))
     if value <= 0.0:
-        return replace(declared, note=f"{WITHHELD}{value:.3g}, which cannot be; {_MIXED_IN}")
+        return replace(declared, note=f"{WITHHELD}{value:.3g} is not possible; {_MIXED_IN}")
     if abs(other - value) > settings.consistency * abs(value):
         note = (
             f"{WITHHELD}{value:.3g} from windows of {settings.window:g} s, {other:.3g} from twice as "

@@ -58,7 +58,7 @@ def _columns(recording: Recording, name: str) -> list[str]:
         channel for channel in recording.channels if channel.rpartition("_")[0] == name or channel == name
     ]
     if not columns:
-        raise InputError("is no channel of the recording", f"train.zero_phase.{name}", "remove it")
+        raise InputError("is not a channel of the recording", f"train.zero_phase.{name}", "remove it")
     return columns
 
 

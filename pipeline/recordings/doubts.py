@@ -35,12 +35,12 @@ def _gaps(frame: pd.DataFrame) -> Iterator[str]:
             continue
         typical = float(np.median(steps))
         if typical > _GAP_SECONDS:
-            yield f"Run {run!r} has a sample every {typical:.3g} s: milliseconds where seconds belong?"
+            yield f"Run {run!r} has one sample every {typical:.3g} s: are the times in milliseconds instead of seconds?"
         wide = steps > max(_GAP_SECONDS, _GAP_STEPS * typical)
         if wide.any():
             longest = int(np.argmax(steps))
             yield (
-                f"Run {run!r} has {int(wide.sum())} gap(s) in time, the longest of {steps[longest]:.3g} s"
+                f"Run {run!r} has {int(wide.sum())} gap(s) in time; the longest is {steps[longest]:.3g} s"
                 f" after t = {time[longest]:.6g} s (row {int(samples.index[longest]) + 1})."
             )
 
@@ -51,9 +51,9 @@ def _constant(frame: pd.DataFrame, units: dict[str, str]) -> Iterator[str]:
     for column in units:
         values = frame[column].dropna()
         if len(values) > 2 and values.max() == values.min():
-            yield f"Channel {column!r} is constant ({values.iloc[0]:.6g}) throughout."
+            yield f"Channel {column!r} is constant ({values.iloc[0]:.6g}) in the whole recording."
 
 
 def _single_run(frame: pd.DataFrame) -> Iterator[str]:
     if frame["run"].nunique() == 1:
-        yield "There is one run only, so none can be held out to prove a result."
+        yield "There is only one run, so none can be held out for validation."

@@ -15,13 +15,13 @@ _SAMPLES = 20
 _SWERVE = [(f"steer_velocity_{module}", f"steer_angle_{module}") for module in "1234"]
 _QUADROTOR = [(f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
 _PAIRS = {"joint": [("velocity", "position")], "swerve": _SWERVE, "quadrotor": _QUADROTOR}
-_REMEDY = "Convert it, or declare its unit in Parquet."
+_REMEDY = "Convert it, or declare its unit in the Parquet file."
 _REASONS = {
-    _DEGREE: f"degrees where radians belong? {_REMEDY}",
-    1 / _DEGREE: f"is the angle in degrees where radians belong? {_REMEDY}",
-    1000.0: f"millimetres where metres belong? {_REMEDY}",
-    1 / 1000.0: f"is the position in millimetres where metres belong? {_REMEDY}",
-    30 / np.pi: f"turns per minute where rad/s belong? {_REMEDY}",
+    _DEGREE: f"is the rate in degrees instead of radians? {_REMEDY}",
+    1 / _DEGREE: f"is the angle in degrees instead of radians? {_REMEDY}",
+    1000.0: f"is the rate in millimetres instead of metres? {_REMEDY}",
+    1 / 1000.0: f"is the position in millimetres instead of metres? {_REMEDY}",
+    30 / np.pi: f"is the rate in turns per minute instead of rad/s? {_REMEDY}",
 }
 
 
@@ -32,12 +32,12 @@ def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> 
         yield from _quadrotor(frame)
     for column in units:
         if units[column] == "rad" and _swings_wide(frame, column):
-            yield f"Channel {column!r} swings over more than two turns: degrees where radians belong? {_REMEDY}"
+            yield f"Channel {column!r} swings over more than two turns: is it in degrees? {_REMEDY}"
     if "battery_voltage" in frame and frame["battery_voltage"].median() > 1000:
-        yield f"Channel 'battery_voltage' is above 1000 V: millivolts where volts belong? {_REMEDY}"
+        yield f"Channel 'battery_voltage' is above 1000 V: is it in millivolts? {_REMEDY}"
     for column in units:
         if units[column] == "V" and column != "battery_voltage" and frame[column].abs().quantile(0.99) > 1000:
-            yield f"Channel {column!r} exceeds 1000 V: millivolts where volts belong? {_REMEDY}"
+            yield f"Channel {column!r} exceeds 1000 V: is it in millivolts? {_REMEDY}"
 
 
 def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[str]:
@@ -63,11 +63,11 @@ def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -
     if abs(correlation) < _CORRELATION:
         return
     if correlation < 0:
-        yield f"Channel {rate!r} runs against the change of {angle!r}: another sign or frame?"
+        yield f"Channel {rate!r} has the opposite sign of the rate of change of {angle!r}: check sign and frame."
     ratio = float(recorded.std() / derived.std())
     reason = next((text for factor, text in _REASONS.items() if abs(ratio / factor - 1) < _TOLERANCE), "")
     if reason or not 0.4 < ratio < 2.5:
-        reason = reason or "their units do not agree."
+        reason = reason or "their units do not match."
         yield f"Channel {rate!r} is {ratio:.3g} times the rate of change of {angle!r}: {reason}"
 
 
@@ -75,16 +75,16 @@ def _quadrotor(frame: pd.DataFrame) -> Iterator[str]:
     if "specific_force_z" in frame:
         force = float(frame["specific_force_z"].median())
         if force < 0:
-            yield "Channel 'specific_force_z' is negative in the median: z down where z up belongs?"
+            yield "Channel 'specific_force_z' has a negative median: does its z axis point down? It must point up."
         if 0.5 < abs(force) < 2.0:
-            yield f"Channel 'specific_force_z' is about 1 in the median: g where m/s² belong? {_REMEDY}"
+            yield f"Channel 'specific_force_z' has a median of about 1: is it in g instead of m/s²? {_REMEDY}"
     for column in (f"motor_command_{rotor}" for rotor in "1234"):
         if column in frame and float(frame[column].quantile(0.9)) > 1.2:
-            yield f"Channel {column!r} exceeds 1: a command of 0 to 1 is expected."
+            yield f"Channel {column!r} exceeds 1: commands must be 0 to 1."
     fastest = float(np.nanquantile(frame[[f"body_rate_{axis}" for axis in "xyz"]].abs(), 0.99))
     for column in (f"body_rate_command_{axis}" for axis in "xyz"):
         if column in frame and float(frame[column].abs().quantile(0.99)) > 20 * fastest:
-            yield f"Channel {column!r} is far larger than the body rate: degrees where radians belong? {_REMEDY}"
+            yield f"Channel {column!r} is far larger than the body rate: is it in degrees? {_REMEDY}"
 
 
 def _swings_wide(frame: pd.DataFrame, column: str) -> bool:

@@ -136,7 +136,7 @@ def _read_csv(path: Path) -> Table:
 def _refuse_duplicates(names: list[str], path: Path) -> None:
     repeated = next((name for index, name in enumerate(names) if name in names[:index]), None)
     if repeated is not None:
-        raise InputError("stands twice in the file", f"{path}, column {repeated!r}", "keep one of them")
+        raise InputError("appears twice in the file", f"{path}, column {repeated!r}", "keep one of them")
 
 
 def write_table(

@@ -41,9 +41,9 @@ def resolve_kind(declared: object, expected: str | None, frame: pd.DataFrame, wh
     if share[best] == 0:
         shown = ", ".join(map(str, list(frame.columns)[:6]))
         raise InputError(
-            f"no column of a recording is there (columns: {shown})",
+            f"none of the expected columns is there (columns: {shown})",
             where,
-            "name the columns as docs/contract.md does",
+            "use the column names of docs/contract.md",
         )
     return best
 
@@ -156,7 +156,9 @@ def _runs(series: pd.Series, where: str) -> pd.Series:
     absent = series.isna().to_numpy()
     if absent.any():
         row = int(np.argmax(absent)) + 1
-        raise InputError("no run is named", f"{where}, row {row}, column 'run'", "name the run in every row")
+        raise InputError(
+            "the run has no name", f"{where}, row {row}, column 'run'", "name the run in every row"
+        )
     return series.astype(str).reset_index(drop=True)
 
 
@@ -183,7 +185,7 @@ def _check_time(frame: pd.DataFrame, where: str) -> None:
     wrong = steps <= 0
     if wrong.any():
         row = int(np.argmax(wrong))
-        what = "the same time stands twice" if steps[row] == 0 else f"time goes back by {-steps[row]:.6g} s"
+        what = "the same time appears twice" if steps[row] == 0 else f"time goes back by {-steps[row]:.6g} s"
         raise InputError(
             what, location(where, frame, row, "t"), "sort the run by time and keep one row per time"
         )

@@ -123,7 +123,7 @@ def _begin(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderClean
     if "filled" in rows:
         run.filled = rows["filled"].to_numpy(copy=True)
     for column, samples in lost.items():
-        run.note("missing", column, "recorded in too small a part of the run, left out", samples)
+        run.note("missing", column, "missing in most of the run, left out", samples)
     if reason:
         run.drop(np.ones(len(time), dtype=bool), "missing", reason)
     return run

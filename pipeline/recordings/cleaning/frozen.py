@@ -37,11 +37,15 @@ def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
         name = columns[0].rsplit("_", 1)[0]
         share = rows.sum() / max(1, moving.sum())
         if share > _LOW_RATE:
-            run.note("frozen", name, "logged at a lower rate, left", 0, f"{share:.0%} repeat", seconds=0.0)
+            run.note("frozen", name, "logged at a lower rate, kept", 0, f"{share:.0%} repeat", seconds=0.0)
         else:
             longest = max((past - first for first, past in stretches_of(rows)), default=0)
             run.erase(
-                rows, columns, "frozen", "held for want of a newer message", f"at most {longest} in a row"
+                rows,
+                columns,
+                "frozen",
+                "last value repeated, no newer message",
+                f"at most {longest} in a row",
             )
 
 

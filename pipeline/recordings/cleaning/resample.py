@@ -208,7 +208,7 @@ def _note_rows(run: RunUnderCleaning, result: RunUnderCleaning, grid: _Grid) -> 
         reason = f"resampled to a step of {result.time_step:.4g} s"
         run.note("resample", "", reason, difference, detail, seconds=float(np.ptp(run.time)))
     else:
-        run.note("resample", "", "samples absent from the recording", difference)
+        run.note("resample", "", "samples missing in the recording", difference)
 
 
 def _fill(

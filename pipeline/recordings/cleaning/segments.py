@@ -18,7 +18,7 @@ def drop_incomplete(run: RunUnderCleaning) -> None:
             run.drop(
                 rows & (causes == cause),
                 "gaps",
-                "needed channel missing beyond what is interpolated",
+                "required channel missing for too long to interpolate",
                 f"{column} ({cause})",
             )
 
@@ -30,7 +30,7 @@ def drop_short(run: RunUnderCleaning, min_duration: float) -> None:
     short = [piece for piece in unbroken(run) if np.diff(piece)[0] < least]
     for first, past in short:
         rows[first:past] = True
-    run.drop(rows, "short", f"unbroken for less than {min_duration:g} s", f"{len(short)} stretches")
+    run.drop(rows, "short", f"less than {min_duration:g} s without a gap", f"{len(short)} stretches")
 
 
 def drop_made_up(run: RunUnderCleaning, least_measured: float) -> None:

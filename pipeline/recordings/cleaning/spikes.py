@@ -53,7 +53,7 @@ def erase_spikes(run: RunUnderCleaning) -> None:
         if rows.any():
             quaternion = next((columns for columns in QUATERNIONS if column in columns), [column])
             worst = values[rows][np.argmax(np.abs(values[rows]))]
-            run.erase(rows, quaternion, "spikes", "isolated impossible sample", f"up to {worst:.4g}")
+            run.erase(rows, quaternion, "spikes", "isolated implausible sample", f"up to {worst:.4g}")
 
 
 def _least(run: RunUnderCleaning, column: str) -> float:

@@ -19,7 +19,7 @@ def erase_straight(run: RunUnderCleaning, max_gap: float) -> None:
     for columns in _VECTORS:
         if run.has(columns):
             rows = _straight(run.time, run.channel(*columns), run.stretch, max_gap)
-            run.erase(rows, columns, "straight", "straight line in place of a measurement")
+            run.erase(rows, columns, "straight", "straight line instead of measurements")
 
 
 def _straight(time: np.ndarray, values: np.ndarray, stretch: np.ndarray, max_gap: float) -> np.ndarray:

@@ -28,9 +28,9 @@ def test_long_work_without_a_terminal_is_told_in_lines(
         assert list(progress(range(30), "flying")) == list(range(30))
     lines = [record.getMessage() for record in caplog.records]
     assert lines == [
-        "flying: 1 of 30 after 2 s, some 58 s left",
-        "flying: 11 of 30 after 12 s, some 21 s left",
-        "flying: 21 of 30 after 22 s, some 9 s left",
+        "flying: 1 of 30 after 2 s, about 58 s left",
+        "flying: 11 of 30 after 12 s, about 21 s left",
+        "flying: 21 of 30 after 22 s, about 9 s left",
     ]
 
 
@@ -42,7 +42,7 @@ def test_what_takes_long_is_told_in_minutes_and_what_has_no_end_without(
         list(itertools.islice(progress(range(600), "flying"), 3))
         list(itertools.islice(progress(iter(range(600)), "flying"), 3))
     lines = [record.getMessage() for record in caplog.records]
-    assert lines == ["flying: 1 of 600 after 2 s, some 20 min left", "flying: 1 after 2 s"]
+    assert lines == ["flying: 1 of 600 after 2 s, about 20 min left", "flying: 1 after 2 s"]
 
 
 def test_short_work_says_nothing(

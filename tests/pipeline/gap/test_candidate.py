@@ -17,7 +17,7 @@ from simgap.simulation import FittedEffect
 from tests.pipeline.gap.problems import at_start, problem_of
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator, recording_of
 
-IMITATED = "smaller than the quadrature of the equations can tell"
+IMITATED = "smaller than the discretisation error of the equations"
 FRICTION = effect_by_key("joint", "viscous_friction")
 
 
@@ -42,7 +42,7 @@ def _unknown(fitted: Fit) -> dict[str, Tensor]:
 
 @pytest.mark.parametrize("altered", [_unmoved, _unknown])
 def test_a_parameter_that_leaves_no_trace_is_refused(judged, altered):
-    assert judged(altered) == "coefficient makes no difference here"
+    assert judged(altered) == "coefficient makes no difference in this recording"
 
 
 def test_one_that_does_is_not(judged):
@@ -60,7 +60,7 @@ def test_what_takes_away_all_that_drives_is_refused(key, taken, usual):
         judge.silenced(effect, joint_simulator(FittedEffect(effect, {parameter.name: value})))
         for value in (taken, usual)
     ]
-    assert said == ["takes away all that drives the machine", ""]
+    assert said == ["removes nearly all of what drives the machine", ""]
 
 
 @pytest.mark.parametrize(("times", "refusal"), [(0.5, ""), (1.5, IMITATED)])
@@ -76,7 +76,10 @@ def test_what_the_quadrature_may_make_up_is_refused(times, refusal):
 
 @pytest.mark.parametrize(
     ("held", "refusal"),
-    [(False, "does not predict runs it was not fitted on"), (True, "no winding takes longer than 0.05 s")],
+    [
+        (False, "does not improve the prediction of left-out runs"),
+        (True, "no winding takes longer than 0.05 s"),
+    ],
 )
 def test_to_listen_less_is_a_merit_only_where_the_input_was_sent_and_not_measured(held, refusal):
     """A joint at rest with a voltage that jumps from sample to sample, and a winding that would filter it."""
@@ -109,4 +112,6 @@ def test_what_another_equation_pays_is_held_against_what_is_won(before, after, a
     rows = [
         (problem.noise * torch.tensor(each, dtype=torch.float64)).reshape(1, 1, 2) for each in (before, after)
     ]
-    assert judge.spoilt(*rows, torch.tensor([acts, True])) == ("makes torque worse" if spoilt else "")
+    assert judge.spoilt(*rows, torch.tensor([acts, True])) == (
+        "makes the prediction of torque worse" if spoilt else ""
+    )

@@ -59,7 +59,7 @@ def test_a_plant_with_more_physics_than_the_simulator_contradicts_nothing(plant)
 def test_a_voltage_of_the_other_sign_is_no_physics(plant):
     backwards = scaled(joint_recording(plant), "voltage", -1.0)
     (sentence,) = said(backwards, joint_simulator())
-    assert sentence.startswith("torque: the machine moves against what is commanded (correlation -")
+    assert sentence.startswith("torque: the motion opposes the commands (correlation -")
 
 
 def test_a_spring_that_is_pulled_slowly_moves_against_its_acceleration():
@@ -74,7 +74,7 @@ def test_a_spring_that_is_pulled_slowly_moves_against_its_acceleration():
 def test_commands_in_another_unit_are_no_physics(plant):
     (sentence,) = said(scaled(joint_recording(plant), "voltage", 1000.0), joint_simulator())
     assert sentence.startswith("torque: with the platform's numbers the motion takes 1/")
-    assert "of what is commanded: a unit" in sentence
+    assert "of the effort that was commanded; check the unit" in sentence
 
 
 def test_an_inertia_in_another_unit_is_no_physics():
@@ -87,8 +87,8 @@ def test_nothing_is_named_there_and_it_is_said_first():
     backwards = scaled(joint_recording(PLANTS[0]), "voltage", -1.0)
     found = quick(backwards, joint_simulator())
     assert (found.verdict, named(found)) == ("unexplained", [])
-    assert "against what is commanded" in found.warnings[0]
-    assert "nothing is named" in found.warnings[1]
+    assert "opposes the commands" in found.warnings[0]
+    assert "no effect is named" in found.warnings[1]
 
 
 def test_nothing_is_named_with_a_rate_that_is_not_that_of_its_angle():

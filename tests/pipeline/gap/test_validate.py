@@ -62,18 +62,18 @@ def test_what_only_held_out_runs_show_is_said_and_never_none():
     found = diagnosed(Plant(viscous=(0.0, 0.0, 0.0, 0.0, 0.05, 0.05)))
     assert found.verdict == "unexplained"
     assert any(
-        warning.startswith("torque: the held-out runs leave") and warning.endswith("record more like them")
+        warning.startswith("torque: the error energy is") and warning.endswith("record more runs like them")
         for warning in found.warnings
     )
-    assert not any("held-out runs leave" in warning for warning in diagnosed(Plant()).warnings)
+    assert not any("times the noise on held-out runs" in warning for warning in diagnosed(Plant()).warnings)
 
 
 def test_names_that_help_no_held_out_run_are_doubted():
     found = diagnosed(Plant(friction=(0.3, 0.3, 0.3, 0.3, 0.0, 0.0)))
     assert found.naming.named
     assert found.validation.gap_closed <= 0.0
-    assert any("do not build on it" in warning for warning in found.warnings)
-    assert not any("do not build on it" in warning for warning in diagnosed(Plant(friction=0.3)).warnings)
+    assert any("do not rely on them" in warning for warning in found.warnings)
+    assert not any("do not rely on them" in warning for warning in diagnosed(Plant(friction=0.3)).warnings)
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_open_loop_predictions_fall_too():
 def test_a_time_in_milliseconds_is_refused_in_one_line():
     recording = joint_recording(Plant(friction=0.3))
     frame = recording.frame.assign(t=1000.0 * recording.frame["t"])
-    with pytest.raises(InputError, match="milliseconds where seconds belong") as caught:
+    with pytest.raises(InputError, match="milliseconds instead of seconds") as caught:
         quick(replace(recording, frame=frame), joint_simulator())
     assert "\n" not in str(caught.value)
 

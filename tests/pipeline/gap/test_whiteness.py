@@ -36,7 +36,7 @@ def test_rows_that_swing_remember_themselves_at_the_right_lag(problem):
     step = float(problem.functions.centres[1] - problem.functions.centres[0]) * problem.blocks.time_step
     assert (memory.of, memory.lag) == ("itself", pytest.approx(4 * step))
     assert memory.correlation < -0.8
-    assert "torque follows its own past" in memory.sentence
+    assert "torque correlates with its own value" in memory.sentence
 
 
 def test_rows_that_follow_an_earlier_input_say_which_and_by_how_much(problem):

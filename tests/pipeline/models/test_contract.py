@@ -92,7 +92,7 @@ def test_a_machine_that_a_model_does_not_know_is_refused():
         kinds = frozenset({"quadrotor"})
 
     layout = learnable.layout_of(learnable.linear_joint())
-    with pytest.raises(InputError, match=r"model\.name: 'linear' knows no joint"):
+    with pytest.raises(InputError, match=r"model\.name: 'linear' does not support joint"):
         Known(layout, Known.settings_class(), 0.02)
 
 

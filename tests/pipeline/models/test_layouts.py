@@ -123,7 +123,7 @@ def test_a_layout_that_does_not_fit_is_refused(name, complaint):
 def test_motor_commands_need_a_quadrotor():
     layout = layout_of(rig(), "motor_command")
     joint = {"kind": "joint", "inertia": 1.0}
-    with pytest.raises(InputError, match="is a joint, no quadrotor"):
+    with pytest.raises(InputError, match="is a joint, not a quadrotor"):
         layout.on(joint)
 
 

@@ -62,7 +62,7 @@ def test_an_attitude_is_filtered_whichever_sign_was_recorded():
 @pytest.mark.parametrize(
     ("frequencies", "complaint"),
     [
-        ({"speed": 10.0}, r"train\.zero_phase\.speed: is no channel"),
+        ({"speed": 10.0}, r"train\.zero_phase\.speed: is not a channel"),
         ({"velocity": 60.0}, r"train\.zero_phase\.velocity: 60 Hz is not between"),
         ({"velocity": 0.0}, r"train\.zero_phase\.velocity: 0 Hz is not between"),
     ],

@@ -160,7 +160,7 @@ def test_unknown_kind(frames, tmp_path):
     ("change", "words"),
     [
         (_set(204, "t", 0.005), ("run 'run1'", "row 205", "column 't'", "time goes back")),
-        (_set(204, "t", 0.03), ("run 'run1'", "row 205", "column 't'", "same time stands twice")),
+        (_set(204, "t", 0.03), ("run 'run1'", "row 205", "column 't'", "same time appears twice")),
         (_set(204, "t", np.nan), ("run 'run1'", "row 205", "no time")),
         (_set(7, "velocity", np.inf), ("run 'run0'", "row 8", "column 'velocity'", "infinity")),
         (_set(7, "velocity", 3e300), ("run 'run0'", "row 8", "column 'velocity'", "3e+300")),

@@ -39,12 +39,15 @@ def test_body_rate_in_degrees(doubted, noise):
 
     said = doubted(change, "quadrotor")
     assert "'body_rate_x' is 5" in said
-    assert "degrees where radians belong?" in said
+    assert "degrees instead of radians?" in said
 
 
 def test_body_rate_of_another_frame(doubted):
     said = doubted(lambda frame: frame.assign(body_rate_y=-frame["body_rate_y"]), "quadrotor")
-    assert said == "Channel 'body_rate_y' runs against the change of 'attitude': another sign or frame?"
+    assert (
+        said
+        == "Channel 'body_rate_y' has the opposite sign of the rate of change of 'attitude': check sign and frame."
+    )
 
 
 def test_attitude_from_world_to_body(doubted):
@@ -53,7 +56,9 @@ def test_attitude_from_world_to_body(doubted):
         frame[axes] *= -1
         return frame
 
-    assert "'body_rate_x' runs against the change of 'attitude'" in doubted(conjugate, "quadrotor")
+    assert "'body_rate_x' has the opposite sign of the rate of change of 'attitude'" in doubted(
+        conjugate, "quadrotor"
+    )
 
 
 def test_the_sign_of_a_quaternion_does_not_matter(doubted):
@@ -77,8 +82,8 @@ def test_joint_wholly_in_degrees(doubted):
 
     said = doubted(change, samples=400)
     assert said == (
-        "Channel 'position' swings over more than two turns: degrees where radians belong? "
-        "Convert it, or declare its unit in Parquet."
+        "Channel 'position' swings over more than two turns: is it in degrees? "
+        "Convert it, or declare its unit in the Parquet file."
     )
 
 
@@ -101,7 +106,9 @@ def test_position_in_millimetres(doubted):
     assert "millimetres" in said
 
 
-@pytest.mark.parametrize(("scale", "words"), [(1 / 9.81, "g where m/s²"), (-1.0, "z down where z up")])
+@pytest.mark.parametrize(
+    ("scale", "words"), [(1 / 9.81, "in g instead of m/s²"), (-1.0, "z axis point down")]
+)
 def test_specific_force(doubted, scale, words):
     def change(frame):
         gravity = 9.81 + 0.1 * np.sin(frame["t"])
@@ -118,11 +125,11 @@ def test_huge_gap_in_time(doubted):
             t=lambda kept: kept["t"] + 30 * (kept["t"] > 0.5)
         )
     )
-    assert "Run 'run0' has 1 gap(s) in time, the longest of 30.1 s after t = 0.49 s (row 50)." in said
+    assert "Run 'run0' has 1 gap(s) in time; the longest is 30.1 s after t = 0.49 s (row 50)." in said
 
 
 def test_time_in_milliseconds(doubted):
-    assert "milliseconds where seconds belong?" in doubted(lambda frame: frame.assign(t=1e4 * frame["t"]))
+    assert "milliseconds instead of seconds?" in doubted(lambda frame: frame.assign(t=1e4 * frame["t"]))
 
 
 def test_unknown_column_is_ignored_with_the_nearest_name(doubted):
@@ -131,7 +138,10 @@ def test_unknown_column_is_ignored_with_the_nearest_name(doubted):
 
 
 def test_constant_channel(doubted):
-    assert doubted(lambda frame: frame.assign(voltage=6.0)) == "Channel 'voltage' is constant (6) throughout."
+    assert (
+        doubted(lambda frame: frame.assign(voltage=6.0))
+        == "Channel 'voltage' is constant (6) in the whole recording."
+    )
 
 
 def test_optional_channels_without_values_or_incomplete(doubted, frames):
@@ -160,4 +170,4 @@ def test_commands_beyond_one(doubted):
 
 def test_voltages_in_millivolts(doubted):
     said = doubted(lambda frame: frame.assign(voltage=9000.0), samples=400)
-    assert "Channel 'voltage' exceeds 1000 V: millivolts where volts belong?" in said
+    assert "Channel 'voltage' exceeds 1000 V: is it in millivolts?" in said

@@ -90,7 +90,7 @@ def test_a_message_logged_at_a_lower_rate_is_left_and_said(flight, as_run):
     hold(frame, [row for row in range(1, 1200) if row % 4], MOTOR_SPEED)
     run = as_run(frame, "quadrotor")
     erase_frozen(run, MAX_GAP)
-    assert [change["reason"] for change in run.changes] == ["logged at a lower rate, left"]
+    assert [change["reason"] for change in run.changes] == ["logged at a lower rate, kept"]
     assert erased(run, "motor_speed_1") == []
 
 

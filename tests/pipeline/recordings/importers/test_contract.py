@@ -86,7 +86,7 @@ def test_rates_are_those_of_what_they_are_the_rate_of(imported):
 def test_only_what_is_true_is_doubted(imported):
     allowed = (
         "was integrated from",
-        "one run only",
+        "only one run",
         "the voltage is not known there",
         "The supply was not recorded",
         "No voltage was recorded",
