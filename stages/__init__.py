@@ -1,1 +1,1 @@
-"""What runs: one thin file per stage, in the order of dvc.yaml."""
+"""The stages of the pipeline: one thin file per stage, in the order of dvc.yaml."""

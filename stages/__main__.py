@@ -32,7 +32,7 @@ ORDER = (
 HELP = {"-h", "--help"}
 
 USAGE = """\
-simgap: from recordings of a real robot to a simulator that explains them
+simgap: find the physics that a robot simulator lacks, from recordings of the real robot
 
 usage: simgap COMMAND [key=value ...]      simgap COMMAND --help      simgap --version
 
@@ -44,7 +44,7 @@ A recording of your own:
 
 
 def main(argv: list[str] | None = None) -> NoReturn:
-    """Run the command that the first argument names, with the others."""
+    """Run the command that the first argument names with the remaining arguments."""
     arguments = sys.argv[1:] if argv is None else argv
     known = commands()
     if not arguments or arguments[0] in HELP:

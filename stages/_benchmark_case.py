@@ -1,4 +1,4 @@
-"""What the benchmark does with one case, in a process of its own: record, clean, build the simulator, diagnose."""
+"""One benchmark case in a process of its own: record, clean, build the simulator, diagnose."""
 
 import json
 import shutil
@@ -21,7 +21,7 @@ from simgap.simulation.settings import SimulatorSettings
 
 @dataclass
 class ProveStage(StageConfig):
-    """What the benchmark reads of the configuration."""
+    """The configuration of the benchmark."""
 
     dataset: Dataset = field(default_factory=Dataset)
     clean: Cleaning = field(default_factory=Cleaning)
@@ -32,12 +32,12 @@ class ProveStage(StageConfig):
 
 @dataclass(frozen=True)
 class Concealed:
-    """A concealed case with all that its examination needs, as it travels to a process.
+    """A simulated case with concealed effects, and everything that its process needs.
 
     Attributes:
-        case: that is recorded and diagnosed.
-        config: of the stages.
-        sealed: where its key is written.
+        case: what is recorded and diagnosed.
+        config: configuration of the stages.
+        sealed: where the answer key is written.
     """
 
     case: Any
@@ -55,12 +55,12 @@ class Concealed:
 
 @dataclass(frozen=True)
 class Published:
-    """A real recording with a known answer.
+    """A real recording with known effects.
 
     Attributes:
-        branch: of the pipeline.
+        branch: branch of the pipeline.
         values: its composed configuration.
-        ablate: effects to take out of the simulator that fits, each of which has to be found again.
+        ablate: effects that are removed from the fitted simulator one at a time; each must be named again.
         keep: whether recordings and reports are kept.
     """
 
@@ -77,7 +77,7 @@ class Published:
 
 
 def examine(task: Concealed | Published, folder: Path) -> dict[str, Any]:
-    """Do a task in an empty folder; what goes wrong is part of the answer."""
+    """Run a task in an empty folder and return its answer; an error becomes part of the answer."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     answer: dict[str, Any] = {}
@@ -98,9 +98,9 @@ def examine(task: Concealed | Published, folder: Path) -> dict[str, Any]:
 
 
 def _examine_concealed(task: Concealed, folder: Path, answer: dict[str, Any]) -> None:
-    """Settle how strong a case is, record it, seal its key, and diagnose the recording from what the person is told.
+    """Set the effect sizes of a case, record it, seal its key, and diagnose the recording with what a user would know.
 
-    An effect that this machine and motion cannot show as clearly, or as faintly, as its case says is no case.
+    The case is left out if its effects cannot reach the size that its category demands.
     """
     from simgap.benchmark.strength import is_settled
     from simgap.stages._strengths import settled
@@ -119,7 +119,7 @@ def _examine_concealed(task: Concealed, folder: Path, answer: dict[str, Any]) ->
 
 
 def _examine_published(task: Published, folder: Path, answer: dict[str, Any]) -> None:
-    """Diagnose a published recording; then take named effects out of what fits, one at a time, and diagnose again."""
+    """Diagnose a published recording; then remove named effects one at a time and diagnose again."""
     from simgap.simulation import read_simulator
 
     _diagnosed(task.values, folder, ("record", "clean"))
@@ -145,7 +145,7 @@ def _timed(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
 
 
 def _diagnosed(values: dict[str, Any], folder: Path, commands: tuple[str, ...]) -> dict[str, Any]:
-    """Run stages on a folder of artifacts and return what the diagnosis says, if there is one."""
+    """Run stages on a folder of artifacts and return the diagnosis, if there is one."""
     from importlib import import_module
 
     from simgap.runner.compose import typed

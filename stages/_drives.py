@@ -1,4 +1,4 @@
-"""The drive of which two stages need to know what sysid found."""
+"""The identified swerve drive that two stages use."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def identified(platform: Mapping[str, Any], task: Profile, config: StageConfig, run: StageRun) -> "Drive":
-    """Return the drive that sysid found of the same branch, straight ahead.
+    """Return the drive as `sysid` of the same branch identified it, for motion straight ahead.
 
     Raises:
         InputError: when the platform is no swerve drive, or something is not known of its motors.

@@ -1,4 +1,4 @@
-"""What is written of laps, wherever they were flown."""
+"""Tables and pictures of flown laps, in simulation and on the plant."""
 
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def write_laps(laps: "Laps", track: "Track", name: str, period: float, run: StageRun) -> None:
-    """Write every lap, the flight of the fastest machine, and its picture; say how the race went.
+    """Write all laps, the flight of the fastest machine and its picture; print a summary of the race.
 
     Args:
         laps: that were flown.

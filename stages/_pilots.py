@@ -1,4 +1,4 @@
-"""Who flies a race: a policy that was trained for it, or the time-optimal plan."""
+"""The pilot of a race: a trained policy or the time-optimal plan."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,10 +18,10 @@ POLICY, TIME_OPTIMAL = "policy", "time_optimal"
 
 @dataclass(frozen=True)
 class Entry:
-    """A pilot with the race that it is entered for.
+    """A pilot and the race that it flies.
 
     Attributes:
-        pilot: from what is seen to actions.
+        pilot: maps observations to actions.
         platform: configuration of the machine.
         track: its gates.
         settings: of the race.
@@ -34,12 +34,12 @@ class Entry:
 
 
 def policy_folder(chosen: PolicyEvaluation, config: StageConfig) -> Path:
-    """Return where the policy to fly is, whether or not it is there."""
+    """Return the folder of the policy to fly, whether or not it exists."""
     return Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy")
 
 
 def is_entered(chosen: PolicyEvaluation, config: StageConfig) -> bool:
-    """Return whether there is somebody to fly: a policy that is named or was trained, or another pilot."""
+    """Return whether there is a pilot: a named or trained policy, or another pilot."""
     return chosen.pilot != POLICY or bool(chosen.policy) or policy_folder(chosen, config).exists()
 
 
@@ -51,7 +51,7 @@ def entered(
     config: StageConfig,
     run: StageRun,
 ) -> Entry:
-    """Return who flies, and what; a policy brings the machine and the race that it was trained for.
+    """Return pilot, machine and race; a policy brings the machine and the race that it was trained for.
 
     Raises:
         InputError: when there is no such pilot or no such policy, when it was trained for another machine than the

@@ -1,4 +1,4 @@
-"""The simulator that a stage of policies is told to use."""
+"""The simulator that a policy stage uses."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any

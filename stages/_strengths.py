@@ -1,4 +1,4 @@
-"""The strength of what a case conceals, settled on the machine and the motion that it is concealed in."""
+"""The size of concealed effects in a benchmark case, set so that the case is as clear or faint as its category."""
 
 from dataclasses import replace
 from functools import partial
@@ -9,14 +9,14 @@ if TYPE_CHECKING:
 
 
 def settled(case: Any, config: "ProveStage") -> tuple[Any, dict[str, float]]:
-    """Make what a case conceals as strong as its subject says.
+    """Scale the effects of a case to the size that its category demands.
 
     Args:
         case: of `draw_cases`, its effects at their usual strength.
         config: of the stages.
 
     Returns:
-        The case, and by effect the energy that it adds to the residual over that of the sensors' noise.
+        The case, and per effect the energy that it adds to the residual, divided by the noise energy.
     """
     from simgap.benchmark.strength import settle_strength
 
@@ -33,10 +33,10 @@ def _energy_of(case: Any, effect: str, config: "ProveStage", strength: float) ->
 
 
 def energy_over_noise(case: Any, effect: str, config: "ProveStage") -> float:
-    """Return the energy over the noise's that an effect explains, in the channel where it explains most.
+    """Return the energy that an effect explains over the noise energy, in the channel where it explains most.
 
-    One recording, two simulators: one that knows all that is concealed, one that lacks the effect alone. What makes
-    something late by less than samples can tell shows nothing, since nobody may name it.
+    Two simulators are compared on one recording: one with all concealed effects, one without this effect. A delay
+    that is shorter than the sampling can show counts as zero, since the diagnosis does not name it.
     """
     from simgap.effects import effect_by_key
     from simgap.gap.prepare import prepare
@@ -77,7 +77,7 @@ def energy_over_noise(case: Any, effect: str, config: "ProveStage") -> float:
 
 
 def _known(kind: str, key: dict[str, Any]) -> dict[str, dict[str, float]]:
-    """Return what the catalogue's effects of a key amount to, by the catalogue's key."""
+    """Return the parameter values of an answer key, by the catalogue's key of each effect."""
     from simgap.benchmark.score import effect_name
 
     known = {}

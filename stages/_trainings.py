@@ -1,4 +1,4 @@
-"""Training of a policy, from nothing or from where another one ended."""
+"""Training of a policy, from scratch or from another policy."""
 
 import json
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ def trained(
     config: StageConfig,
     run: StageRun,
 ) -> None:
-    """Train a policy and write it with its learning curve; what is interrupted goes on where it was.
+    """Train a policy and write it with its learning curve; an interrupted training is resumed.
 
     Args:
         chosen: what is trained, in what and from where.
@@ -75,7 +75,7 @@ def _misjudging(chosen: PolicyTraining, run: StageRun) -> "Misjudging | None":
 
 
 def _go_on(training: "Training", folder: Path) -> None:
-    """Give a training the policy and the critic that another one ended with."""
+    """Start a training from the policy and the critic of another one."""
     from simgap.policies.storage import load_critic, load_policy
 
     learner = training.learner
@@ -93,7 +93,7 @@ def _write(
     measures: dict[str, float],
     folder: Path,
 ) -> None:
-    """Write the policy for this project, and for machines that know nothing of it."""
+    """Write the policy in the format of this project and in one that needs nothing of it."""
     from simgap.policies.export import export_policy
     from simgap.policies.racing.entry import described_race
     from simgap.policies.racing.racing import Racing

@@ -1,4 +1,4 @@
-"""The stage that writes down what is believed of a machine before it is diagnosed."""
+"""The stage that builds the nominal simulator."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,7 +12,7 @@ MARGIN = 0.1  # s
 
 @dataclass
 class BuildSimStage(StageConfig):
-    """What building a simulator reads of the configuration."""
+    """The configuration of building a simulator."""
 
     recording: str | None = None
     platform: dict[str, Any] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""From benchmarks on calibration seeds to the coefficients that stated probabilities are made with."""
+"""The stage that fits the coefficients of the probabilities to benchmarks on calibration seeds."""
 
 import json
 from dataclasses import dataclass, field
@@ -9,14 +9,14 @@ from simgap.runner import StageConfig, StageRun, stage
 
 @dataclass
 class CalibrateStage(StageConfig):
-    """What calibration reads of the configuration."""
+    """The configuration of calibration."""
 
     prove: Benchmark = field(default_factory=Benchmark)
 
 
 @stage(CalibrateStage)
 def calibrate(config: CalibrateStage, run: StageRun) -> None:
-    """Fit stated probabilities to how often names were right, on benchmarks that score nothing."""
+    """Fit the coefficients of the probabilities to benchmark results on calibration seeds."""
     import yaml
 
     from simgap.benchmark.calibration import fit_calibration, statements_of

@@ -1,4 +1,4 @@
-"""The stage that makes a recording usable and says what it changed."""
+"""The stage that cleans a recording and reports every change."""
 
 from dataclasses import dataclass, field
 
@@ -9,7 +9,7 @@ from simgap.runner import StageConfig, StageRun, stage
 
 @dataclass
 class CleanStage(StageConfig):
-    """What cleaning reads of the configuration."""
+    """The configuration of cleaning."""
 
     recording: str | None = None
     dataset: Dataset = field(default_factory=Dataset)
@@ -18,7 +18,7 @@ class CleanStage(StageConfig):
 
 @stage(CleanStage)
 def clean(config: CleanStage, run: StageRun) -> None:
-    """Clean a recording: resample, fill, cut, split, and say what was changed."""
+    """Clean a recording: resample, fill short gaps, remove unusable parts, split runs; report every change."""
     from simgap.recordings.cleaning import clean_with_coverage, summary
     from simgap.recordings.cleaning.figure import coverage_figure
     from simgap.recordings.recording import read_recording, write_recording

@@ -1,4 +1,4 @@
-"""The first stage: the configuration that all the others read."""
+"""The first stage: it checks and writes the configuration that all other stages read."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -33,7 +33,7 @@ class ConfigureStage(StageConfig):
 
 @stage(ConfigureStage)
 def configure(config: ConfigureStage, run: StageRun) -> None:
-    """Check and write down the resolved configuration, by which DVC knows which stages a change concerns."""
+    """Check and write the resolved configuration, so that DVC reruns only the stages that a change affects."""
     from dataclasses import asdict
 
     import yaml
@@ -45,7 +45,7 @@ def configure(config: ConfigureStage, run: StageRun) -> None:
 
 
 def check(values: dict[str, Any]) -> None:
-    """Let every stage check what it will read: a mistake should come to light now, not after minutes of work.
+    """Check the configuration of every stage, so that mistakes show now and not after minutes of work.
 
     Raises:
         InputError: on a key that a stage does not know and on a value of the wrong type.

@@ -1,4 +1,4 @@
-"""The stage that takes what was planned or trained to the concealed plant."""
+"""The stage that runs a trained policy or a planned motion on the simulated plant with concealed effects."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -23,7 +23,7 @@ TRIALS = "trials.parquet"
 
 @dataclass
 class DeployStage(StageConfig):
-    """What deployment reads of the configuration."""
+    """The configuration of deployment."""
 
     platform: dict[str, Any] = field(default_factory=dict)
     record: dict[str, Any] = field(default_factory=dict)
@@ -36,7 +36,7 @@ class DeployStage(StageConfig):
 
 @stage(DeployStage)
 def deploy(config: DeployStage, run: StageRun) -> None:
-    """Take it to the concealed plant: a quadrotor races its policy, a swerve drive is driven by what was planned."""
+    """Run the policy (quadrotor) or the planned motion (swerve drive) on the simulated plant."""
     from simgap.platforms import Quadrotor, platform_from_config
     from simgap.stages._pilots import is_entered
 
@@ -51,7 +51,7 @@ def deploy(config: DeployStage, run: StageRun) -> None:
 
 
 def race(config: DeployStage, run: StageRun) -> None:
-    """Race as `evaluate` does, on concealed machines, and record some of the flights."""
+    """Race as `evaluate` does, but on the plant, and record some of the flights."""
     from simgap.plants import case_from_config
     from simgap.plants.race import RacedMachines
     from simgap.platforms import platform_from_config
@@ -89,7 +89,7 @@ def _recorded(lengths: "NDArray[np.float64]", chosen: Deployment) -> "NDArray[np
 
 
 def _drive(config: DeployStage, run: StageRun) -> None:
-    """Drive the smoothed voltages of a motion, trial by trial, and say where it came to rest."""
+    """Drive the smoothed voltages of a motion in several trials and report where the robot stops."""
     from simgap.policies.profile.contenders import measures
     from simgap.policies.profile.motion import drive_open_loop
     from simgap.policies.profile.smoothing import smoothed
@@ -111,7 +111,7 @@ def _drive(config: DeployStage, run: StageRun) -> None:
 
 
 def _plan(config: DeployStage) -> Path:
-    """Return where the motions are that may be driven, whether or not they are there."""
+    """Return the folder of the planned motions, whether or not it exists."""
     from simgap.policies.profile.storage import FILE
 
     return Path(config.deploy.plan) / FILE if config.deploy.plan else config.artifact("profile", FILE)

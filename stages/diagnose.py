@@ -1,4 +1,4 @@
-"""The stage that says which physics a simulator lacks."""
+"""The stage that finds the physics that a simulator lacks."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,7 +19,7 @@ _TIMES_NOISE = (
 
 @dataclass
 class DiagnoseStage(StageConfig):
-    """What the diagnosis reads of the configuration."""
+    """The configuration of the diagnosis."""
 
     recording: str | None = None
     platform: dict[str, Any] = field(default_factory=dict)
@@ -31,7 +31,7 @@ class DiagnoseStage(StageConfig):
 
 @stage(DiagnoseStage)
 def diagnose(config: DiagnoseStage, run: StageRun) -> None:
-    """Say where a simulator and a recording differ, which physics was left out, and prove it."""
+    """Find where a simulator and a recording differ, name the missing physics, and validate it on held-out runs."""
     import torch
 
     from simgap.gap.contract import diagnosis_document, write_json

@@ -1,4 +1,4 @@
-"""The catalogue of effects, for a person to read; not a stage of the pipeline."""
+"""The command that shows the effect catalogue; not a stage of the pipeline."""
 
 import argparse
 import sys
@@ -11,7 +11,7 @@ from simgap.runner.project import nearest
 
 
 def effects(kind: str | None = None, name: str | None = None) -> None:
-    """List the physics that a diagnosis can name; with a kind and a name, say everything about an effect."""
+    """List the effects that a diagnosis can name; with a kind and a name, describe one effect."""
     from simgap.effects import effect_by_key, effects_of, kinds
     from simgap.effects.listing import description, listing
 

@@ -10,7 +10,7 @@ from simgap.runner import StageConfig, StageRun, stage
 
 @dataclass
 class EvaluateStage(StageConfig):
-    """What evaluating a policy reads of the configuration."""
+    """The configuration of policy evaluation."""
 
     platform: dict[str, Any] = field(default_factory=dict)
     track: TrackSettings = field(default_factory=TrackSettings)
@@ -20,7 +20,7 @@ class EvaluateStage(StageConfig):
 
 @stage(EvaluateStage)
 def evaluate(config: EvaluateStage, run: StageRun) -> None:
-    """Race a policy through its track from perturbed starts, and say how fast and how safely it flew."""
+    """Race a policy in simulation from perturbed starts; report lap times and crashes."""
     from simgap.stages._pilots import is_entered
 
     if not is_entered(config.evaluate, config):

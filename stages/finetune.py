@@ -1,4 +1,4 @@
-"""The stage that trains a policy further in what reality left over."""
+"""The stage that fine-tunes a policy with the residuals of its own flights."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class FinetuneStage(StageConfig):
-    """What training a policy further reads of the configuration."""
+    """The configuration of fine-tuning."""
 
     train_policy: PolicyTraining = field(default_factory=PolicyTraining)
     finetune: PolicyFinetuning = field(default_factory=PolicyFinetuning)
@@ -22,7 +22,7 @@ class FinetuneStage(StageConfig):
 
 @stage(FinetuneStage)
 def finetune(config: FinetuneStage, run: StageRun) -> None:
-    """Train a policy further in the simulator with the residuals that its flights in reality showed."""
+    """Fine-tune a policy in the simulator plus the residuals of its flights on the plant."""
     from simgap.policies.racing.entry import gone_on_with, trained_race
     from simgap.policies.storage import load_policy
 

@@ -1,4 +1,4 @@
-"""The stage that finds what a simulator still misses in flights of a policy."""
+"""The stage that identifies the residual of a simulator from flights of a policy."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class IdentifyResidualStage(StageConfig):
-    """What finding residuals reads of the configuration."""
+    """The configuration of residual identification."""
 
     platform: dict[str, Any] = field(default_factory=dict)
     dataset: Dataset = field(default_factory=Dataset)
@@ -28,7 +28,7 @@ class IdentifyResidualStage(StageConfig):
 
 @stage(IdentifyResidualStage)
 def identify_residual(config: IdentifyResidualStage, run: StageRun) -> None:
-    """Find what the on-board estimate and the simulator get wrong along recorded flights."""
+    """Identify the errors of the on-board estimate and of the simulator along recorded flights."""
     from simgap.platforms import Quadrotor, platform_from_config
     from simgap.simulation import write_simulator
     from simgap.stages._simulators import chosen_simulator

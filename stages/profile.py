@@ -1,4 +1,4 @@
-"""The stage that brings an identified swerve drive from rest to rest as fast as it can; not a stage of every branch."""
+"""The stage that plans the fastest rest-to-rest motion of an identified swerve drive; not part of every branch."""
 
 import math
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ FIGURE = "motions.svg"
 
 @dataclass
 class ProfileStage(StageConfig):
-    """What motion profiles read of the configuration."""
+    """The configuration of motion profiles."""
 
     platform: dict[str, Any] = field(default_factory=dict)
     profile: Profile = field(default_factory=Profile)
@@ -39,7 +39,7 @@ def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
 
 @stage(ProfileStage, compared)
 def profile(config: ProfileStage, run: StageRun) -> None:
-    """Drive straight from rest to rest: classical profiles, a policy trained by PPO, and the time-optimal bound."""
+    """Compare rest-to-rest motions: classical profiles, a policy trained by PPO, and the time-optimal bound."""
     from simgap.policies.profile import contenders
     from simgap.policies.profile.storage import write_motions
     from simgap.report.motions import draw_motions

@@ -1,4 +1,4 @@
-"""The benchmark: concealed cases against their sealed keys, and published recordings against what is known of them."""
+"""The benchmark: simulated cases with sealed answer keys, and published recordings with known effects."""
 
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,7 @@ from simgap.stages._benchmark_case import Concealed, ProveStage, Published, exam
 
 @stage(ProveStage)
 def prove(config: ProveStage, run: StageRun) -> None:
-    """Draw concealed cases, diagnose them, and score the answers against their sealed keys."""
+    """Measure the diagnosis: draw cases with concealed effects, diagnose them, score the answers."""
     from simgap.benchmark.calibration import is_for_calibration
     from simgap.benchmark.page import results_text, write_docs
     from simgap.benchmark.running import run_cases, write_whole
@@ -57,7 +57,7 @@ def _published(config: ProveStage) -> dict[str, Published]:
 def _scored(
     name: str, task: Concealed | Published, answer: dict[str, Any], config: ProveStage
 ) -> dict[str, Any]:
-    """Open the key only now, when the answer is written, and hold the answer against it."""
+    """Open the key, now that the answer is written, and score the answer."""
     from simgap.benchmark.published import score_published
     from simgap.benchmark.score import open_key, score_case
 
@@ -82,7 +82,7 @@ def _composed(override: str) -> dict[str, Any]:
 
 
 def _identity(task: Concealed | Published) -> str:
-    """Return what an answer belongs to: the case with its settings, and the code that decides."""
+    """Return the hash of all that an answer depends on: case, settings and code."""
     from simgap.artifacts import hash_value
     from simgap.benchmark.settings import hash_of_code
 

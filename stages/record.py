@@ -1,4 +1,4 @@
-"""The stage that brings a recording in: published, a person's own, or made by a concealed plant."""
+"""The stage that provides the recording: published, a user's own, or made by a simulated plant."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from simgap.runner import StageConfig, StageRun, stage
 
 @dataclass
 class RecordStage(StageConfig):
-    """What recording reads of the configuration."""
+    """The configuration of recording."""
 
     platform: dict[str, Any] = field(default_factory=dict)
     dataset: Dataset = field(default_factory=Dataset)
@@ -20,7 +20,7 @@ class RecordStage(StageConfig):
 
 @stage(RecordStage)
 def record(config: RecordStage, run: StageRun) -> None:
-    """Record: fetch and import a dataset, or run a concealed plant and seal its answer."""
+    """Get the recording: import a dataset, or run a simulated plant and seal its answer key."""
     from simgap.recordings.load import load_dataset
     from simgap.recordings.recording import write_recording
 
@@ -34,7 +34,7 @@ def record(config: RecordStage, run: StageRun) -> None:
 
 
 def _made(config: RecordStage, run: StageRun) -> Any:
-    """Run the configured case of the platform's kind; its key goes where no other stage looks."""
+    """Run the configured case of the platform's kind; the key is written where no other stage reads."""
     from simgap.plants import case_from_config, record_case
     from simgap.plants.fly import key_text
     from simgap.platforms import platform_from_config
@@ -70,7 +70,7 @@ def record_drawn(case: Any) -> tuple[Any, dict[str, Any]]:
 
 
 def record_sealed(case: Any, path: Path, sealed: Path) -> str:
-    """Record a drawn case and write its key where only who scores it looks.
+    """Record a drawn case and write its key where only the scorer reads.
 
     Args:
         case: of `draw_cases`.

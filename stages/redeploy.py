@@ -1,4 +1,4 @@
-"""The stage that takes the policy that was trained further back to the concealed plant."""
+"""The stage that runs the fine-tuned policy on the simulated plant."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from simgap.stages.deploy import DeployStage, race
 
 @stage(DeployStage)
 def redeploy(config: DeployStage, run: StageRun) -> None:
-    """Race the policy that was trained further, as deploy did with the one that it comes from."""
+    """Race the fine-tuned policy on the simulated plant, as `deploy` did with the policy before."""
     policy = config.artifact("finetune", "policy")
     if policy.exists():
         race(replace(config, evaluate=replace(config.evaluate, policy=str(policy))), run)

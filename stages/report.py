@@ -1,4 +1,4 @@
-"""The page of a pipeline run."""
+"""The stage that writes the page of a pipeline run."""
 
 import json
 from dataclasses import dataclass, field
@@ -13,14 +13,14 @@ FINAL = ("gap_closed", "before", "after", "noise_floor")
 
 @dataclass
 class ReportStage(StageConfig):
-    """What the report reads of the configuration."""
+    """The configuration of the report."""
 
     report: Drawing = field(default_factory=Drawing)
 
 
 @stage(ReportStage)
 def report(config: ReportStage, run: StageRun) -> None:
-    """Write one self-contained page: the verdict, what supports it, and where the data come from."""
+    """Write one self-contained page: the verdict, its evidence, and the origin of the data."""
     inputs = ReportInputs.of_branch(Path(config.artifacts), config.name)
     for folder in inputs.folders:
         run.input(folder)

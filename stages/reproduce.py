@@ -1,4 +1,4 @@
-"""The whole pipeline of a branch in one command; not itself a stage of it."""
+"""The command that runs the whole pipeline of a branch."""
 
 import argparse
 import sys
@@ -20,7 +20,7 @@ _ORIGINS = {
 
 
 def reproduce(branch: str | None = None) -> None:
-    """Reproduce a branch of the pipeline; by default the best one whose recordings can be reached."""
+    """Run a branch of the pipeline; by default the best one whose recordings are available."""
     branch, reason = choose(branch)
     print(f"branch {branch}: {reason}", flush=True)
     artifacts = PROJECT_ROOT / "artifacts" / branch
@@ -41,7 +41,7 @@ def _reproduce(stage: str, branch: str) -> None:
 
 
 def write_first_page(artifacts: Path, branch: str) -> Path:
-    """Write what is known before anything is trained: it can be read while a policy takes its minutes."""
+    """Write the page of the diagnosis before training starts, so that it can be read meanwhile."""
     from simgap.report import ReportInputs, write_page
 
     page = artifacts / "diagnosis.html"

@@ -1,4 +1,4 @@
-"""The page of results, for a person to read; not a stage of the pipeline."""
+"""The command that writes docs/results.md; not a stage of the pipeline."""
 
 import argparse
 import sys
@@ -14,7 +14,7 @@ SWEEPS = "artifacts/*/sweeps/*"
 
 
 def results(sweeps: Sequence[Path], docs: Path) -> None:
-    """Write the sections of docs/results.md from the sweeps that were run; the sections of others stay as they are."""
+    """Write the sections of docs/results.md for the sweeps that were run; other sections stay unchanged."""
     from simgap.comparison.page import PAGE, write_section
     from simgap.runner.comparing import FOLDER
 

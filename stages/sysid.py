@@ -9,7 +9,7 @@ from simgap.runner import StageConfig, StageRun, stage
 
 @dataclass
 class SysidStage(StageConfig):
-    """What identification reads of the configuration."""
+    """The configuration of identification."""
 
     recording: str | None = None
     platform: dict[str, Any] = field(default_factory=dict)

@@ -25,7 +25,7 @@ DISTRIBUTION = "distribution"  # beside the quantities: quantiles of the errors
 
 @dataclass
 class TrainStage(StageConfig):
-    """What training reads of the configuration."""
+    """The configuration of training."""
 
     recording: str | None = None
     platform: dict[str, Any] = field(default_factory=dict)
@@ -34,7 +34,7 @@ class TrainStage(StageConfig):
 
 
 def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
-    """Return the scores of a model, and the errors of the assumption that nothing changes."""
+    """Return the scores of a model, and those of persistence (nothing changes)."""
     scores = flat(metrics)
     naive = {name.removesuffix(NAIVE): value for name, value in scores.items() if name.endswith(NAIVE)}
     own = {name.removesuffix("/model"): value for name, value in scores.items() if not name.endswith(NAIVE)}
@@ -43,7 +43,7 @@ def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
 
 @stage(TrainStage, compared)
 def train(config: TrainStage, run: StageRun) -> None:
-    """Train a learned dynamics model and score it on held-out runs against persistence."""
+    """Train a learned dynamics model and compare it with persistence on held-out runs."""
     if config.train.enabled:
         _train(config, run)
         return

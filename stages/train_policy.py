@@ -12,7 +12,7 @@ from simgap.stages._trainings import trained
 
 @dataclass
 class TrainPolicyStage(StageConfig):
-    """What training a policy reads of the configuration."""
+    """The configuration of policy training."""
 
     platform: dict[str, Any] = field(default_factory=dict)
     track: TrackSettings = field(default_factory=TrackSettings)
@@ -21,7 +21,7 @@ class TrainPolicyStage(StageConfig):
 
 @stage(TrainPolicyStage)
 def train_policy(config: TrainPolicyStage, run: StageRun) -> None:
-    """Train a policy in a simulator by PPO, to race through the gates of a track."""
+    """Train a racing policy in a simulator by PPO."""
     task = config.train_policy.task
     if task is None:
         run.leave_out(

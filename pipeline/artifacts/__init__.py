@@ -1,4 +1,4 @@
-"""Floor 0: files that are whole or not there, hashed, and long work that shows how far it is."""
+"""Floor 0: atomic writes, hashes of artifacts, progress of long work."""
 
 from simgap.artifacts.atomic import staged_directory
 from simgap.artifacts.checkpoints import checkpoint_folder, remove_checkpoint

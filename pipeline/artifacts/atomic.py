@@ -1,8 +1,8 @@
-"""A directory that is whole or not there.
+"""Atomic writing of directories.
 
-What a stage writes goes to a hidden sibling of the target, `.partial-NAME-…`, and is renamed into place at
-the end. The writer holds a lock on that sibling; the system drops the lock when the process dies, however it
-dies, so that the next writer recognises what was left behind and removes it.
+A stage writes to a hidden sibling of the target, `.partial-NAME-…`, which is renamed into place at the end. The
+writer locks that sibling. The system releases the lock when the process ends in any way, so that the next writer
+recognises and removes an abandoned one.
 """
 
 import errno

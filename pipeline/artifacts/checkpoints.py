@@ -1,4 +1,4 @@
-"""Where an interrupted training left what it needs to go on."""
+"""The checkpoint folder of an interrupted training."""
 
 import shutil
 from contextlib import suppress

@@ -1,4 +1,4 @@
-"""A YAML description for people, and beside it numbers in safetensors files whose hashes it names.
+"""A readable YAML description with numbers in safetensors files, whose hashes it holds.
 
 Reading executes nothing.
 """

@@ -1,4 +1,4 @@
-"""The identity of an artifact: SHA-256 of its content, whatever its time stamps and its place."""
+"""The identity of an artifact: SHA-256 of its content, independent of time stamps and location."""
 
 import hashlib
 import json

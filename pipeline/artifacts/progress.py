@@ -1,4 +1,4 @@
-"""How far long work has come: a bar on a terminal, plain lines in a log."""
+"""Progress of long work: a bar on a terminal, plain lines in a log."""
 
 import logging
 import sys
@@ -33,14 +33,14 @@ def progress(iterable: Iterable[Item], label: str, total: int | None = None) -> 
 
 
 class Pace:
-    """Says in a line where work of unknown length is, when ten seconds have passed since the last."""
+    """Logs where work of unknown length is, at most every ten seconds."""
 
     def __init__(self, label: str) -> None:
         self.label = label
         self._start = self._told = time.monotonic()
 
     def tell(self, where: str) -> None:
-        """Say where the work is, if it is time to."""
+        """Log the current step, if ten seconds have passed."""
         now = time.monotonic()
         if now - self._told >= LINE_SECONDS:
             _log.info("%s: %s after %.0f s", self.label, where, now - self._start)
@@ -60,7 +60,7 @@ def _with_lines(iterable: Iterable[Item], label: str, total: int | None) -> Iter
 
 
 def _left(done: int, total: int | None, seconds: float) -> str:
-    """Say how long the rest takes if it goes on as before; nothing where that is not known."""
+    """Return the remaining time at the present rate; empty where it is unknown."""
     if total is None or done == 0:
         return ""
     left = seconds / done * (total - done)

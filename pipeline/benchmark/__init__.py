@@ -1,1 +1,1 @@
-"""Floor 6: how good the diagnosis is, measured on cases whose answer is known; reads keys and diagnoses alone."""
+"""Floor 6: the benchmark of the diagnosis on cases with known answers; it reads answer keys and diagnoses only."""

@@ -1,4 +1,4 @@
-"""How stated probabilities follow from features: a logistic regression on how often names were right."""
+"""Calibration of probabilities: a logistic regression of "the named effect is present" on its features."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -25,11 +25,11 @@ class Statement:
     """One effect that a diagnosis named.
 
     Attributes:
-        case: that it was named in.
-        features: by name, of `Features.scaled`.
-        kind: of platform.
-        weight: of the effect among those that the recording cannot tell from it.
-        true: whether it is there.
+        case: name of the case.
+        features: `Features.scaled`, by name.
+        kind: kind of platform.
+        weight: posterior weight of the effect among its look-alikes.
+        true: whether the effect is present.
     """
 
     case: str
@@ -40,7 +40,7 @@ class Statement:
 
 
 def is_for_calibration(seed: int) -> bool:
-    """Whether benchmarks of a seed fit probabilities; else they score them."""
+    """Whether a seed is reserved for calibration; other seeds are for scoring."""
     return seed in SEEDS
 
 
@@ -69,7 +69,7 @@ def statements_of(results: Sequence[Mapping[str, Any]]) -> list[Statement]:
 
 
 def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
-    """Fit the logistic regression and say how well it keeps its word on cases that it was not fitted on.
+    """Fit the logistic regression and measure its calibration on left-out cases.
 
     A feature whose coefficient comes out against its direction is left out: more evidence never lowers a probability.
     Every kind of platform has an intercept of its own, drawn towards that of all (partial pooling).

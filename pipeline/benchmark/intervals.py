@@ -1,4 +1,4 @@
-"""Shares with their confidence intervals, and quantiles of what there is."""
+"""Shares with confidence intervals, and quantiles."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -12,8 +12,8 @@ class Share:
     """A share of cases.
 
     Attributes:
-        count: cases of which something is true.
-        total: cases there are.
+        count: number of cases in which something is true.
+        total: number of cases.
     """
 
     count: int | float
@@ -36,7 +36,7 @@ class Share:
 
     @property
     def text(self) -> str:
-        """As a person reads it: percent, interval, cases."""
+        """The share as text: percent, interval, cases."""
         if not self.total:
             return "no cases"
         low, high = self.interval

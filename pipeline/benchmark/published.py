@@ -1,4 +1,4 @@
-"""Published recordings whose answer is known: what was found of it, and whether what is taken out is put back."""
+"""Published recordings with known effects: which were found, and whether a removed effect is named again."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Whether stated probabilities are kept: Brier score, expected calibration error, and their picture."""
+"""Calibration of stated probabilities: Brier score, expected calibration error, reliability diagram."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from simgap.benchmark.intervals import Share
 
 BINS = 10
 
-_DRAWS = 1000  # of outcomes, for what chance leaves
+_DRAWS = 1000  # of outcomes, for the calibration error by chance
 
 _SIZE, _LEFT, _TOP = 320, 60, 30  # px
 
@@ -21,7 +21,7 @@ class Bin:
 
     Attributes:
         stated: their mean probability.
-        kept: how many were true.
+        kept: share that is true.
     """
 
     stated: float
@@ -29,7 +29,7 @@ class Bin:
 
 
 def brier_score(stated: Sequence[tuple[float, bool]]) -> float:
-    """Return the mean squared distance of probabilities from what is true (Brier 1950, Monthly Weather Review 78)."""
+    """Return the mean squared error of probabilities (Brier 1950, Monthly Weather Review 78)."""
     return sum((p - true) ** 2 for p, true in stated) / len(stated) if stated else math.nan
 
 
@@ -45,7 +45,7 @@ def reliability(stated: Sequence[tuple[float, bool]]) -> list[Bin]:
 
 
 def calibration_error(stated: Sequence[tuple[float, bool]]) -> float:
-    """Return the expected calibration error: the mean distance of stated from kept, over bins by their size.
+    """Return the expected calibration error: |stated − true share|, averaged over bins by their size.
 
     Source: Naeini, Cooper & Hauskrecht 2015, Obtaining well calibrated probabilities using Bayesian binning (AAAI).
     """
@@ -59,9 +59,9 @@ def calibration_error(stated: Sequence[tuple[float, bool]]) -> float:
 
 
 def calibration_error_by_chance(stated: Sequence[tuple[float, bool]]) -> float:
-    """Return the calibration error that probabilities would have on average if all of them were kept.
+    """Return the mean calibration error of perfectly calibrated probabilities.
 
-    It is above zero for any finite number of statements: a bin of few can never hold the share that it promises.
+    It is above zero for any finite number of statements: a small bin cannot contain exactly the stated share.
     """
     if not stated:
         return math.nan

@@ -1,4 +1,4 @@
-"""Many cases side by side: each result is whole or not there, so that a killed run continues."""
+"""Cases in parallel processes. Each result is written atomically, so that an interrupted run continues."""
 
 import json
 import multiprocessing
@@ -22,7 +22,7 @@ Work = Callable[[Any, Path], dict[str, Any]]
 def run_cases(
     tasks: Mapping[str, Any], work: Work, folder: Path, jobs: int, identity: Callable[[Any], str]
 ) -> dict[str, dict[str, Any]]:
-    """Do what is not done yet and return all results by the name of the task.
+    """Run the tasks that have no result yet, and return all results by task name.
 
     Args:
         tasks: by name; each can be pickled.
@@ -61,7 +61,7 @@ def _worked(
 
 
 def _begin() -> None:
-    """Let a process of the pool have one thread, and end it where the one that started it is killed."""
+    """Limit a worker process to one thread, and end it if its parent is killed."""
     one_thread()
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

@@ -1,4 +1,4 @@
-"""One case: what was concealed against what the diagnosis says."""
+"""The score of one case: concealed effects against the diagnosis."""
 
 import hashlib
 import json
@@ -13,7 +13,7 @@ BELIEVED = 0.5
 """The probability above which a name counts as an assertion."""
 
 OUTCOMES = ("right", "ambiguous", "wrong", "unnamed", "missed", "failed")
-"""What became of a case that conceals an effect; see `outcome_of`."""
+"""The outcomes of a case with a concealed effect; see `outcome_of`."""
 
 _FAILED: dict[str, Any] = {
     "named": [],
@@ -49,7 +49,7 @@ def open_key(path: Path, source: str) -> dict[str, Any]:
 def score_case(
     key: Mapping[str, Any], diagnosis: Mapping[str, Any] | None, wanted: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """Return how right a diagnosis is.
+    """Score a diagnosis against its answer key.
 
     Args:
         key: what was concealed.
@@ -84,14 +84,14 @@ def score_case(
 
 
 def effect_name(effect: Mapping[str, Any], grouped: bool = True) -> str:
-    """Return an effect's name, with the group that it acts on where keys tell groups apart (`NAME@GROUP`)."""
+    """Return an effect's name, with its group where keys distinguish groups (`NAME@GROUP`)."""
     return f"{effect['name']}@{effect['acts_on']}" if grouped and "acts_on" in effect else str(effect["name"])
 
 
 def outcome_of(
     concealed: Sequence[str], named: Sequence[str], diagnosis: Mapping[str, Any], grouped: bool
 ) -> str:
-    """Say what became of a case.
+    """Return the outcome of a case.
 
     `right`: the first name is concealed (nothing is named where nothing is concealed). `ambiguous`: it is not, but the
     diagnosis lists it with a concealed effect as not to be told apart. `wrong`: it is neither. `unnamed`: no name, but
@@ -112,7 +112,7 @@ def outcome_of(
 
 
 def right_verdict(key: Mapping[str, Any]) -> str:
-    """Return the verdict that a case deserves."""
+    """Return the right verdict of a case."""
     names = [effect["name"] for effect in key["effects"]]
     if any(not name.endswith("_error") for name in names):
         return "missing_physics"

@@ -1,4 +1,4 @@
-"""What a person may change about the concealed benchmark."""
+"""Settings of the benchmark."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -59,7 +59,7 @@ def table_of(settings: Benchmark, kind: str) -> Mapping[str, Any]:
 
 @cache
 def hash_of_code() -> str:
-    """Return the hash of the code that decides what is recorded and what is answered."""
+    """Return the hash of the code that recordings and answers depend on."""
     files = sorted(
         path for part in _DECIDING for path in (PACKAGE / part).rglob("*") if path.suffix in {".py", ".yaml"}
     )

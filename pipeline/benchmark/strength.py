@@ -1,20 +1,20 @@
-"""How strong a concealed effect has to be to be clear, or faint, on its machine and motion."""
+"""The size at which a concealed effect is clear, or faint, on its machine and motion."""
 
 import math
 from collections.abc import Callable
 
 BOUNDS = {"clear": (10.0, math.inf), "faint": (0.5, 2.0)}
-"""Energy that an effect adds to the residual over that of the sensors' noise: far above it, and near it."""
+"""Energy that an effect adds to the residual, divided by the noise energy: low and high limit."""
 
 MOST = 5.0
-"""Times the usual strength that an effect may have: more is no machine that anybody runs."""
+"""Greatest size of an effect, as a multiple of its usual size; more is unrealistic."""
 
 _TRIES = 10
 _STEP = 30.0  # by which a strength changes at most from one try to the next
 
 
 def settle_strength(energy_of: Callable[[float], float], wanted: str) -> tuple[float, float]:
-    """Return the strength at which an effect is clear or faint, and its energy there.
+    """Return the size at which an effect is clear or faint, and its energy there.
 
     The energy grows with about the square of the strength, which gives the next try; between a try that was too faint
     and one that was too strong, it is their geometric mean. An effect that is clear at its usual strength keeps it.

@@ -1,4 +1,4 @@
-"""Floor 0: what the jobs of a sweep have shown, side by side: tables, a figure, a page."""
+"""Floor 0: comparison of the jobs of a sweep: tables, a figure, a page."""
 
 from simgap.comparison.settings import Results
 

@@ -1,4 +1,4 @@
-"""What the jobs of a sweep have shown, as it is kept in a file."""
+"""The results of a sweep, as stored in a file."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -38,7 +38,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Comparison:
-    """All that a sweep has shown.
+    """The results of a sweep.
 
     Attributes:
         name: of the sweep: its preset, or its stage.

@@ -1,4 +1,4 @@
-"""The figure of a comparison: curves over what was swept, or bars where that is no number."""
+"""The figure of a comparison: curves over a swept number, bars otherwise."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What a person may say about how the jobs of a sweep are compared."""
+"""Settings of the comparison of a sweep."""
 
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,4 +1,4 @@
-"""A comparison as tables: a row per configuration, with its seeds taken together, and a column per metric."""
+"""A comparison as tables: one row per configuration (mean over seeds), one column per metric."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -35,7 +35,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Row:
-    """One configuration, or something that all are held against.
+    """One configuration or a reference.
 
     Attributes:
         values: what was swept, by key; empty for a reference.
@@ -67,7 +67,7 @@ class Table:
     baseline: Row | None = None
 
     def change(self, row: Row, column: str) -> float | None:
-        """Return by which share of the baseline a row lies above it; None where that says nothing."""
+        """Return the relative change against the baseline; None where it is undefined."""
         if self.baseline is None or row is self.baseline or row.reference:
             return None
         usual = self.baseline.entries[column].mean

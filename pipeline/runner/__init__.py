@@ -1,4 +1,4 @@
-"""Floor 0: what makes a function a stage."""
+"""Floor 0: runs a function as a pipeline stage: configuration, tracking, outputs, command line, sweeps."""
 
 from simgap.runner.config import StageConfig
 from simgap.runner.run import StageRun

@@ -1,4 +1,4 @@
-"""A stage on the command line: flags, help, one line for a mistake, exit codes."""
+"""The command line of a stage: flags, help, one-line errors, exit codes."""
 
 import argparse
 import logging
@@ -20,7 +20,7 @@ INTERRUPTED = 130
 
 
 def run_command(stage: "Stage[Any]", argv: Sequence[str]) -> int:
-    """Run a stage with the arguments of a command line and return the exit code: 2 for a person's mistake."""
+    """Run a stage with command-line arguments and return the exit code: 2 for a user's mistake."""
     parser = stage_parser(
         stage.name, stage.__doc__ or "", [field.name for field in fields(stage.config_class)]
     )
@@ -29,7 +29,7 @@ def run_command(stage: "Stage[Any]", argv: Sequence[str]) -> int:
 
 
 def report_mistakes(name: str, debug: bool, action: Callable[[], None]) -> int:
-    """Do something; a person's mistake becomes one line on standard error (a traceback with `debug`)."""
+    """Run work; print a user's mistake as one line on standard error (a traceback with `debug`)."""
     try:
         with _plain_output(debug):
             action()
@@ -70,7 +70,7 @@ def _run(stage: "Stage[Any]", flags: argparse.Namespace, unknown: list[str]) -> 
 
 
 def _warn_unread(stage: "Stage[Any]", overrides: Sequence[str], values: dict[str, Any]) -> None:
-    """Say that an override has no effect here: it may be meant for another stage, or be a mistake."""
+    """Warn that an override has no effect on this stage."""
     read = {field.name for field in fields(stage.config_class)}
     for override in overrides:
         first, dot, _ = override.partition("=")[0].lstrip("+~").partition(".")

@@ -1,4 +1,4 @@
-"""What becomes of the jobs of a sweep: one table and one figure, in its folder and in MLflow."""
+"""Comparison of the jobs of a sweep: a table and a figure, in the folder of the sweep and in MLflow."""
 
 import logging
 from collections.abc import Sequence
@@ -27,10 +27,10 @@ class Place:
     """The place of a job in its sweep.
 
     Attributes:
-        sweep: identifies the sweep to which all its jobs belong.
-        folder: name of the folder of the sweep: its preset, or the stage.
-        job: what the job is called among the others; also the name of its directory.
-        values: what was swept, by key.
+        sweep: identifier of the sweep.
+        folder: folder name of the sweep: its preset or the stage.
+        job: name of the job and of its directory.
+        values: swept values, by key.
     """
 
     sweep: str
@@ -41,7 +41,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Done:
-    """A job that has ended well.
+    """A job that succeeded.
 
     Attributes:
         place: of the job in its sweep.
@@ -56,7 +56,7 @@ class Done:
 
 @dataclass(frozen=True)
 class Failed:
-    """A job that could not be run.
+    """A job that failed.
 
     Attributes:
         mistake: which, and why.
@@ -66,7 +66,7 @@ class Failed:
 
 
 def write_comparison(stage: "Stage[Any]", outcomes: Sequence[Done | Failed], command: str) -> Path | None:
-    """Compare the jobs that have ended well; return the folder, or None where they have nothing to compare.
+    """Compare the jobs that succeeded; return the folder, or None if there is nothing to compare.
 
     Args:
         stage: whose jobs they are.

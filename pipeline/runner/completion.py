@@ -1,4 +1,4 @@
-"""Which jobs of a sweep are done: each leaves a note of what its output came from, so that a killed sweep goes on."""
+"""Finished jobs of a sweep. Each job stores the origin of its output, so that an interrupted sweep continues."""
 
 import json
 import sys
@@ -17,7 +17,7 @@ _ROOT = PACKAGE.parent
 
 @dataclass(frozen=True)
 class Note:
-    """What an output came from.
+    """The origin of an output.
 
     Attributes:
         identity: hash of the configuration.
@@ -48,7 +48,7 @@ class Note:
             return None
 
     def holds(self, identity: str) -> bool:
-        """Whether a job of this configuration would come to the same, inputs and code being what they were."""
+        """Whether configuration, inputs and code are unchanged, so that the job need not run again."""
         files = self.inputs | {str(_ROOT / path): digest for path, digest in self.code.items()}
         return self.identity == identity and _unchanged(files)
 

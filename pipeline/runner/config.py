@@ -1,4 +1,4 @@
-"""What every stage is told, whatever it does."""
+"""The configuration that all stages share."""
 
 from dataclasses import dataclass, field
 from pathlib import Path

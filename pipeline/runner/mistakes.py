@@ -1,4 +1,4 @@
-"""What Hydra and OmegaConf say over many lines about a mistake, said in one."""
+"""Errors of Hydra and OmegaConf as one-line input errors."""
 
 import re
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What the project offers on the command line, read without importing any of it."""
+"""The commands of the project, read without importing them."""
 
 import ast
 import difflib
@@ -17,7 +17,7 @@ def commands() -> dict[str, str]:
 
 
 def described(name: str) -> tuple[str, list[str]] | None:
-    """Return what a stage says of itself and the keys that it reads; None for a command that is no stage."""
+    """Return the description of a stage and the keys that it reads; None for a command that is not a stage."""
     module = _parse(name)
     function = _function(module, name)
     decorators = [ast.unparse(entry) for entry in function.decorator_list] if function else []
@@ -32,7 +32,7 @@ def described(name: str) -> tuple[str, list[str]] | None:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return what to do about an unknown name: the nearest known one, else all of them."""
+    """Return the remedy for an unknown name: the nearest known one, else all of them."""
     options = sorted(known)
     near = difflib.get_close_matches(name, options, n=1)
     if near:

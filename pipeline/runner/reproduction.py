@@ -1,4 +1,4 @@
-"""`dvc repro`, made safe to start again after it was killed at any moment."""
+"""`dvc repro`, which can be restarted after an interruption at any moment."""
 
 import fcntl
 import json

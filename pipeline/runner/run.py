@@ -1,4 +1,4 @@
-"""What a stage is given beside its configuration: a place to write, and ways to say what it does."""
+"""The context of a running stage: output folder, inputs, metrics, figures and messages."""
 
 import json
 import logging
@@ -65,11 +65,11 @@ class StageRun:
         self.tracker.log_figure(figure, name)
 
     def say(self, text: str) -> None:
-        """Say in one line what came out."""
+        """Print a result in one line."""
         logging.getLogger("simgap").info("%s", " ".join(text.split()))
 
     def warn(self, text: str) -> None:
-        """Say a doubt in one line on standard error."""
+        """Print a warning in one line on standard error."""
         line = " ".join(text.split())
         self.warnings.append(line)
         print(f"warning: {line}", file=sys.stderr, flush=True)
@@ -79,7 +79,7 @@ class StageRun:
         return progress(iterable, label, total)
 
     def leave_out(self, reason: str) -> None:
-        """Say why the stage has nothing to do, and write that nothing was measured: the stages after it read that."""
+        """Report why the stage has nothing to do, and write empty metrics for the stages that follow."""
         self.say(reason)
         (self.output / METRICS_FILE).write_text("{}\n")
 

@@ -1,4 +1,4 @@
-"""One stage, many configurations: `-m key=a,b,c`, serially or in parallel by Hydra's launcher."""
+"""A sweep over configurations of one stage: `-m key=a,b,c`, serial or parallel by Hydra's launcher."""
 
 import logging
 import re
@@ -29,7 +29,7 @@ _ASIDE = ("hydra/launcher", "hydra.launcher.", "results")
 
 @dataclass
 class Task:
-    """What a job of a sweep does, in this process or in a worker.
+    """The work of one job, in this process or in a worker.
 
     Attributes:
         stage: what is run.
@@ -72,7 +72,7 @@ class Task:
 
 
 def run_sweep(stage: "Stage[Any]", overrides: Sequence[str], config_dir: str | None = None) -> None:
-    """Run one job per combination of the values that are swept over, and compare what they have shown.
+    """Run one job per combination of the swept values, and compare the results.
 
     Raises:
         InputError: when jobs could not be run, after all the others have; every one is named.

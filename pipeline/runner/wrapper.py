@@ -1,4 +1,4 @@
-"""The decorator that makes a function a stage, and what happens around its call."""
+"""The decorator that makes a function a stage: configuration, seed, tracking and atomic output around its call."""
 
 import importlib
 import sys
