@@ -1,4 +1,4 @@
-"""Effects that a recording cannot tell apart."""
+"""Look-alikes: effects that a recording cannot tell apart."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _SAME = 1.0  # of a log likelihood: "not worth more than a bare mention" (Kass &
 
 @dataclass(frozen=True)
 class Rivalry:
-    """A named effect and those that explain the same residual about as well.
+    """A named effect and its look-alikes, which explain the same residual about as well.
 
     Attributes:
-        winner: what was named.
-        rivals: what could stand in for it.
-        weight: posterior weight of the winner among them all, 0..1.
+        winner: the named effect.
+        rivals: its look-alikes.
+        weight: posterior weight of the winner among all of them, 0..1.
     """
 
     winner: Effect
@@ -37,11 +37,11 @@ class Rivalry:
 
 
 def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> list[Candidate]:
-    """Return the others that predict about as well in the named effect's place.
+    """Return the effects that predict about as well in the named effect's place.
 
-    An other is a rival when it explains at least half as much and the difference to the winner, taken over clusters of
-    correlated residuals, is within chance (one-sided t test); one that says the same in other words is, when it
-    explains nearly as much. One with more parameters has to predict better, too.
+    A rival explains at least half as much, and is not significantly worse than the winner (one-sided t test over
+    clusters of correlated residuals). An equivalent description (`Effect.twins`) is a rival if it explains nearly as
+    much. A rival with more parameters must predict better, too.
     """
     close = [
         o
@@ -53,15 +53,15 @@ def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> li
 
 
 def _is_twin(winner: Candidate, other: Candidate) -> bool:
-    """Whether one says what the other says, in other words."""
+    """Whether two effects are equivalent descriptions of the same law here."""
     return other.effect.name in winner.effect.twins and other.share > _NEARLY * winner.share
 
 
 def rivalry_of(winner: Candidate, rivals: list[Candidate], cluster: Tensor) -> Rivalry | None:
-    """Weigh a named effect against its rivals by how each predicts and how many parameters it takes; None without any.
+    """Weigh a named effect against its rivals; None without rivals.
 
-    The evidence between two is that of their mean difference over clusters of correlated residuals, half its squared
-    t statistic, and Schwarz's penalty for each parameter.
+    The log evidence between two effects is half the squared t statistic of their difference over clusters, minus
+    Schwarz's penalty per parameter.
     """
     if not rivals:
         return None
@@ -91,17 +91,17 @@ def total_score(candidate: Candidate) -> float:
 
 
 def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
-    """Return whether one candidate predicts better than another beyond chance, taken over clusters of residuals."""
+    """Return whether one candidate predicts significantly better than another, over clusters of residuals."""
     strict = second.effect.name in first.effect.yields_to
     return is_beyond_chance(_difference(first, second, cluster), _STRICT_CHANCE if strict else _CHANCE)
 
 
 def is_beyond_chance(ahead: Tensor, chance: float = _CHANCE) -> bool:
-    """Return whether log likelihoods ahead of another's, summed over clusters of residuals, are so by more than chance.
+    """Return whether a gain in log likelihood per cluster is significantly positive.
 
     Args:
-        ahead: (clusters,).
-        chance: of a one-sided t test.
+        ahead: log likelihood minus that of the other, (clusters,).
+        chance: level of the one-sided t test.
     """
     if abs(float(ahead.sum())) < _SAME:
         return False
@@ -109,7 +109,7 @@ def is_beyond_chance(ahead: Tensor, chance: float = _CHANCE) -> bool:
 
 
 def is_as_good(score: Tensor, other: Tensor) -> bool:
-    """Return whether a log likelihood, summed over clusters (clusters,), falls behind another by a bare mention."""
+    """Return whether a log likelihood (clusters,) is less than another by under 1 in all: no evidence."""
     return float((other - score).sum()) < _SAME
 
 

@@ -1,4 +1,4 @@
-"""One effect's entry in the competition: where its fit starts, what it is worth, and why it may not be named."""
+"""A candidate effect in a round of the selection: its starts, its score, and the reason if it is refused."""
 
 import math
 from collections.abc import Mapping
@@ -22,12 +22,12 @@ _LEAST_ERROR = (
 _IMITATED = "smaller than the discretisation error of the equations"
 _LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 BEYOND_NOISE = 4.0
-"""Times the noise's energy: coloured noise may pass for more than the white noise it is measured by."""
+"""Times the noise energy, above which a gap counts: coloured noise may reach it."""
 _SENT = "motor_command"
 _WORSE = 1.2  # times the energy in a channel; nothing that is there makes another equation that much worse
 _PRICE = 0.1  # of the logarithm that the other channels' energies fall by, which an imperfect law may cost
 FEWEST_MORE = 5
-"""So many more clusters than parameters a name needs: errors from fewer are anything."""
+"""Clusters that are needed beyond the number of parameters: standard errors from fewer are unreliable."""
 _NOTHING = 0.05  # of the strength of what drives a machine, which no machine that was recorded has left of it
 _SHARE_OF_REST = (
     0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
@@ -36,21 +36,21 @@ _SHARE_OF_REST = (
 
 @dataclass(frozen=True)
 class Candidate:
-    """One effect's entry in a round of the competition.
+    """One candidate effect in a round of the selection.
 
     Attributes:
-        effect: what was added to the simulator of that round.
+        effect: effect that was added to the simulator of that round.
         fit: the refitted simulator.
         score: cross-validated log likelihood of each block with it, up to a constant, (blocks,).
-        gain: cross-validated log likelihood gained, corrected for correlated rows.
-        channel: of whose residual it explains the greatest part.
-        share: of the excess over the noise floor that the others leave there.
-        part: of the whole excess there, that of the nominal simulator.
-        signal: energy that it explains there over the noise's.
+        gain: gain in cross-validated log likelihood, divided by the design effect.
+        channel: index of the channel of whose residual it explains most.
+        share: explained share of the energy above the noise that the other effects leave there.
+        part: the same of what the nominal simulator leaves there.
+        signal: explained energy there over the noise energy.
         share_interval: 95 % interval of the share, over clusters of correlated residuals.
-        p_value: of the effect's parameters differing from doing nothing.
-        design_effect: how many correlated rows count as one.
-        refusal: why it may not be named; empty where it may.
+        p_value: of the Wald test of its parameters against their neutral values.
+        design_effect: ratio of robust to naive variance, at least 1.
+        refusal: reason why it is refused; empty if it is not.
     """
 
     effect: Effect
@@ -68,9 +68,9 @@ class Candidate:
 
 
 def _obeying(simulator: Simulator, held: bool) -> Simulator:
-    """Return a simulator without what smooths commands that a program sent: of those nothing is noise.
+    """Return a simulator without the effects that filter commands sent by a program: such commands hold no noise.
 
-    A multirotor's command is sent whenever it is read; a voltage may have been measured, unless it is `held`.
+    A multirotor's command is always sent; a voltage may have been measured, unless it is `held`.
     """
     effects = tuple(fitted for fitted in simulator.effects if not _smooths(fitted.effect, held))
     return simulator.with_effects(effects)
@@ -81,7 +81,7 @@ def _smooths(effect: Effect, held: bool) -> bool:
 
 
 class Starts:
-    """Where the fit of each effect starts."""
+    """The starting values of each effect's fit."""
 
     def __init__(self, signals: Mapping[str, Tensor]) -> None:
         """Prepare for what was recorded."""
@@ -90,10 +90,9 @@ class Starts:
         self.shapes: dict[str, dict[str, float]] = {}
 
     def of(self, effect: Effect) -> list[dict[str, float]]:
-        """Return where a fit starts: the whole scan until something is named, then what the effect looked like last.
+        """Return the starting values: the whole grid once after every change of the simulator, else the last fit.
 
-        The scan is repeated once for each effect after every change of the simulator that a round decides on; every
-        time where what the effect looked like may lie on the other side of a kink.
+        An effect with a kink always starts from the whole grid, since its last values may lie beyond the kink.
         """
         scan = effect.starts_in(self.signals)
         if len(scan) > 1 and not effect.kinked and effect.key in self.scanned:
@@ -102,17 +101,17 @@ class Starts:
         return scan
 
     def note(self, fitted: Fit) -> None:
-        """Remember what the effect that entered last looks like."""
+        """Remember the values of the effect that entered last."""
         last = fitted.simulator.effects[-1]
         self.shapes[last.effect.key] = dict(last.values)
 
     def forget(self) -> None:
-        """Scan every effect again: the simulator has changed."""
+        """Use the whole grid again: the simulator has changed."""
         self.scanned.clear()
 
 
 class Judge:
-    """Measures candidates against the noise floor and the runs left out."""
+    """Scores candidates on left-out runs and refuses those that may not be named."""
 
     def __init__(
         self,
@@ -138,7 +137,7 @@ class Judge:
         self.last: tuple[Fit, Tensor] | None = None
 
     def __call__(self, effect: Effect, without: Fit, fitted: Fit) -> Candidate:
-        """Measure a candidate and say why it may not be named, if so."""
+        """Score a candidate and set the reason if it is refused."""
         before, after = self.before(without), self.left_out(fitted)
         columns = columns_of(fitted, effect)
         neutral = list(self.rest(effect).values())
@@ -166,11 +165,10 @@ class Judge:
         return replace(candidate, refusal=self.refusal(candidate, energies) or spoilt)
 
     def left_out(self, fit: Fit) -> Tensor:
-        """Return residuals of folds left out, (blocks, rows, channels), with the noise that a fit has silenced.
+        """Return residuals of left-out folds, (blocks, rows, channels), plus the input noise that a fit filters out.
 
-        An input that is mostly noise is best foretold by equations that hardly listen to it. What they pass on less of
-        its noise than those of the simulator before is no merit, and counts as left. Smoothing what a program sent is
-        one: that holds no noise, however much it jumps.
+        An effect that filters a noisy input reduces the residual without explaining anything. The noise that it
+        removes is therefore added again. Filters on commands that a program sent are exempt: those hold no noise.
         """
         heard = _obeying(fit.simulator, self.problem.blocks.held)
         passed_on = noise_of_rows(heard, self.problem.blocks, self.problem.functions)
@@ -178,7 +176,7 @@ class Judge:
         return (cross_validated(fit, self.fold).square() + silenced).sqrt()
 
     def before(self, without: Fit) -> Tensor:
-        """Return the same of the simulator without the effect; all candidates of a round have that in common."""
+        """Return the same without the effect; all candidates of a round share it."""
         if self.last is None or self.last[0] is not without:
             self.last = without, self.left_out(without)
         return self.last[1]
@@ -196,7 +194,7 @@ class Judge:
         return share, (share - width, share + width)
 
     def refusal(self, candidate: Candidate, energies: Tensor) -> str:
-        """Return why a candidate may not be named; empty where it may."""
+        """Return the reason why a candidate is refused; empty if it is not."""
         effect, fit = candidate.effect, candidate.fit
         names = (parameter.name for parameter in effect.parameters)
         values = dict(zip(names, fit.values[columns_of(fit, effect)].tolist(), strict=True))
@@ -223,15 +221,15 @@ class Judge:
         return "" if (seen & (energies > self.problem.quadrature.square())).any() else _IMITATED
 
     def acts_in(self, fitted: Fit, columns: list[int], neutral: list[float]) -> Tensor:
-        """Return in which channels an effect itself, not what is fitted beside it, makes a difference, (channels,)."""
+        """Return in which channels the effect itself, without the refit of others, makes a difference, (channels,)."""
         change = fitted.values[columns] - fitted.values.new_tensor(neutral)
         own = (fitted.jacobian[..., columns] @ change).square().mean((0, 1))
         return own > _LEAST_ENERGY * self.problem.noise.square()
 
     def spoilt(self, before: Tensor, after: Tensor, acts: Tensor) -> str:
-        """Return which channel an effect makes worse on folds left out, if any, by more than noise may.
+        """Return which channel an effect makes worse on left-out folds, if any.
 
-        Where it does not act itself, another effect had made up for something else before, and now may not any more.
+        A channel in which the effect does not act is ignored: there another effect was biased before.
 
         Args:
             before: residuals without it, (blocks, rows, channels).
@@ -248,7 +246,7 @@ class Judge:
         return f"makes the prediction of {channels_on(self.base.simulator, self.problem.blocks)[worst].name} worse"
 
     def bound(self, effect: Effect, values: dict[str, float]) -> str:
-        """Return which bound a parameter rests on, if it does and that is not where it changes nothing."""
+        """Return which bound a parameter ends on, unless that is its neutral value."""
         resting = self.rest(effect)
         for parameter in effect.parameters:
             value = values[parameter.name]
@@ -259,7 +257,7 @@ class Judge:
         return ""
 
     def unresolved(self, effect: Effect, values: dict[str, float], constants: dict[str, Any]) -> str:
-        """Return what resolves no value as small as an effect's, if that is so.
+        """Return a reason if an effect's value is too small to be resolved.
 
         Args:
             effect: of the candidate.
@@ -274,12 +272,12 @@ class Judge:
         return ""
 
     def is_short(self, effect: Effect, values: Mapping[str, float], constants: dict[str, Any]) -> bool:
-        """Whether an effect makes something late by less than samples can tell, beside what was known before."""
+        """Whether an effect adds a delay that is shorter than the sampling can show."""
         late, known = (effect.lateness(each, constants) for each in (values, self.rest(effect)))
         return is_short(late - known, self.problem.blocks.time_step)
 
     def silenced(self, effect: Effect, simulator: Simulator) -> str:
-        """Return that an effect takes away what drives the machine, if it does: whatever were left would do as well."""
+        """Return a reason if an effect removes nearly all of an actuator signal."""
         if not isinstance(effect, ActuatorEffect):
             return ""
         blocks = self.problem.blocks
@@ -293,14 +291,14 @@ class Judge:
         return ""
 
     def matters(self, candidate: Candidate) -> bool:
-        """Whether a candidate explains enough of the whole gap, or else most of what is left, and more than noise."""
+        """Whether a candidate explains enough of the whole gap, or most of the rest and more than the noise."""
         if candidate.share < self.settings.least_share:
             return False
         rest = candidate.share >= _SHARE_OF_REST and candidate.signal > 1.0
         return candidate.part >= self.settings.least_share or rest
 
     def rest(self, effect: Effect) -> dict[str, float]:
-        """Return the values at which an effect changes nothing: those known before, else none of it."""
+        """Return the values at which an effect changes nothing: those known before, else its neutral values."""
         return self.resting.get(effect.key, effect.neutral())
 
 
@@ -310,7 +308,7 @@ def _is_gone(after: Tensor, before: Tensor) -> bool:
 
 
 def _unseen(candidate: Candidate) -> str:
-    """Return which parameter leaves no trace in the recording, if one does: any value that it may have serves."""
+    """Return a reason if the recording does not depend on a parameter."""
     effect, fit = candidate.effect, candidate.fit
     for parameter, column in zip(effect.parameters, columns_of(fit, effect), strict=True):
         error = float(fit.covariance[column, column].clamp_min(0.0).sqrt())

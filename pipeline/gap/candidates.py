@@ -1,4 +1,4 @@
-"""Which effects of the catalogue a recording allows to test."""
+"""The effects of the catalogue that a recording allows to test."""
 
 from collections.abc import Mapping, Sequence
 
@@ -34,6 +34,6 @@ def allowed(kind: str, names: Sequence[str] | None) -> list[Effect]:
 
 
 def available_signals(signals: Mapping[str, Tensor]) -> set[str]:
-    """Return the recorded signals, and what a nominal actuator makes of them."""
+    """Return the recorded signals and those that a nominal actuator derives from them."""
     made = {"motor_command": "rotor_speed", "voltage": "effort"}
     return set(signals) | {product for source, product in made.items() if source in signals}

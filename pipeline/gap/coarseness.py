@@ -1,4 +1,4 @@
-"""Axes that settle about as fast as they were sampled: what happens between samples decides what they show."""
+"""Axes that settle within about two samples, so that the recording does not resolve their motion."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,9 +12,9 @@ _COARSE = (
 
 
 def coarse_axes(fit: Fit, problem: Problem, channels: Sequence[Channel]) -> dict[str, float]:
-    """Return within how many seconds axes settle that were sampled coarsely and leave more than noise, by channel.
+    """Return the settling times, s, of coarsely sampled axes that leave more than noise, by channel.
 
-    Where nothing but noise is left, what is in the fit explains the samples as they are.
+    Where only noise is left, the fit explains the samples.
     """
     rates = fit.simulator.mechanism.damping(fit.simulator.constants())
     left = excess_of(fit, problem.noise).tolist()

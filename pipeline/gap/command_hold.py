@@ -1,4 +1,4 @@
-"""Which way a recorded command is read, held or measured, once names say what it does."""
+"""Zero-order hold or measured command: the second decision, made with named effects."""
 
 import torch
 from torch import Tensor
@@ -20,11 +20,10 @@ _TIMES_NOISE = 10.0  # times the energy of the noise
 def name_with_hold(
     prepared: Prepared, recording: Recording, nominal: Simulator, settings: Gap
 ) -> tuple[Prepared, Naming]:
-    """Name what is missing, with the commands where they act.
+    """Select effects with the right timing of commands: held between samples or measured at their own.
 
-    Which of the two readings of a command is right, held or measured, may not show before the physics is known. The
-    other one is tried where a delay, lag or offset of half a sample was needed, which is no physics; on machines whose
-    controllers are about as fast as their logs also where it may cost less, and where much has no name in this one.
+    The right reading may show only when the effects are known. The other reading is tried if a delay of half a sample
+    was named. For joints and swerve drives it is also tried if it may cost less, or if every channel leaves much.
 
     Args:
         prepared: of the recording, as it looks.
@@ -48,34 +47,34 @@ def name_with_hold(
 
 
 def _has_commands(prepared: Prepared) -> bool:
-    """Whether anything was recorded that a controller may hold."""
+    """Whether a command that a controller may hold was recorded."""
     return not COMMANDS.isdisjoint(prepared.problem.blocks.signals)
 
 
 def _much_is_left(naming: Naming, prepared: Prepared) -> bool:
-    """Whether every equation leaves so much more than noise that a wrong reading may be what is wrong with all."""
+    """Whether every channel leaves more than ten times the noise energy."""
     return bool((excess_of(naming.fit, prepared.problem.noise) > _TIMES_NOISE).all())
 
 
 def _may_cost_less(other: Prepared, prepared: Prepared, naming: Naming) -> bool:
-    """Whether the other reading would cost less if all names but one had only made up for a wrong one."""
+    """Whether the other reading would cost less if it needed only one name."""
     refitted = fit(other.nominal.with_effects(naming.fit.simulator.effects), other.problem)
     noise = _greater_noise(prepared, other)
     return left_of(refitted, noise) + min(len(naming.named), 1) < cost_of(naming, noise)
 
 
 def cost_of(naming: Naming, noise: Tensor) -> float:
-    """Return what is left over a noise (channels,), and one for each name: a name is worth a factor of e."""
+    """Return the sum of ln(energy/noise energy) over channels, plus one per name."""
     return left_of(naming.fit, noise) + len(naming.named)
 
 
 def _greater_noise(prepared: Prepared, other: Prepared) -> Tensor:
-    """Return the noise of each channel as the reading has it that makes it greater: none wins by its noise."""
+    """Return the greater noise of both readings in each channel, so that none wins by its noise."""
     return torch.maximum(prepared.problem.noise, other.problem.noise)
 
 
 def left_of(fitted: Fit, noise: Tensor) -> float:
-    """Return the logarithm of what a fit leaves over a noise, summed over channels."""
+    """Return ln(energy/noise energy) of a fit, summed over channels."""
     return float(excess_of(fitted, noise).clamp_min(1.0).log().sum())
 
 

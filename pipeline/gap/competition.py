@@ -1,4 +1,4 @@
-"""How effects compete: one is added at a time, and each that stays must earn it again when the others are there."""
+"""Forward selection with backward elimination of the effects of the catalogue."""
 
 from dataclasses import dataclass
 
@@ -35,7 +35,7 @@ _pace = Pace("selecting effects")
 
 @dataclass(frozen=True)
 class Round:
-    """A round of the competition: every candidate, and the one that won (None where none may be named)."""
+    """A round of the selection: all candidates, and the winner (None if all are refused)."""
 
     candidates: tuple[Candidate, ...]
     winner: Candidate | None
@@ -52,10 +52,10 @@ def _is_part(simpler: Candidate, winner: Candidate) -> bool:
 
 
 class Competition:
-    """Effects of a catalogue in competition for what a simulator leaves of a recording."""
+    """The selection of effects that explain the residual of a simulator."""
 
     def __init__(self, simulator: Simulator, problem: Problem, settings: Gap) -> None:
-        """Fit the simulator as it is; see `name` for the course of a competition."""
+        """Fit the simulator as it is; see `simgap.gap.name` for the order of the moves."""
         self.problem, self.settings = problem, settings
         self.catalogue = candidates_for(simulator, problem.blocks.signals, settings.effects)
         self.clusters = int(problem.cluster.max()) + 1
@@ -69,7 +69,7 @@ class Competition:
         self.dropped: set[str] = set()
 
     def run(self, contestants: list[Effect]) -> None:
-        """Add effects until none may be named any more."""
+        """Add effects until all candidates are refused."""
         while len(self.current.simulator.free) < self.settings.most_effects:
             tried = [effect for effect in contestants if effect.key not in self.names() | self.dropped]
             named = ", ".join(sorted(self.names())) or "none"
@@ -83,14 +83,14 @@ class Competition:
             self.take(winner)
 
     def continued(self) -> "Competition":
-        """Return a competition that goes on from what this one has named."""
+        """Return a selection that continues from the effects named here."""
         other = Competition(self.base.simulator, self.problem, self.settings)
         other.become(self.current)
         other.rounds = list(self.rounds)
         return other
 
     def begin_with(self, effects: list[Effect]) -> None:
-        """Put effects in together, from what is known of each, and drop those that are needless beside the others."""
+        """Add several effects at once, then eliminate those that are not needed."""
         missing = [effect for effect in effects if effect.key not in self.names()]
         together = tuple(FittedEffect(effect, self.judge.rest(effect)) for effect in missing)
         taken = {effect.key for effect in missing}
@@ -100,13 +100,13 @@ class Competition:
         self.prune()
 
     def finish(self) -> None:
-        """Let everything compete, then what is simpler, then what fits better in another's place."""
+        """Select from the whole catalogue, then condense, then exchange."""
         self.run(self.catalogue)
         self.condense()
         self.exchange()
 
     def conclude(self) -> None:
-        """Drop what is hardly there and what cannot stay without it, and let enter what both kept out."""
+        """Drop effects with a low probability and those that are not needed without them; refill free places."""
         had_room = self.has_room()
         self.disown()
         self.prune()
@@ -115,11 +115,11 @@ class Competition:
             self.conclude()
 
     def leaves_more_than_noise(self, fitted: Fit | None = None, times: float = BEYOND_NOISE) -> bool:
-        """Whether some channel of a fit, or of the current one, holds more than the sensors' noise can account for."""
+        """Whether some channel of a fit (default: the current one) leaves more than `times` the noise energy."""
         return float(excess_of(fitted or self.current, self.problem.noise).max()) > times
 
     def short_times(self) -> tuple[FittedEffect, ...]:
-        """Return the named effects that make something late by less than samples can tell."""
+        """Return the named effects whose delay is shorter than the sampling can show."""
         simulator = self.current.simulator
         constants = simulator.constants()
         return tuple(f for f in simulator.free if self.judge.is_short(f.effect, f.values, constants))
@@ -138,28 +138,28 @@ class Competition:
         return score.new_zeros(self.clusters).index_add(0, self.problem.cluster, score)
 
     def take(self, winner: Candidate) -> None:
-        """Fit the simulator with a winner again, and drop what it makes needless."""
+        """Refit the simulator with a winner, then eliminate effects that it makes unnecessary."""
         self.become(fit(winner.fit.simulator, self.problem))
         self.starts.forget()
         self.prune()
 
     def likeliest(self, admitted: list[Candidate]) -> Candidate | None:
-        """Return the one that gains most, or a simpler or likelier cause where nothing tells the two apart."""
+        """Return the best candidate, or a simpler or likelier one that is not significantly worse."""
         best = max(admitted, key=total_score, default=None)
         if best is None:
             return None
         return max(self.tied(best, admitted), key=total_score, default=best)
 
     def tied(self, best: Candidate, others: list[Candidate]) -> list[Candidate]:
-        """Return the simpler or likelier causes that nothing tells from the best."""
+        """Return the simpler or likelier candidates that are not significantly worse than the best."""
         usual = [c for c in others if _is_preferred(c.effect, best.effect)]
         return [c for c in usual if not predicts_better(best, c, self.problem.cluster)]
 
     def first_of(self, winner: Candidate | None, admitted: list[Candidate]) -> Candidate | None:
-        """Return the winner, or a simpler effect beside which it predicts better than in that one's place.
+        """Return the winner, or a simpler effect if both together predict better than the winner alone.
 
-        An effect with several valleys that had to explain another one, too, may lie in a valley that no step leads out
-        of: Stribeck friction wide enough for Coulomb's. Whether both stay is decided when both are in.
+        An effect with several local minima may have ended in a wrong one, because it had to explain another effect too:
+        Stribeck friction so wide that it is Coulomb friction as well. Backward elimination decides later on both.
         """
         if winner is None or len(winner.effect.starts()) == 1 or not self.leaves_more_than_noise(winner.fit):
             return winner
@@ -172,7 +172,7 @@ class Competition:
         return winner
 
     def become(self, current: Fit) -> None:
-        """Go on with another fit; what it would be without each effect is worked out once."""
+        """Continue with another fit; fits without each effect are cached."""
         self.current = current
         self.shrunk.clear()
 
@@ -184,14 +184,14 @@ class Competition:
         return self.judge(effect, without, fitted)
 
     def prune(self) -> None:
-        """Drop every effect that the others have made needless, the least needed first; it does not come back."""
+        """Backward elimination: drop each refused effect, the one with the least gain first, for good."""
         while refused := [candidate for candidate in self.named() if candidate.refusal]:
             needless = min(refused, key=lambda candidate: candidate.gain).effect
             if not self.simplify(needless):
                 self.drop(needless)
 
     def simplify(self, effect: Effect) -> bool:
-        """Put in a named effect's place the one that it comes down to, if that may be named; return whether it did."""
+        """Replace a named effect by the law that it equals in this recording, if possible; return whether it did."""
         simpler = self.limit_of(effect)
         if simpler is None:
             return False
@@ -204,7 +204,7 @@ class Competition:
         return True
 
     def limit_of(self, effect: Effect) -> Effect | None:
-        """Return the effect that a named one comes down to in what was recorded, where that is not named as well."""
+        """Return the law that a named effect equals in this recording, unless that is named as well."""
         blocks, simulator = self.problem.blocks, self.current.simulator
         values = next(f.values for f in simulator.free if f.effect.key == effect.key)
         limit = effect.limit(values, blocks.signals | blocks.resolution, simulator.constants())
@@ -212,11 +212,10 @@ class Competition:
         return next((e for e in alike if e.key not in self.names()), None)
 
     def disown(self) -> None:
-        """Drop what is hardly there, the least likely first: too little evidence, or much left beside it.
+        """Drop effects whose probability is below the threshold, the least likely first.
 
-        Where that would discredit what is believed, since the residual that one explained is then left beside the
-        other, both stay: the one is believed, and the other said with the little probability that it has. What is
-        incredible by itself carries nothing.
+        An effect stays if dropping it would push a believed effect below the threshold: what it explained would then
+        be left beside that one. It keeps its low probability. Below `_INCREDIBLE` it is dropped in any case.
         """
         companions: set[str] = set()
         while True:
@@ -233,24 +232,24 @@ class Competition:
                 companions.add(worst)
 
     def beliefs(self) -> tuple[dict[str, float], dict[str, float]]:
-        """Return the presence of the named effects, of those that may be named and of the others, by key."""
+        """Return the presence of the named effects by key: at or above the threshold, and below."""
         presence = {candidate.effect.key: self.presence(candidate) for candidate in self.named()}
         least = self.settings.least_probability
         believed = {key: value for key, value in presence.items() if value >= least}
         return believed, {key: value for key, value in presence.items() if value < least}
 
     def named(self) -> list[Candidate]:
-        """Return every named effect, each judged as if it had entered last."""
+        """Return every named effect, scored as if it had entered last."""
         return [self.alone(fitted.effect) for fitted in self.current.simulator.free]
 
     def drop(self, effect: Effect) -> None:
-        """Leave an effect out for good, and fit the others again."""
+        """Remove an effect for good and refit the others."""
         without = self.without(effect).simulator
         self.dropped.add(effect.key)
         self.become(fit(without, self.problem))
 
     def condense(self) -> None:
-        """Put one effect in the place of two parameter errors where it explains as much."""
+        """Replace two parameter errors by one effect where it explains as much."""
         simpler = single_cause(self.current, self.catalogue, self.problem, self.known)
         if simpler is None:
             return
@@ -263,9 +262,9 @@ class Competition:
         self.run(self.catalogue)
 
     def exchange(self) -> None:
-        """Put another effect in the place of a named one wherever it predicts better there, or as well and is simpler.
+        """Replace a named effect by another one that predicts better in its place, or as well and is simpler.
 
-        The order in which effects entered, and the platform's numbers coming first, must not decide.
+        This corrects the order of entry, in which the numbers of the platform come first.
         """
         seen = [self.names()]
         for _ in range(_EXCHANGES):
@@ -288,9 +287,9 @@ class Competition:
         return {fitted.effect.key for fitted in self.current.simulator.free}
 
     def better_than(self, effect: Effect) -> tuple[float, tuple[Candidate, ...], Candidate] | None:
-        """Return by how much another effect would predict better in the place of a named one, the round, and it.
+        """Return (gain, candidates, winner) of the best replacement of a named effect.
 
-        None where no other predicts better beyond chance, nor a simpler or likelier cause as well.
+        None if no other effect predicts significantly better, and no simpler or likelier one as well.
         """
         without, own = self.without(effect), self.alone(effect)
         candidates = tuple(self.candidate(e, without) for e in self.catalogue if e.key not in self.names())
@@ -300,22 +299,22 @@ class Competition:
         return (total_score(winner) - total_score(own), candidates, winner) if winner else None
 
     def presence(self, candidate: Candidate) -> float:
-        """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
+        """Return the probability that the effect or one of its rivals is present."""
         drifts = drifts_of(self.current, candidate.effect, self.problem.blocks, self.problem.cluster)
         return presence_of(features_of(candidate, self.current, self.problem, drifts))
 
     def without(self, effect: Effect) -> Fit:
-        """Return the current fit without an effect, or with what was known of it before."""
+        """Return the current fit without an effect, or with its values known before."""
         if effect.key not in self.shrunk:
             self.shrunk[effect.key] = shrink(self.current, effect, self.problem, self.known.get(effect.key))
         return self.shrunk[effect.key]
 
     def alone(self, effect: Effect) -> Candidate:
-        """Judge an effect of the current simulator as if it had been the last to enter."""
+        """Score an effect of the current simulator as if it had entered last."""
         return self.judge(effect, self.without(effect), self.current)
 
     def rivalry(self, winner: Candidate) -> Rivalry | None:
-        """Return the effects that could stand in for a named one."""
+        """Return a named effect with its look-alikes; None if there are none."""
         without = self.without(winner.effect)
         close = [e for e in self.close_to(winner.effect) if e.key not in self.names()]
         others = [self.candidate(effect, without) for effect in close]
@@ -325,9 +324,9 @@ class Competition:
         )
 
     def close_to(self, winner: Effect) -> list[Effect]:
-        """Return the effects that came close to a winner in the round it won: only they can stand in for it.
+        """Return the possible look-alikes of a winner: effects with at least half of its share in the round it won.
 
-        Those that had no part in that round, since only numbers and clocks were settled in it, may stand in, too.
+        Effects that took no part in that round are included.
         """
         for turn in reversed(self.rounds):
             if turn.winner is not None and turn.winner.effect.key == winner.key:
@@ -337,5 +336,5 @@ class Competition:
         return self.catalogue
 
     def is_needless(self, rival: Candidate) -> bool:
-        """Whether the winner leaves nothing for a rival to explain: then both explain the same residual."""
+        """Whether a rival gains little beside the winner, so that both explain the same residual."""
         return self.candidate(rival.effect).gain < _REDUNDANT * rival.gain

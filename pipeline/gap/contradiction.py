@@ -1,8 +1,7 @@
-"""What shows that a recording is not read as it was made, before any physics is asked.
+"""Consistency check of recording and platform, before any effect is tested.
 
-A machine that moves against what drives it, or a rate that is not that of its angle, is no physics that was left out:
-a sign, a frame, a unit or the order of the motors is another one than the contract's or the platform's. Whatever were
-named there would be made up.
+A machine that moves against its commands, or a rate that is not the derivative of its angle, is not missing physics: a
+sign, a frame, a unit or the motor order differs from the contract or the platform file. Nothing is named then.
 """
 
 from collections.abc import Iterator, Mapping
@@ -32,11 +31,11 @@ _GREATEST_RATIO = 8.0  # of the same: no single number of a platform is taken to
 
 @dataclass(frozen=True)
 class Agreement:
-    """How what the commands do in a simulator goes with what the recorded motion needs.
+    """Agreement of the wrench that the commands produce with the wrench that the recorded motion needs.
 
     Attributes:
         correlation: of the two.
-        ratio: of the need over what the commands do, by their standard deviations.
+        ratio: standard deviation of the needed wrench over that of the commanded one.
     """
 
     correlation: float
@@ -44,7 +43,7 @@ class Agreement:
 
 
 def contradictions(recording: Recording, prepared: Prepared) -> list[str]:
-    """Return a sentence for all in a recording that contradicts itself or the platform, so that nothing can be named.
+    """Return a sentence for each contradiction of a recording with itself or with the platform.
 
     Args:
         recording: cleaned.
@@ -70,11 +69,11 @@ def _driven_otherwise(prepared: Prepared) -> Iterator[str]:
 
 
 def agreements(simulator: Simulator, problem: Problem) -> dict[str, Agreement]:
-    """Return how what the commands do in a simulator goes with what the recorded motion needs, by channel.
+    """Return the agreement of commanded and needed wrench, by channel.
 
-    Compared over all windows is what is left of both when springs, friction and all else in the catalogue that is
-    linear is taken out: a spring that is pulled slowly moves against its acceleration. Channels that no command
-    drives otherwise beyond the noise are left out, unless what is needed is beyond it and goes with the command.
+    The linear effects of the catalogue are regressed out of both sides first: a spring that is pulled slowly moves
+    against its acceleration. Channels are left out if the commanded wrench is below three times the noise, unless the
+    needed one is above it and correlates with the commands.
     """
     idle = replace(problem, blocks=_idle(simulator, problem))
     needed = idle.residual(simulator)
@@ -103,14 +102,14 @@ def _linear_physics(simulator: Simulator, problem: Problem) -> Tensor:
 
 
 def _without(sides: Tensor, others: Tensor) -> Tensor:
-    """Return what is left of each side (rows, 2) when all that goes with other columns (rows, columns) is taken out."""
+    """Return each side (rows, 2) with other columns (rows, columns) regressed out."""
     size = others.square().mean(0).sqrt()
     scaled = others[:, size > 0] / size[size > 0]
     return sides - scaled @ torch.linalg.lstsq(scaled, sides, driver="gelsd").solution
 
 
 def _idle(simulator: Simulator, problem: Problem) -> Blocks:
-    """Return the blocks as if nothing had been commanded."""
+    """Return the blocks with all commands set to zero."""
     blocks, driving = problem.blocks, simulator.mechanism.actuator_signals
 
     def silenced(signals: Mapping[str, Tensor]) -> dict[str, Tensor]:

@@ -41,22 +41,22 @@ _LAW_FAILS = "an unknown effect, or a law that holds only approximately, is stro
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What `diagnose` found.
+    """The result of `diagnose`.
 
     Attributes:
         verdict: `missing_physics`, `parameter_mismatch`, `none` or `unexplained`.
         warnings: doubts about recording and result.
         mismatches: where the nominal simulator fails.
-        naming: the competition and its result.
-        features: what speaks for each named effect and against it, by key.
-        drifts: of each named effect's parameters between runs, by key.
-        unnamed: what no effect of the catalogue accounts for.
-        learned: the same, looked up in recorded windows: it predicts, and explains nothing.
-        memories: how what is left follows its own past and past inputs.
+        naming: the selection of effects and its result.
+        features: features of each named effect's probability, by key.
+        drifts: drift of each named effect's parameters between runs, by key.
+        unnamed: formulas for what no effect of the catalogue explains.
+        learned: residuals learned from recorded windows; they predict, but explain nothing.
+        memories: correlations of the remaining residual with its past and with past inputs.
         validation: errors before and after on held-out runs.
         horizons: errors of open-loop predictions.
         fitting: the problem that was fitted.
-        proving: the blocks that it was proved on.
+        proving: the blocks used for validation.
         nominal: the simulator before.
         simulator: the simulator after.
     """
@@ -89,7 +89,7 @@ class Diagnosis:
 
 
 def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnosis:
-    """Locate the mismatch between a recording and a simulator, name it, model it and prove it.
+    """Locate the mismatch between a recording and a simulator, name the missing effects, fit and validate them.
 
     Args:
         recording: cleaned, with its runs divided into train, validation and hold-out.
@@ -189,13 +189,13 @@ def _counted(naming: Naming, mismatches: Sequence[Mismatch], channels: Sequence[
 
 
 def _verdict(naming: Naming, features: Mapping[str, Features], gap: bool, remains: bool) -> str:
-    """Say it in a word; a gap for which there is no name, or none that is believed and accounts for it, is unexplained.
+    """Return the verdict; a gap that no believed effect explains is `unexplained`.
 
     Args:
-        naming: what was named.
-        features: of each, by key.
-        gap: whether there is one, however small and whatever its name.
-        remains: whether much of one is left beside the names.
+        naming: the named effects.
+        features: features of each, by key.
+        gap: whether there is a gap.
+        remains: whether much of it remains beside the named effects.
     """
     if not naming.named:
         return "unexplained" if gap else "none"
@@ -207,7 +207,7 @@ def _verdict(naming: Naming, features: Mapping[str, Features], gap: bool, remain
 
 
 def _remains(naming: Naming, problem: Problem, validation: Validation) -> bool:
-    """Whether some equation leaves more than noise and much of what it left before, or held-out runs are worse."""
+    """Whether some channel still leaves much, or the held-out runs are predicted worse."""
     before, after = (excess_of(each, problem.noise) for each in (naming.base, naming.fit))
     much = (after > BEYOND_NOISE) & (after > _NOTABLE_SHARE * before)
     return bool(much.any()) or bool(_disproved(naming, validation))
@@ -216,7 +216,7 @@ def _remains(naming: Naming, problem: Problem, validation: Validation) -> bool:
 def _unseen(
     validation: Validation, naming: Naming, problem: Problem, channels: Sequence[Channel]
 ) -> list[str]:
-    """Say in which channels the held-out runs show what none of the fitted runs does: no competition could name it."""
+    """Return a warning for each channel in which held-out runs show what no fitted run does."""
     _, after, noise = validation.channels.square().unbind(1)
     fitted = excess_of(naming.fit, problem.noise).clamp_min(1.0)
     return [
@@ -228,7 +228,7 @@ def _unseen(
 
 
 def _disproved(naming: Naming, validation: Validation) -> list[str]:
-    """Say that runs which were used for nothing else speak against what was named, where they do."""
+    """Return a warning if the held-out runs contradict the named effects."""
     if not (naming.named and validation.disproves):
         return []
     return [

@@ -1,4 +1,4 @@
-"""The named effects as part of the simulator: their values, how far to trust them, and what betrays them."""
+"""Drift of fitted parameters between runs: a sign that an effect absorbs another one."""
 
 import math
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ _TOLERATED_DRIFT = (
 
 @dataclass(frozen=True)
 class Drift:
-    """How much a parameter differs between runs that are fitted one by one.
+    """The spread of a parameter between runs that are fitted one by one.
 
     Attributes:
         parameter: its name.
@@ -42,7 +42,7 @@ class Drift:
 def drifts_of(fit: Fit, effect: Effect, blocks: Blocks, cluster: torch.Tensor) -> list[Drift]:
     """Compare an effect's parameters between the runs, the other effects held.
 
-    An effect that soaks up another's residual has no constant of its own: its parameter follows the manoeuvre.
+    An effect that absorbs another effect's residual has no constant value: its parameter follows the manoeuvre.
     Source: Cochran 1954, The combination of estimates from different experiments (Biometrics 10).
     """
     columns = columns_of(fit, effect)

@@ -1,4 +1,4 @@
-"""What supports a diagnosis, as the tables and series that the report draws."""
+"""The evidence of a diagnosis: tables and series that the report draws."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -110,12 +110,12 @@ def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
 
 
 def memories(diagnosis: Diagnosis) -> list[dict[str, Any]]:
-    """Return the correlations of what is left with its own past and with past inputs."""
+    """Return the correlations of the remaining residual with its own past and with past inputs."""
     return [asdict(memory) | {"channel": memory.channel.name} for memory in diagnosis.memories]
 
 
 def learned(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return the error with what was learned of the rest, in the metric of the fit, and how it was learned."""
+    """Return the error with the learned residuals, in the metric of the fit, and their settings."""
     validation = diagnosis.validation
     closed = (
         None
@@ -140,13 +140,13 @@ def learned(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def samples(entry: LearnedResidual) -> pd.DataFrame:
-    """Return the windows that a learned residual is looked up in: their features, SI, and what was left."""
+    """Return the windows of a learned residual: features in SI units, and the residual."""
     columns = {name: entry.neighbours.inputs[:, i].numpy() for i, name in enumerate(entry.features)}
     return pd.DataFrame(columns | {"residual": entry.neighbours.outputs[:, 0].numpy()})
 
 
 def competition(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return every round of the competition with its candidates, the best first."""
+    """Return every round of the selection with its candidates, the best first."""
     kept = {candidate.effect.key for candidate in diagnosis.naming.named}
     steps = []
     for number, turn in enumerate((turn for turn in diagnosis.naming.rounds if turn.candidates), start=1):

@@ -1,4 +1,4 @@
-"""What a fit says for a named effect and against it."""
+"""The features from which the probability of a named effect is computed."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from simgap.gap.probability import Features
 def features_of(
     candidate: Candidate, fit: Fit, problem: Problem, drifts: Sequence[Drift], weight: float = 1.0
 ) -> Features:
-    """Return the features that a probability is made of.
+    """Return the features of a named effect.
 
     Args:
         candidate: the effect, judged as if it had been the last to enter.

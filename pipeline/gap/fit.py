@@ -1,4 +1,4 @@
-"""Fitting the parameters of a simulator's effects to a recording, with errors that forgive an imperfect model."""
+"""Gauss–Newton fit of effect parameters to a recording, with cluster-robust standard errors."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ _DIFFERENCE = 1e-4
 
 @dataclass(frozen=True)
 class Problem:
-    """What every fit of one diagnosis shares.
+    """The data that all fits of one diagnosis share.
 
     Attributes:
         blocks: the stretches that are fitted.
@@ -48,7 +48,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted simulator and how the residual answers to its parameters.
+    """A fitted simulator with its residual, Jacobian and covariance.
 
     Attributes:
         simulator: with the fitted values and their standard errors.

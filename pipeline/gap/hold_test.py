@@ -1,4 +1,4 @@
-"""Whether a recorded command is held until the next sample or was measured at its own, before any physics is asked."""
+"""Zero-order hold or measured command: a test that needs no named effects."""
 
 import torch
 from scipy import stats
@@ -21,13 +21,12 @@ HELD_KINDS = frozenset(_AXES)
 def cut_blocks_as_held(
     recording: Recording, platform: Platform, settings: Gap, held: bool | None = None
 ) -> Blocks:
-    """Cut a recording with its commands where they act: half a sample matters to friction and inertia.
+    """Cut a recording into blocks with the right timing of its commands; half a sample matters to friction and inertia.
 
-    The controller of a joint or of a drive holds each command until its next sample; a measured effort or voltage
-    belongs to its own instant. Which of the two was recorded shows in how well command, velocity, its sign and position
-    together explain the acceleration, whatever the physics; commands are taken as held unless the other is clearly
-    better. The controller of a multirotor is usually many times faster than its log: its commands are taken to belong
-    to their instants until names say otherwise (`simgap.gap.command_hold`).
+    The controller of a joint or a drive holds each command until its next sample; a measured effort or voltage
+    belongs to its own instant. The acceleration is regressed on command, velocity, its sign and position under both
+    readings. Commands count as held unless the other reading is significantly better. The controller of a multirotor
+    is usually much faster than its log, so its commands count as measured (see also `simgap.gap.command_hold`).
 
     Args:
         recording: cleaned.

@@ -1,4 +1,4 @@
-"""Errors of open-loop predictions, before and after, beside what noisy sensors would give a right simulator."""
+"""Errors of open-loop predictions before and after, and the error that sensor noise alone would cause."""
 
 from dataclasses import dataclass
 

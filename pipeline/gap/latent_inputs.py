@@ -1,4 +1,4 @@
-"""Slow drivers that were not recorded (a battery's voltage, a motor's temperature), estimated from what they did."""
+"""Latent inputs: unrecorded slow drivers (battery voltage, motor temperature), estimated from the motion."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -25,10 +25,10 @@ _PASSES = 2  # a thrust answers to the square of a voltage
 
 
 def name_with_latent_inputs(prepared: Prepared, naming: Naming, settings: Gap) -> tuple[Prepared, Naming]:
-    """Name again with estimates of the slow drivers that were not recorded, where that costs less.
+    """Repeat the selection with estimates of the latent inputs, and keep it if it costs less.
 
-    A driver that changes from run to run passes for a wrong number that drifts, or is left over. Each driver costs as
-    much as a name: it is one more thing to believe.
+    An unrecorded driver that changes between runs looks like a parameter error that drifts. Each latent input costs as
+    much as a name.
     """
     effects = undriven(prepared.nominal, prepared.problem.blocks, settings.effects)
     if not effects or not _suspicious(prepared, naming):
@@ -64,12 +64,12 @@ def undriven(simulator: Simulator, blocks: Blocks, names: Sequence[str] | None) 
 
 @dataclass(frozen=True)
 class DriverLaw:
-    """How a driver moves: from run to run, slowly with time, and at once with its load.
+    """The model of a latent input: a level or a line in time per run, minus a fall with the load.
 
     Attributes:
         name: of the driver.
-        acting: the simulator in which it acts, with the default strength of its effects.
-        load: what makes it give way, as the effect has it; None where nothing does.
+        acting: the simulator in which it acts, with default values of the effects that it drives.
+        load: the effect that defines its load; None if it has none.
         rest: its value where its effects do nothing, in its unit.
         giving: by how much it falls per load, in its unit; the same in all runs.
     """
@@ -102,8 +102,8 @@ class DriverLaw:
     def along(self, problem: Problem) -> Tensor:
         """Return the driver along the blocks, (blocks, samples with margins), in its unit.
 
-        Within a run it is a level or a line in time, less what the load takes. It is fitted by least squares to all
-        stretches but the one that it is estimated for: what a stretch shows never explains itself.
+        Within a run it is a level or a line in time, minus the fall with the load. For each stretch it is fitted by
+        least squares to the other stretches of the run, so that no stretch contributes to its own estimate.
         """
         load = self._load(problem.blocks)
         taken = 0.0 if load is None else self.giving * load
@@ -157,7 +157,7 @@ class DriverLaw:
 
 
 def _interpolated(problem: Problem, shown: Tensor, information: Tensor, rest: float) -> Tensor:
-    """Return levels or lines in time, whichever other stretches bear out, (blocks, samples with margins)."""
+    """Return levels or lines in time, whichever predicts left-out stretches better, (blocks, samples with margins)."""
     found = [_lines(problem, shown, information, rest, sloping) for sloping in (False, True)]
     missed = [
         float((information * (problem.blocks.inner(line).mean(1) - shown).square()).sum()) for line in found
@@ -185,14 +185,14 @@ def _lines(problem: Problem, shown: Tensor, information: Tensor, rest: float, sl
 
 
 def _suspicious(prepared: Prepared, naming: Naming) -> bool:
-    """Whether more than noise is left, or a number of the platform took it up, and a driver might cost less."""
+    """Whether more than noise is left, or a parameter error is named, and a latent input could cost less."""
     left = excess_of(naming.fit, prepared.problem.noise) > BEYOND_NOISE
     taken_up = any(isinstance(c.effect, ParameterError) for c in naming.named)
     return (bool(left.any()) or taken_up) and cost_of(naming, prepared.problem.noise) > _LEAST_COST
 
 
 def _may_cost_less(naming: Naming, effects: Sequence[Effect], problem: Problem, simulator: Simulator) -> bool:
-    """Whether names may cost less with drivers, which all that stand and all that they drive explain together."""
+    """Whether all named effects and all driven effects, fitted together, could cost less."""
     driven = tuple(FittedEffect(effect, effect.defaults()) for effect in effects)
     together = fit(simulator.with_effects((*naming.fit.simulator.effects, *driven)), problem)
     return left_of(together, problem.noise) + _LEAST_COST < cost_of(naming, problem.noise)

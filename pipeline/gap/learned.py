@@ -1,4 +1,4 @@
-"""What remains without a name, learned: so that the fit improves even where nobody knows the physics."""
+"""A learned residual for what has no name: the mean residual of the nearest recorded windows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -49,7 +49,7 @@ class LearnedResidual:
 def learn(
     residual: Tensor, channels: Sequence[Channel], regimes: Sequence[Regime], problem: Problem, fold: Tensor
 ) -> list[LearnedResidual]:
-    """Learn the residual of every channel in which that predicts runs that were left out.
+    """Learn the residual of every channel where it improves the prediction of left-out runs.
 
     Args:
         residual: of the simulator with the named effects, (blocks, rows, channels).
@@ -86,7 +86,7 @@ def learned_rows(
     regimes: Sequence[Regime],
     functions: WindowFunctions,
 ) -> Tensor | None:
-    """Return what was learned of each channel in other blocks, (blocks, rows, channels); None where nothing was."""
+    """Return the learned residuals in other blocks, (blocks, rows, channels); None if none was learned."""
     if not learned:
         return None
     rows = {entry.channel.name: entry.rows(regimes, functions) for entry in learned}
@@ -105,7 +105,7 @@ def _moving(features: Tensor) -> Tensor:
 
 
 def _is_left(left: Tensor, noise: float, quadrature: float) -> bool:
-    """Whether more is left than the noise and the sums over samples can account for."""
+    """Whether more is left than noise and quadrature error explain."""
     excess = float(left.square().mean()) - noise**2
     return excess > max(_LEAST_ENERGY * noise**2, quadrature**2)
 
@@ -130,7 +130,7 @@ def _best_count(left: Tensor, features: Tensor, fold: Tensor, kept: Tensor) -> t
 
 
 def _predicts(explained: Tensor, left: Tensor, problem: Problem, place: int, channels: int) -> bool:
-    """Whether what was explained in each block is more than the noise would show, and beyond chance."""
+    """Whether the explained energy is large enough and significant."""
     noise = float(problem.noise[place]) ** 2
     if float(explained.sum()) < _LEAST_ENERGY * noise * left.numel():
         return False

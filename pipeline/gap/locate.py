@@ -1,4 +1,4 @@
-"""Where a simulator fails: per channel and regime, how much of the residual's energy, and how sure."""
+"""Location of the mismatch: tests per channel, and the regime of the largest error."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -61,7 +61,7 @@ class Mismatch:
 def locate(
     residual: Tensor, channels: Sequence[Channel], regimes: Sequence[Regime], problem: Problem
 ) -> list[Mismatch]:
-    """Say where the residual is more than noise, the worst channel first.
+    """Return the channels whose residual exceeds the noise, the worst first.
 
     The share of a channel is its part of log(1 + excess energy over the noise's), which compares channels of
     different units by how badly noise alone explains them.

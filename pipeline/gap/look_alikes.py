@@ -1,4 +1,4 @@
-"""Two names at once that stand in for others: exchanged together, or united in the one cause that both come to."""
+"""Moves on two named effects at once: substitute both by rivals, or unite them in one effect."""
 
 import itertools
 from collections.abc import Sequence
@@ -14,10 +14,10 @@ Exchange = tuple[tuple[Effect, Effect], ...]
 
 
 def substitute(contest: Competition, rivalries: Sequence[Rivalry]) -> bool:
-    """Put rivals in the place of two named effects at once where that predicts better; return whether it did.
+    """Substitute two named effects at once by rivals if that predicts better; return whether it did.
 
-    Where each of two stands in a look-alike's place, exchanging one shows little: what the other leaves hides it. What
-    ends no better than it began, once all has competed beside it, is taken back.
+    If two named effects are both look-alikes of the true ones, exchanging one of them gains little. The move is undone
+    if the selection that follows does not end significantly better.
     """
     exchanged = [(pairs, _exchanged(contest, pairs)) for pairs in _exchanges_of_two(rivalries)]
     if not exchanged:
@@ -41,10 +41,9 @@ def substitute(contest: Competition, rivalries: Sequence[Rivalry]) -> bool:
 
 
 def unite(contest: Competition, rivalries: Sequence[Rivalry]) -> bool:
-    """Put one effect in the place of two named ones, either of which it could stand in for; return whether it did.
+    """Replace two named effects by a common rival that predicts as well; return whether it did.
 
-    It has to predict as well as both together. A sine is what a spring and its cubic part come to on a short way: one
-    cause is likelier than two that conspire.
+    Example: on a short travel, the sine of a weight looks like a spring and a cubic spring. One cause is likelier.
     """
     for first, second in itertools.combinations(rivalries, 2):
         shared = {effect.key for effect in first.rivals} & {effect.key for effect in second.rivals}

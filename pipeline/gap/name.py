@@ -1,4 +1,4 @@
-"""Which physics is missing: effects compete to explain the residual on runs they were not fitted on."""
+"""Selection of the missing effects: the order of the selection's moves."""
 
 from dataclasses import dataclass
 
@@ -17,15 +17,15 @@ _TIMES_NOISE = 10.0  # times the energy of the noise
 
 @dataclass(frozen=True)
 class Naming:
-    """What was named.
+    """The result of the selection.
 
     Attributes:
         base: fit of the nominal simulator.
         fit: fit of the simulator with every named effect.
-        named: the effects in the final simulator, each as if it had been the last to enter.
-        rounds: the competition.
-        rivalries: effects that this recording cannot tell apart.
-        short: the named effects that make something late by less than samples can tell.
+        named: the named effects, each scored as if it had entered last.
+        rounds: all rounds of the selection.
+        rivalries: named effects with look-alikes.
+        short: named effects whose delay is shorter than the sampling can show.
     """
 
     base: Fit
@@ -37,14 +37,13 @@ class Naming:
 
 
 def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
-    """Let the catalogue compete for the residual of a nominal simulator.
+    """Select the effects that explain the residual of a nominal simulator.
 
-    Clock offsets and the platform's own numbers are settled first: what they explain is no missing physics. Then one
-    effect is added at a time; each that stays must earn it again when the others are there. Where something was settled
-    and more than noise is left, it may have stood in for physics that explains more: then the competition is held again
-    with everything in it from the start, and counts where it predicts better. Where very much is still left, numbers
-    and the physics that any such machine has may show only together: a competition that begins with them is held, and
-    one that puts them beside what was named, without which they may not show either.
+    Clock offsets and errors of platform numbers come first, since they are not missing physics. Then one effect is
+    added at a time, with backward elimination. If a number was named and more than noise is left, the selection is
+    repeated with the whole catalogue from the start; it counts if it predicts significantly better. If ten times the
+    noise is still left, a selection begins with all numbers and the usual friction together, and another one adds them
+    to the named effects, because they may show only together.
     """
     competition = Competition(simulator, problem, settings)
     settled = _numbers_and_clocks(competition.catalogue)
@@ -79,7 +78,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
 
 
 def _begun_with_usual(competition: Competition, other: Competition) -> Competition:
-    """Return another competition, begun with what any machine has, where very much is left and it predicts better."""
+    """Return another selection, begun with the usual effects, if much is left and it predicts better."""
     usual = usual_of(competition.catalogue)
     if not (usual and competition.leaves_more_than_noise(times=_TIMES_NOISE)):
         return competition
@@ -89,21 +88,21 @@ def _begun_with_usual(competition: Competition, other: Competition) -> Competiti
 
 
 def _rivalries(competition: Competition) -> tuple[Rivalry, ...]:
-    """Return what could stand in for each named effect, of those for which something could."""
+    """Return the named effects that have look-alikes, with these."""
     return tuple(
         rivalry for winner in competition.named() if (rivalry := competition.rivalry(winner)) is not None
     )
 
 
 def usual_of(catalogue: list[Effect]) -> list[Effect]:
-    """Return the physics that any machine of the kind has with the numbers of the platform, where there is such."""
+    """Return the errors of platform numbers and the usual effects of the kind; empty if it has none."""
     physics = [effect for effect in catalogue if effect.usual]
     numbers = [effect for effect in catalogue if isinstance(effect, ParameterError)]
     return numbers + physics if physics else []
 
 
 def _numbers_and_clocks(catalogue: list[Effect]) -> list[Effect]:
-    """Return what is settled before physics is asked, and what that may be mistaken for."""
+    """Return the effects that compete first: clocks, numbers, and what these may be mistaken for."""
     errors = [e for e in catalogue if isinstance(e, MeasurementEffect | ParameterError)]
     mistaken = {name for effect in errors for name in effect.yields_to}
     return errors + [e for e in catalogue if e.name in mistaken]

@@ -1,4 +1,4 @@
-"""One cause in the place of two wrong numbers, where it explains as much."""
+"""Condensing: one effect replaces two parameter errors if it explains as much."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -16,11 +16,10 @@ _NEARLY_ALL = 0.98  # of what the two explain; what is left may still be a small
 def single_cause(
     current: Fit, catalogue: Sequence[Effect], problem: Problem, known: Mapping[str, FittedEffect]
 ) -> tuple[Effect, Fit, Fit] | None:
-    """Look for an effect with one parameter that stands in for two parameter errors.
+    """Look for an effect with one parameter that replaces two parameter errors.
 
-    Two wrong numbers of the platform span a family that may hold quite another law: a motor constant and an inertia
-    that are wrong by one and the same ratio damp a joint exactly as viscous friction does. One cause is likelier than
-    two that conspire.
+    Two wrong numbers together may imitate another law: a motor constant and an inertia that are wrong by the same ratio
+    damp a joint exactly like viscous friction. One cause is likelier than two.
 
     Returns:
         The effect, the fit with it and the fit without the two that it replaces, or None.

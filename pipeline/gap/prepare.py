@@ -1,4 +1,4 @@
-"""From a recording to what is fitted and what is held out: blocks, windows, noise, and how finely they resolve."""
+"""Preparation of a recording: blocks, fitted and held-out runs, noise floor, resolution."""
 
 from dataclasses import dataclass, replace
 
@@ -23,14 +23,14 @@ _SLOWEST = 1.0  # s between samples, beyond which no machine of these kinds is s
 
 @dataclass(frozen=True)
 class Prepared:
-    """What a diagnosis works on.
+    """The prepared data of a diagnosis.
 
     Attributes:
         nominal: the simulator before, with the resolution of the recording.
-        problem: the runs to fit.
-        proving: the runs to prove on.
+        problem: the fitted runs.
+        proving: the runs for validation.
         held_out: whether those were kept from the fit.
-        remarks: what was settled about the sensors on the way.
+        remarks: corrections of the sensors, a sentence each.
     """
 
     nominal: Simulator
@@ -86,14 +86,14 @@ def _blocks(
 
 
 def _suiting(settings: Gap, recording: Recording) -> Gap:
-    """Return settings with blocks so short that even a short recording has enough of them to test with."""
+    """Return settings with blocks short enough that a short recording gives enough clusters."""
     fitted = sum(recording.split.get(run, "train") != "holdout" for run in recording.frame["run"])
     enough = fitted * recording.time_step / ENOUGH_CLUSTERS
     return replace(settings, block_duration=min(settings.block_duration, max(enough, _SHORTEST)))
 
 
 def _with_clock_deviation(blocks: Blocks, offsets: dict[str, float]) -> Blocks:
-    """Add how much each run's clock offset differs from the mean of those that cleaning could tell."""
+    """Add the deviation of each run's clock offset from the mean of the estimated ones."""
     known = [offsets[run] for run in blocks.runs if run in offsets]
     if not known:
         return blocks

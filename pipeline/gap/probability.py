@@ -1,4 +1,4 @@
-"""How sure a name is: the probability that is written beside it, and the features that it is made of."""
+"""The probability of a named effect: a calibrated logistic regression of features."""
 
 import math
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 
 CALIBRATION = Path(__file__).with_name("calibration.yaml")
-"""Where the coefficients of the features are."""
+"""The file of the coefficients."""
 
 DIRECTIONS = {
     "evidence": 1,
@@ -31,20 +31,20 @@ _MOST_ODDS = 50.0  # of the logarithm, beyond which the exponential says nothing
 
 @dataclass(frozen=True)
 class Features:
-    """What speaks for a named effect and against it.
+    """The features of a named effect.
 
     Attributes:
-        gain: cross-validated log likelihood gained by the effect as the last to enter, for independent rows.
-        parameters: how many it has.
-        clusters: number of stretches with independent residuals.
-        unsteadiness: greatest certain drift of its parameters between runs, over their values.
-        signal: energy that it explains over the noise's, in the channel where it explains most.
-        excess: energy that is left beside it there over the noise's.
-        is_number: whether it is a wrong number of the platform, which bends to much that it is not, and no law.
-        kind: of platform; names are not as often right for every kind.
-        weight: of the effect among those that this recording cannot tell from it.
-        coarse: whether samples are too far apart to show how what it acts on moves, and more than noise is left there.
-        refuted: whether runs that were used for nothing else are predicted worse with what was named, beyond noise.
+        gain: gain in cross-validated log likelihood as the last effect to enter, divided by the design effect.
+        parameters: number of its parameters.
+        clusters: number of clusters with independent residuals.
+        unsteadiness: greatest significant drift of its parameters between runs, over their values.
+        signal: energy that it explains over the noise energy, in the channel where it explains most.
+        excess: energy that is left there over the noise energy.
+        is_number: whether it is an error of a platform number, which adapts to many other causes.
+        kind: kind of platform.
+        weight: posterior weight of the effect among its look-alikes.
+        coarse: whether its axis is sampled too coarsely and more than noise is left there.
+        refuted: whether the named effects make the prediction of held-out runs worse, beyond noise.
     """
 
     gain: float
@@ -69,12 +69,12 @@ class Features:
 
     @property
     def _most_excess(self) -> float:
-        """Up to which energy left counts: what is little beside all that the effect explains says little against it."""
+        """Upper limit of the excess: a rest that is small against what the effect explains counts little."""
         return min(_MOST_EXCESS, 1.0 + _SLIGHT * self.excess / max(self.signal, _LEAST_SIGNAL))
 
     @property
     def scaled(self) -> dict[str, float]:
-        """The features on scales on which their differences count alike, by the names of `DIRECTIONS`."""
+        """The features on the scales of the regression, by the names of `DIRECTIONS`."""
         return {
             "evidence": math.asinh(self.log_bayes_factor),
             "unsteadiness": math.log1p(self.unsteadiness),
@@ -86,7 +86,7 @@ class Features:
 
 @dataclass(frozen=True)
 class Calibration:
-    """A logistic regression of how often names are right (`simgap calibrate`).
+    """A logistic regression of the presence of named effects (`simgap calibrate`).
 
     Attributes:
         intercept: of all kinds of platform.
@@ -106,18 +106,18 @@ class Calibration:
 
 
 def presence_of(features: Features) -> float:
-    """Return the probability that an effect of this kind is there, whichever of its rivals it is."""
+    """Return the probability that the effect or one of its look-alikes is present."""
     most = _REFUTED if features.refuted else _OPEN if features.coarse else _GREATEST_PROBABILITY
     return min(_calibration().presence(features.scaled, features.kind), most)
 
 
 def probability_of(features: Features) -> float:
-    """Return the probability that it is this effect: present, and none of those that cannot be told from it."""
+    """Return the probability of this effect: its presence times its weight among its look-alikes."""
     return presence_of(features) * features.weight
 
 
 @cache
 def _calibration() -> Calibration:
-    """Return what was fitted to concealed cases."""
+    """Return the coefficients that were fitted to simulated cases."""
     content = yaml.safe_load(CALIBRATION.read_text(encoding="utf-8"))
     return Calibration(content["intercept"], content["coefficients"], content["offsets"])

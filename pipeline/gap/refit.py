@@ -1,4 +1,4 @@
-"""A fit with one effect more or one less, without fitting the others from scratch."""
+"""A fit with one effect more or one less, without a full refit of the others."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The variables over which a mismatch is mapped: where in its envelope the machine was."""
+"""The regime variables over which a mismatch is mapped, such as airspeed or height."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ _AXES = ("x", "y", "z")
 
 @dataclass(frozen=True)
 class Regime:
-    """One variable that describes where the machine was.
+    """One regime variable of the machine.
 
     Attributes:
         name: as in the diagnosis.

@@ -1,4 +1,4 @@
-"""What a simulator leaves unexplained in a recording, channel by channel, and how much of it the noise explains."""
+"""The residual of a simulator in weak form, channel by channel, and its noise floor."""
 
 import math
 from dataclasses import dataclass, replace
@@ -41,7 +41,7 @@ class ChannelSeries:
 
 
 def channels_on(simulator: Simulator, blocks: Blocks) -> tuple[Channel, ...]:
-    """Return the equations that a recording can be held against."""
+    """Return the channels (equations) that a recording allows to compare."""
     return simulator.mechanism.channels_of(blocks.signals)
 
 
@@ -87,13 +87,13 @@ def _at_samples(
 
 
 def signals_inside(simulator: Simulator, blocks: Blocks, acting: dict[str, Tensor]) -> dict[str, Tensor]:
-    """Return what acts in a simulator, its effects' memories gone through from the start of each block's margin."""
+    """Return the signals in a simulator; effects with memory are run from the start of each block's margin."""
     signals = simulator.along_time(acting, blocks.time_step)
     return {name: blocks.acting_inside(series) for name, series in signals.items()}
 
 
 def _settling(channel: str, simulator: Simulator, blocks: Blocks) -> float:
-    """Return what a held command makes of the momentum of an axis that settles between two samples.
+    """Return the factor on the momentum of an axis that settles between two samples of a held command.
 
     Between samples the velocity is an exponential, of which the trapezoid rule misses a part; the equation
     u = v̄ + (dv/dt)/rate is exact for the sampled means when 1/rate is multiplied by x·coth(x), x = rate·dt/2.
@@ -125,10 +125,10 @@ def residual_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
 
 
 def row_weights(blocks: Blocks, functions: WindowFunctions) -> Tensor:
-    """Return what each window counts, (blocks, rows, 1): nothing where it holds an input that was made up.
+    """Return the weight of each window, (blocks, rows, 1): zero where it contains a lost command.
 
-    What a lost command was nobody knows, and a held one may have jumped. The other windows count so much more that
-    mean squares over all of them are those over what was measured. Where that were less than half of them, all count.
+    The other windows are scaled so that mean squares over all windows equal those over the measured ones. If half of
+    the windows or more would be lost, all count.
     """
     touched = mean_of(functions, blocks.filled)
     sound = (touched < _TOUCHED).to(touched.dtype)

@@ -1,4 +1,4 @@
-"""What a recording resolves: how slow a motion before it leaves open which way, and how short a time."""
+"""The resolution of a recording: the slowest motion with a known direction, and the shortest delay."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -23,7 +23,7 @@ _SHORT = (
 
 
 def is_short(late: float, time_step: float) -> bool:
-    """Whether something is late by so little, s, that samples cannot tell it from how a command is held."""
+    """Whether a delay, s, is too short to be told from the timing of a held command."""
     return 0.0 < abs(late) < _SHORT * time_step
 
 
@@ -37,9 +37,9 @@ def resolved(nominal: Simulator, blocks: Blocks) -> Simulator:
 
 
 def with_resolution(blocks: Blocks, nominal: Simulator, known_to: Mapping[str, float]) -> Blocks:
-    """Add below which velocities the direction of motion is open at each sample.
+    """Add the velocity below which the direction of motion is unknown, for each sample.
 
-    It is what the sensor tells, or half of what the velocity changes by within a sample: then it passes through zero.
+    It is the resolution of the sensor, or half of the change of velocity per sample if that is more.
     """
     resolution = {}
     for name, velocity in _sliding_velocities(nominal, blocks.signals).items():
@@ -49,7 +49,7 @@ def with_resolution(blocks: Blocks, nominal: Simulator, known_to: Mapping[str, f
 
 
 def resolution_of(nominal: Simulator, blocks: Blocks) -> dict[str, float]:
-    """Return what the sensors tell a velocity to, by the name of the setting that says when it slides."""
+    """Return the velocity resolution of the sensors, by the name of the sliding-velocity setting."""
     known = {}
     for name, velocity in _sliding_velocities(nominal, blocks.signals).items():
         inner = blocks.inner(velocity)
@@ -60,7 +60,7 @@ def resolution_of(nominal: Simulator, blocks: Blocks) -> dict[str, float]:
 
 
 def _sliding_velocities(nominal: Simulator, signals: dict[str, Tensor]) -> dict[str, Tensor]:
-    """Return what slides by the name of the setting that says when it does."""
+    """Return the sliding velocities, by the name of the sliding-velocity setting."""
     if nominal.platform.kind == "joint":
         return {"sliding_velocity": signals["velocity"]}
     if nominal.platform.kind == "swerve":

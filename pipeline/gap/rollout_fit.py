@@ -1,7 +1,7 @@
-"""All parameters refitted together through multi-step predictions, the way in which the simulator will be used.
+"""Joint refit of all parameters through open-loop predictions, as the simulator will be used.
 
-Equations of motion averaged over windows find effects quickly, but noise in what they are evaluated on bends their
-values a little. An open-loop prediction starts from a noisy state too, but integrates from there without looking again.
+The weak form finds effects quickly, but noise in its regressors biases their values a little. An open-loop prediction
+uses the noisy recording only for its initial state.
 Source: Bock 1983, Recent advances in parameter identification techniques for ODE (multiple shooting, its segments here
 started from recorded states).
 """
@@ -55,9 +55,8 @@ class RolloutProblem(Problem):
 def refit_through_rollouts(found: Fit, problem: Problem, horizon: float, folds: int) -> tuple[Fit, bool]:
     """Refit every free parameter through predictions over a horizon.
 
-    The values are taken where they predict folds that were left out at least as well as the values found, where
-    predictions know none of them much less well, and where each stays within what both criteria can mean by it; a
-    parameter that no prediction depends on stays as it was.
+    The new values are accepted if they predict left-out folds at least as well, if none is known much less well, and if
+    each stays within the tolerance of the first fit. A parameter that no prediction depends on stays unchanged.
 
     Args:
         found: the fit of the equations of motion.

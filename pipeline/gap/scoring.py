@@ -1,4 +1,4 @@
-"""How much better one fit predicts than another, on runs that it was not fitted on."""
+"""Cross-validated scores of fits, their clusters and significance."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from simgap.simulation.blocks import Blocks
 
 _CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
 ENOUGH_CLUSTERS = 20
-"""So many a test needs: errors that are robust to correlation inside clusters are too small with fewer."""
+"""Least number of clusters of a test: cluster-robust errors are too small with fewer."""
 _ENOUGH_RUNS = 3  # to leave out one at a time, however long they are
 _UNEVEN = 2  # times as long as the other of two runs: it would have to be foretold by too little
 _ROUNDING = 1e-6  # of a cluster
@@ -77,7 +77,7 @@ def predictive_score(residual: Tensor, noise: Tensor) -> Tensor:
 
 @dataclass(frozen=True)
 class Significance:
-    """Whether a parameter differs from the value at which its effect does nothing.
+    """The Wald test of parameters against their neutral values.
 
     Attributes:
         p_value: of the Wald test with the clustered covariance.

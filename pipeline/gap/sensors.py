@@ -1,4 +1,4 @@
-"""Whether the sensors of a recording agree with each other, before any physics is asked."""
+"""Agreement of the sensors of a recording: accelerometer zero and velocity delay, corrected before any fit."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What a person may change about the diagnosis."""
+"""Settings of the diagnosis."""
 
 from dataclasses import dataclass
 
@@ -15,25 +15,25 @@ class Gap:
     """Settings of the gap engine."""
 
     effects: list[str] | None = None
-    """Names that may be found; null: the whole catalogue of the platform kind."""
+    """Names that may be selected; null: the whole catalogue of the platform kind."""
     block_duration: float = 1.0
     """Length of the stretches that a recording is cut into, s."""
     test_width: float = 0.2
     """Width of the test functions that residuals are averaged with, s."""
     margin: float = 0.5
-    """What effects with memory are given to settle before a block, s."""
+    """Time before a block in which effects with memory settle, s."""
     significance: float = 1e-3
     """Greatest chance of naming an effect that is not there, over the whole catalogue."""
     least_share: float = 0.02
     """Least share of the excess over the noise floor that an effect must explain, cross-validated."""
     least_probability: float = 0.15
-    """Least probability of being there, whichever of its rivals it is, with which an effect is named."""
+    """Least probability, before look-alikes share it, of a named effect."""
     folds: int = 5
     """Folds of the cross-validation over runs."""
     most_effects: int = 8
     """Most effects that are named in one diagnosis."""
     horizon: float = 0.5
-    """Length of the open-loop predictions that prove the fit, s."""
+    """Length of the open-loop predictions of the validation, s."""
     fit_horizon: float = 0.3
     """Length of the open-loop predictions through which the named effects are fitted together, s."""
     most_blocks: int = 600
@@ -42,7 +42,7 @@ class Gap:
     """Bootstrap resamples of the intervals."""
 
     def check(self) -> None:
-        """Refuse what nothing could be diagnosed with.
+        """Check the ranges of the settings.
 
         Raises:
             InputError: on a number that is out of its range.

@@ -1,6 +1,6 @@
-"""Times that are shorter than samples can tell: they are taken into account, and not named.
+"""Delays and lags that are shorter than the sampling can show: they stay in the simulator, but get no name.
 
-What so short a time does is there all the same, and would pass for other physics if it were left over.
+Without them in the simulator, their effect would be attributed to other physics.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ _PASSES = 3  # in which one time after another may turn out to be short
 
 
 def name_with_short_lags(prepared: Prepared, settings: Gap) -> tuple[Prepared, Naming]:
-    """Name what is missing beside the short times, which become part of the nominal simulator."""
+    """Select effects; short lags become part of the nominal simulator and the selection runs again."""
     naming = name(prepared.nominal, prepared.problem, settings)
     for _ in range(_PASSES):
         if not naming.short:
@@ -26,7 +26,7 @@ def name_with_short_lags(prepared: Prepared, settings: Gap) -> tuple[Prepared, N
 
 
 def _with_lags(prepared: Prepared, short: Sequence[FittedEffect]) -> Prepared:
-    """Return what a diagnosis works on with some effects known, and a remark about each."""
+    """Return the prepared data with some effects known, and a remark about each."""
     nominal, sample = prepared.nominal, prepared.problem.blocks.time_step
     keys = {fitted.effect.key for fitted in short}
     others = tuple(fitted for fitted in nominal.effects if fitted.effect.key not in keys)

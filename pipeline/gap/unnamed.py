@@ -1,4 +1,4 @@
-"""What remains when every name has been tried: a formula over the recorded signals, found by sparse regression."""
+"""A formula for the residual that no effect explains, found by sparse regression over recorded signals."""
 
 import itertools
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ _LEAST_STEP = 0.02  # of the remaining energy, cross-validated, for one more ter
 
 @dataclass(frozen=True)
 class Unnamed:
-    """Structure in a channel's residual that no effect of the catalogue accounts for.
+    """Structure in a channel's residual that no effect of the catalogue explains.
 
     Attributes:
         channel: which equation of motion.

@@ -1,4 +1,4 @@
-"""Whether the named physics helps: errors before and after on runs that were used for nothing else."""
+"""Validation: errors before and after on held-out runs."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Whether what is left looks like noise: it does not remember itself, nor what was commanded before.
+"""Whiteness of the remaining residual: its correlation with its own past and with past inputs.
 
 Ljung 1999, System Identification, §16.6: the tests of whiteness, and of independence of residuals and past inputs.
 Their bands assume independent errors; here products are summed over stretches of a run, which may be correlated inside
@@ -22,7 +22,7 @@ _INPUTS = ("effort", "voltage", "rotor_command", "rotor_speed", "drive_voltage",
 
 @dataclass(frozen=True)
 class Memory:
-    """A correlation of what is left in a channel with something earlier.
+    """A correlation of the remaining residual of a channel with its past or a past input.
 
     Attributes:
         channel: whose residual.
@@ -42,7 +42,7 @@ class Memory:
 
     @property
     def sentence(self) -> str:
-        """What it means, in a line."""
+        """The meaning in one line."""
         past = "its own value" if self.of == "itself" else self.of
         return (
             f"the remaining error of {self.channel.name} correlates with {past} {self.lag:.2g} s earlier "

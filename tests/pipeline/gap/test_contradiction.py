@@ -73,14 +73,14 @@ def test_a_spring_that_is_pulled_slowly_moves_against_its_acceleration():
 @pytest.mark.parametrize("plant", PLANTS)
 def test_commands_in_another_unit_are_no_physics(plant):
     (sentence,) = said(scaled(joint_recording(plant), "voltage", 1000.0), joint_simulator())
-    assert sentence.startswith("torque: with the platform's numbers the motion takes 1/")
+    assert sentence.startswith("torque: by the platform file, the motion needs 1/")
     assert "of the effort that was commanded; check the unit" in sentence
 
 
 def test_an_inertia_in_another_unit_is_no_physics():
     pulled = pulled_slowly(Plant(viscous=0.5, other=lambda position, velocity: -5.0 * position))
     (sentence,) = said(pulled, Simulator(Joint(inertia=1000.0 * JOINT.inertia)))
-    assert sentence.startswith("torque: with the platform's numbers the motion takes 999 times what")
+    assert sentence.startswith("torque: by the platform file, the motion needs 999 times the effort")
 
 
 def test_nothing_is_named_there_and_it_is_said_first():
