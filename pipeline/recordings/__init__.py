@@ -1,4 +1,4 @@
-"""Floor 0: recordings as the contract names them, where they come from and how they are brought in."""
+"""Floor 0: recordings in the names of the contract, their import, cleaning and storage."""
 
 from simgap.recordings.recording import Recording, read_recording, require_kind, write_recording
 

@@ -1,4 +1,4 @@
-"""The fixed names by which recordings are read and written: columns, units and what must be there."""
+"""The contract of recordings: column names, units and required columns."""
 
 KINDS = ("quadrotor", "swerve", "joint")
 

@@ -1,4 +1,4 @@
-"""The configuration of a dataset: where it comes from, how it is read and how its runs are divided."""
+"""The configuration of a dataset: source, importer and division of its runs."""
 
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,4 +1,4 @@
-"""What looks wrong in a recording that can be used all the same: one sentence per doubt."""
+"""Warnings about a recording that can be used but looks wrong, one sentence each."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ _GAP_SECONDS = 1.0
 
 
 def doubts(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> tuple[str, ...]:
-    """Return the doubts about a valid frame.
+    """Return the warnings about a valid frame.
 
     Args:
         frame: `run`, `t` and the channels, in the contract's units.

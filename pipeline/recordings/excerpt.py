@@ -1,4 +1,4 @@
-"""Parts of a recording, and samples evenly over it."""
+"""Excerpts of a recording, and evenly spaced samples."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -11,7 +11,7 @@ from simgap.recordings.recording import Recording
 
 
 def evenly(total: int, most: int) -> NDArray[np.int64]:
-    """Return places out of so many, evenly over all of them, at most as many as wanted; the ends are among them."""
+    """Return evenly spaced indices, at most as many as wanted, both ends included."""
     return np.unique(np.linspace(0, total - 1, min(most, total)).round().astype(np.int64))
 
 

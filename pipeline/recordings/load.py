@@ -1,4 +1,4 @@
-"""From the configuration of a dataset to its recording."""
+"""Loading of the recording that a dataset configuration names."""
 
 import dataclasses
 import glob
@@ -12,7 +12,7 @@ from simgap.recordings.registry import fetch, published
 
 
 def load_dataset(dataset: Dataset) -> Recording:
-    """Bring in a dataset that is published or a person's own.
+    """Load a published dataset or a user's own.
 
     Args:
         dataset: its configuration; `source` is published or file.

@@ -1,4 +1,4 @@
-"""Columns as numbers: text, infinity and values no robot can have are refused with their place."""
+"""Conversion of columns to numbers; text, infinity and impossible values are refused with their location."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""Units and frames that contradict each other: a rate against the change of what it is the rate of."""
+"""Plausibility of units and frames: each rate is compared with the derivative of its angle or position."""
 
 from collections.abc import Iterator
 
@@ -26,7 +26,7 @@ _REASONS = {
 
 
 def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> Iterator[str]:
-    """Yield a sentence for each channel that seems to be in another unit or frame than the contract's."""
+    """Yield a sentence for each channel whose unit or frame seems to differ from the contract."""
     yield from contradicting_rates(frame, kind)
     if kind == "quadrotor":
         yield from _quadrotor(frame)
@@ -41,7 +41,7 @@ def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> 
 
 
 def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[str]:
-    """Yield a sentence for each rate that is not that of its angle or position."""
+    """Yield a sentence for each rate that differs from the derivative of its angle or position."""
     for rate, angle in _PAIRS[kind]:
         yield from _compare(rate, angle, *recorded_and_derived(frame, rate, angle))
     if kind == "quadrotor":

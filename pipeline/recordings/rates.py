@@ -1,4 +1,4 @@
-"""Rates over a tenth of a second: as recorded, and as the change of what they are the rate of."""
+"""Rates averaged over 0.1 s: as recorded, and derived from the angle or position."""
 
 from collections.abc import Iterator
 

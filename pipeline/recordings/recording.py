@@ -1,4 +1,4 @@
-"""A recording: what a robot did, in SI units, by the names of the contract."""
+"""A recording: samples of a robot in SI units, in the names of the contract."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -150,7 +150,7 @@ def write_recording(recording: Recording, path: str | Path) -> None:
 
 
 def require_kind(recording: Recording, kind: str, where: str = "recording") -> None:
-    """Refuse a recording of another kind than the platform's.
+    """Check that recording and platform are of one kind.
 
     Raises:
         InputError: when the kinds differ.

@@ -1,4 +1,4 @@
-"""Published recordings: where each file lies, under which licence, and the hash that proves it the same."""
+"""Published recordings: address, licence and SHA-256 of each file."""
 
 import difflib
 import os
@@ -39,7 +39,7 @@ class PublishedFile:
 
 @dataclass(frozen=True)
 class Published:
-    """A dataset that somebody published, at a fixed commit."""
+    """A published dataset at a fixed commit."""
 
     name: str
     title: str
@@ -75,7 +75,7 @@ def published_names() -> list[str]:
 
 
 def published(name: str) -> Published:
-    """Return what is known of a published dataset.
+    """Return the entry of a published dataset.
 
     Raises:
         InputError: when there is none of that name.

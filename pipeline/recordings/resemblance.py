@@ -1,4 +1,4 @@
-"""How much the runs of a recording resemble each other: by what they reach, how widely they move and how fast."""
+"""Distances between runs of a recording: by mean, spread and step size of their channels."""
 
 import numpy as np
 import pandas as pd

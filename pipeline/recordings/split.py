@@ -1,4 +1,4 @@
-"""Runs are divided whole: what a model is fitted on, chosen by and proven on never share a flight."""
+"""Division of whole runs into training, validation and hold-out."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -110,7 +110,7 @@ def runs_of(split: Mapping[str, str], part: str) -> list[str]:
 
 
 def require_holdout(split: Mapping[str, str], where: str = "recording") -> None:
-    """Refuse to go on where nothing is held out, for what is worth nothing without a proof.
+    """Check that a run is held out, for stages that need validation.
 
     Raises:
         InputError: when no run is held out.

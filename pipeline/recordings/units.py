@@ -1,4 +1,4 @@
-"""Units that a recording may declare, and how they become the contract's."""
+"""Units that a recording may declare, and their conversion to those of the contract."""
 
 import math
 

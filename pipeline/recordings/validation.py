@@ -1,4 +1,4 @@
-"""What makes a table a recording; every breach is one line that names file, run, row and column."""
+"""Validation of a table as a recording; each error is one line with file, run, row and column."""
 
 import difflib
 from collections.abc import Iterable
@@ -51,7 +51,7 @@ def resolve_kind(declared: object, expected: str | None, frame: pd.DataFrame, wh
 def validate(
     frame: pd.DataFrame, declared: dict[str, str], kind: str, where: str
 ) -> tuple[pd.DataFrame, dict[str, str], tuple[str, ...]]:
-    """Check a table and bring it to the contract's columns, units and types.
+    """Check a table and convert it to the columns, units and types of the contract.
 
     Args:
         frame: the table as stored.

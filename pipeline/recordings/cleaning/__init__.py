@@ -1,5 +1,4 @@
-"""Cleaning: what a recording cannot mean is taken out, what is missing is filled as far as honest, all is
-accounted for."""
+"""Cleaning: remove implausible values, fill short gaps, and report every change."""
 
 from simgap.recordings.cleaning.account import summary
 from simgap.recordings.cleaning.clean import Cleaned, clean_recording, clean_with_coverage

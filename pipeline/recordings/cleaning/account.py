@@ -1,4 +1,4 @@
-"""The account of cleaning in one line per run."""
+"""Summary of cleaning, one line per run."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""What kind of signal a channel is: who measures it together, what is commanded, what changes slowly."""
+"""Properties of channels: which are sent together, which are commands, which change slowly."""
 
 from collections.abc import Iterable
 
@@ -74,7 +74,7 @@ COMMANDS = frozenset({*MOTOR_COMMAND, "thrust_command", *axes("body_rate_command
 
 
 def telegrams(kind: str, columns: Iterable[str]) -> list[list[str]]:
-    """Return the groups of channels that travel together, as far as they are recorded."""
+    """Return the groups of recorded channels that arrive in one message."""
     present = set(columns)
     groups = [[column for column in group if column in present] for group in TELEGRAMS[kind]]
     return [group for group in groups if group]

@@ -1,4 +1,4 @@
-"""Clean a recording, step by step, and say what was changed."""
+"""Clean a recording step by step and report every change."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ from simgap.recordings.split import Split, split_runs
 
 @dataclass(frozen=True)
 class Cleaned:
-    """A cleaned recording with the account of its cleaning.
+    """A cleaned recording with the report of its cleaning.
 
     Attributes:
         recording: uniform in time inside each (run, segment), complete in every needed channel, split by

@@ -1,4 +1,4 @@
-"""How late the state is with respect to the motor telemetry: two clocks, compared through the physics."""
+"""Offset between the clocks of state and motor telemetry, estimated from the physics."""
 
 from dataclasses import dataclass
 
@@ -26,7 +26,7 @@ _BLOCK = 1.0  # s; residuals farther apart than this are taken as independent
 
 @dataclass
 class ClockOffset:
-    """An estimate of how late measurements are.
+    """An estimate of the delay of measurements.
 
     Attributes:
         seconds: positive where the measurements are late with respect to the motors.
@@ -41,12 +41,12 @@ class ClockOffset:
     at_bound: bool
 
     def is_sound(self, time_step: float) -> bool:
-        """Return whether the estimate can be believed."""
+        """Return whether the estimate is reliable."""
         return not self.at_bound and self.explained >= _SOUND and self.error <= _LARGEST_ERROR * time_step
 
 
 def estimate_clock_offset(run: RunUnderCleaning, largest: float) -> float | None:
-    """Compare clocks of a flight and write the outcome down; return the state's offset in s if it is sound.
+    """Estimate the clock offset of a flight and report it; return the state's offset, s, if it is reliable.
 
     The squared rotor speeds explain the angular acceleration about roll and pitch, which shows the clock of
     the state (gyroscope), and the specific force along z, which shows that of the accelerometer where it has
@@ -106,7 +106,7 @@ def _offset(
 def compare_clocks(
     pieces: list[tuple[np.ndarray, np.ndarray]], time_step: float, largest: float, edge: int
 ) -> ClockOffset | None:
-    """Estimate by how much outputs lag the inputs that drive them linearly.
+    """Estimate the lag of outputs behind the inputs that drive them linearly.
 
     For each offset the inputs are delayed (exactly, by their Fourier transform) and the outputs regressed on
     them; the best offset leaves the smallest residual. Its standard error follows from the slope of the

@@ -1,4 +1,4 @@
-"""What became of every moment of a recording."""
+"""Coverage: which parts of a recording were kept, interpolated, dropped or never recorded."""
 
 import itertools
 

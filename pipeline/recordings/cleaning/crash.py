@@ -1,4 +1,4 @@
-"""Cut a flight off before it crashed."""
+"""Cut a flight before its crash."""
 
 import numpy as np
 

@@ -1,5 +1,4 @@
-"""What cleaning did, as a picture: one bar of time per run. Plain SVG, so that cleaning needs no drawing
-library."""
+"""The figure of cleaning: one time bar per run. Plain SVG, so that cleaning needs no drawing library."""
 
 import itertools
 from html import escape

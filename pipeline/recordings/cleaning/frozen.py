@@ -1,4 +1,4 @@
-"""Samples that were repeated because a newer message was missing, while the machine moved on."""
+"""Samples that were repeated because no newer message arrived, although the machine moved."""
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -15,7 +15,7 @@ _SAME = 1e-9
 
 
 def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
-    """Make missing the repetitions of a whole message that cannot be chance.
+    """Erase repetitions of a whole message that cannot be chance.
 
     A quantised channel repeats by chance when it moves by less than its quantum q per sample; with the usual
     step s around the repetition the chance is about q / 2s per channel, and the product over the channels of

@@ -1,4 +1,4 @@
-"""Stretches in which nothing happens: no input and no motion, or a quadrotor on the ground."""
+"""Idle stretches: no input and no motion, or a quadrotor on the ground."""
 
 import numpy as np
 

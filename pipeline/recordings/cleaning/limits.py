@@ -1,4 +1,4 @@
-"""Values that no machine can have."""
+"""Values outside the physical limits of a channel."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ _BOUNDS["battery_voltage"] = (0.0, np.inf)
 
 
 def erase_beyond_limits(run: RunUnderCleaning) -> None:
-    """Make missing what lies outside the bounds of its channel: commands in 0 to 1, speeds and voltage not
+    """Erase values outside the bounds of their channel: commands in 0 to 1, speeds and voltage not
     negative."""
     for column, (low, high) in _BOUNDS.items():
         if column in run.columns:

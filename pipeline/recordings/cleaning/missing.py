@@ -1,4 +1,4 @@
-"""Runs that lack a channel throughout."""
+"""Runs without any value of a required channel."""
 
 import numpy as np
 import pandas as pd
@@ -10,7 +10,7 @@ _USABLE = 0.5  # share of samples from which on a group counts as recorded
 
 
 def lacking(frame: pd.DataFrame, kind: str) -> str:
-    """Return why a run cannot be used, "" where it can."""
+    """Return the reason why a run cannot be used; empty if it can."""
     empty = [column for column in REQUIRED[kind] if frame[column].count() < _LEAST]
     if empty:
         return f"no values in {', '.join(empty)}"

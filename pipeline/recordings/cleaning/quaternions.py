@@ -1,4 +1,4 @@
-"""Unit quaternions without jumps of sign."""
+"""Unit quaternions with continuous sign."""
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def _flipped(quaternion: np.ndarray) -> np.ndarray:
 
 
 def slerp(start: np.ndarray, end: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Turn steadily from one rotation to another.
+    """Interpolate between two rotations at constant rate.
 
     Args:
         start: unit quaternions, shape (samples, 4).

@@ -1,4 +1,4 @@
-"""A uniform time step, and what is missing filled as far as that is honest."""
+"""Resampling to a uniform time step, with interpolation over short gaps only."""
 
 import itertools
 from dataclasses import dataclass
@@ -27,9 +27,9 @@ _DIGITS = 10  # of the time step, so that 0.0099999999 is 0.01
 
 
 def typical_step(time: np.ndarray) -> float:
-    """Return the time step of a run, s: the slope of its times over their numbers, lost samples counted.
+    """Return the time step of a run, s: the slope of its times over the sample numbers, lost samples included.
 
-    A mean of the steps would keep the jitter at both ends of every loss, and add it up over the run.
+    A mean of the steps would accumulate the jitter at both ends of every loss.
     """
     steps = np.diff(time)
     median = float(np.quantile(steps, 0.5, method="lower"))  # one of the steps, however they scatter
@@ -61,7 +61,7 @@ def split_at_gaps(run: RunUnderCleaning, max_gap: float) -> None:
 
 @dataclass
 class _Grid:
-    """The new times and how the recorded ones lie to them.
+    """The new times and their relation to the recorded ones.
 
     Attributes:
         time: new times, s, shape (new samples,).
@@ -70,7 +70,7 @@ class _Grid:
         moved: whether recorded times are off the grid.
         nearest: the recorded sample nearest to each new time.
         present: whether that is within half a time step.
-        ticking: whether recorded times off the grid scatter about a clock's ticks, rather than wander away from them.
+        ticking: whether recorded times off the grid scatter about the ticks of a clock; else they drift.
     """
 
     time: np.ndarray
@@ -85,10 +85,10 @@ class _Grid:
 def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
     """Bring a run to one time step and interpolate what is missing.
 
-    Measurements are interpolated linearly, attitudes by slerp; of the inputs of swerve and joint that command is taken
-    which acts for most of the coming step, and in a gap the earlier one; where the recorded times follow no clock, the
-    mean over the coming step, each command being held until the next. Recorded samples that are on time stay untouched.
-    Nothing is extrapolated, and nothing is interpolated between samples farther apart than the limits of `settings`.
+    Measurements are interpolated linearly, attitudes by slerp. A command of a swerve drive or joint is held until the
+    next: the command that acts for most of the coming step is taken, and in a gap the earlier one. If the recorded
+    times follow no clock, the mean of the held commands over the coming step is taken. Samples that are on time stay
+    unchanged. Nothing is extrapolated or interpolated over gaps longer than the limits of `settings`.
     """
     grid = _grid(run, time_step, settings.jitter)
     result = RunUnderCleaning(
@@ -122,8 +122,8 @@ def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> Run
 def noise_kept(recorded: np.ndarray, time: np.ndarray) -> float:
     """Return the share of white noise that a fifth difference still shows after linear interpolation.
 
-    A mean of two samples has less noise than either, and least where the noise changes from sample to sample, which is
-    what a fifth difference looks at; means over many samples keep theirs.
+    A mean of two samples has less noise than either. The loss is greatest at the highest frequencies, which a fifth
+    difference measures; means over many samples keep their noise.
 
     Args:
         recorded: times of the samples, s.

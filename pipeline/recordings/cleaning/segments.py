@@ -1,5 +1,4 @@
-"""Unbroken stretches: samples that cannot be used are dropped, what is left is numbered, the short ones
-go."""
+"""Unbroken stretches: unusable samples and short stretches are dropped, the rest is numbered."""
 
 import numpy as np
 
@@ -9,7 +8,7 @@ _ROUNDING = 1.0 - 1e-9
 
 
 def drop_incomplete(run: RunUnderCleaning) -> None:
-    """Drop samples in which a needed channel is missing for longer than is interpolated."""
+    """Drop samples in which a required channel is missing for too long to interpolate."""
     absent = np.isnan(run.channel(*run.needed))
     for place, column in enumerate(run.needed):
         causes = run.cause[:, run.columns.index(column)]
@@ -34,7 +33,7 @@ def drop_short(run: RunUnderCleaning, min_duration: float) -> None:
 
 
 def drop_made_up(run: RunUnderCleaning, least_measured: float) -> None:
-    """Drop unbroken stretches in which some needed channel was measured for less than a share of the time."""
+    """Drop unbroken stretches in which a required channel was measured for less than a share of the time."""
     measured = run.cause[:, run.index(run.needed)] == ""
     for first, past in unbroken(run):
         share = float(measured[first:past].mean(axis=0).min())

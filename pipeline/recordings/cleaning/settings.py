@@ -1,4 +1,4 @@
-"""What a person may change about cleaning."""
+"""Settings of cleaning."""
 
 from dataclasses import dataclass
 
@@ -42,7 +42,7 @@ class Cleaning:
     max_clock_offset: float = 0.1
 
     def check(self) -> None:
-        """Refuse limits that make no sense.
+        """Check the ranges of the limits.
 
         Raises:
             InputError: naming the key.

@@ -1,4 +1,4 @@
-"""Isolated samples that leave and come back faster than anything around them moves."""
+"""Spikes: isolated samples that leave and return faster than the signal around them moves."""
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -37,7 +37,7 @@ _INTEGRAL = {rates[0]: column for column, rates in _RATE.items() if len(rates) =
 
 
 def erase_spikes(run: RunUnderCleaning) -> None:
-    """Make missing what no machine does: an excursion of one to three samples from a calm course and back.
+    """Erase spikes: excursions of one to three samples from a calm course and back.
 
     A step does not come back, a transient is not calm on either side, a burst is rough around; and a pulse of
     speed that the position confirms is true. Inputs and commands may jump and are left, and so are channels

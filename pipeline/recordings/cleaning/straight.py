@@ -1,5 +1,4 @@
-"""Stretches that somebody filled with a straight line, as when a log ends before the others and is
-extrapolated."""
+"""Stretches that were filled with a straight line before import, such as an extrapolated end."""
 
 import numpy as np
 
@@ -13,7 +12,7 @@ _CHORD = 1e-4  # largest distance from the chord over the whole way
 
 
 def erase_straight(run: RunUnderCleaning, max_gap: float) -> None:
-    """Make missing what is a straight line, in every component at once, for longer than `max_gap` s."""
+    """Erase what is a straight line, in every component at once, for longer than `max_gap` s."""
     if run.kind != "quadrotor":
         return
     for columns in _VECTORS:

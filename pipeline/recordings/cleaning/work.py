@@ -1,4 +1,4 @@
-"""A run while it is being cleaned, and the ledger of what was done to it."""
+"""A run during cleaning, with the list of its changes."""
 
 from dataclasses import dataclass, field
 
@@ -71,7 +71,7 @@ class RunUnderCleaning:
         return self.values[:, self.index(list(columns))]
 
     def erase(self, rows: np.ndarray, columns: list[str], step: str, reason: str, detail: str = "") -> None:
-        """Make values missing and write it down, once per channel.
+        """Erase values and record the change, once per channel.
 
         Args:
             rows: mask over samples, shape (samples,).
@@ -88,7 +88,7 @@ class RunUnderCleaning:
             self.note(step, column, reason, int(wanted.sum()), detail)
 
     def drop(self, rows: np.ndarray, step: str, reason: str, detail: str = "") -> None:
-        """Drop whole samples that are not dropped yet, and write it down."""
+        """Drop whole samples that are not dropped yet, and record the change."""
         wanted = rows & (self.dropped == "")
         self.dropped[wanted] = reason
         self.note(step, "", reason, -int(wanted.sum()), detail)

@@ -1,4 +1,4 @@
-"""Importers: one file per format, from what was published to SI units and the contract's frames."""
+"""Importers: one file per format; each converts to SI units and the frames of the contract."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

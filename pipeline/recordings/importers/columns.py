@@ -1,4 +1,4 @@
-"""From the columns of a published table to channels of the contract, by declared unit."""
+"""Conversion of table columns to channels of the contract, by declared unit."""
 
 import difflib
 from collections.abc import Iterable, Mapping
@@ -15,7 +15,7 @@ from simgap.recordings.units import KNOWN, conversion
 
 @dataclass(frozen=True)
 class Column:
-    """Where a channel comes from; its value is scale · column + offset, in `unit`.
+    """The source of a channel; its value is scale · column + offset, in `unit`.
 
     Attributes:
         column: name in the file.

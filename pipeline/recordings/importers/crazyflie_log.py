@@ -1,4 +1,4 @@
-"""Flights of a Crazyflie that logged accelerometer, gyroscope and motor commands, and nothing of where it was."""
+"""Flights of a Crazyflie that logged accelerometer, gyroscope and motor commands, but no position."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -25,7 +25,7 @@ _STATE = {"position": "xyz", "velocity": "xyz", "attitude": "wxyz"}
 
 
 def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
-    """Read flights; one run per window of a log's clock.
+    """Read flights; one run per time window of the log.
 
     Attitude, velocity and position were not recorded. They are dead-reckoned from gyroscope and accelerometer, within
     each window for itself; the gyroscope's bias is its mean before the motors start.
@@ -41,8 +41,8 @@ def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
     windows = options.get("flights") or {}
     frames = [frame for path in paths for frame in _flights(path, windows.get(path.name))]
     remark = (
-        "Position, velocity and attitude were not recorded; they are dead-reckoned from gyroscope and accelerometer,"
-        " and drift: what depends on speed or height cannot be judged."
+        "Position, velocity and attitude were not recorded; they are dead-reckoned from gyroscope and accelerometer "
+        "and drift, so effects of speed or height cannot be judged."
     )
     return recording_from_frame(pd.concat(frames, ignore_index=True), "quadrotor", warnings=[remark])
 
