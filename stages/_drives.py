@@ -22,6 +22,6 @@ def identified(platform: Mapping[str, Any], task: Profile, config: StageConfig, 
 
     swerve = platform_from_config(platform)
     if not isinstance(swerve, Swerve):
-        raise InputError("is no swerve drive", "platform", "choose platform=swerve_shuttle or another one")
+        raise InputError("is not a swerve drive", "platform", "choose platform=swerve_shuttle or another one")
     path = run.input(config.artifact("sysid", "parameters.yaml"))
     return identified_drive(path, swerve, task.voltage_limit, task.acceleration_limit)

@@ -62,7 +62,7 @@ def entered(
         return _planned(platform, track, training.racing, chosen)
     if chosen.pilot != POLICY:
         raise InputError(
-            f"there is no pilot {chosen.pilot!r}", "evaluate.pilot", f"use {POLICY} or {TIME_OPTIMAL}"
+            f"unknown pilot {chosen.pilot!r}", "evaluate.pilot", f"use {POLICY} or {TIME_OPTIMAL}"
         )
     entry = _trained(policy_folder(chosen, config), chosen, run)
     _require_own(platform, entry, str(policy_folder(chosen, config)))
@@ -97,4 +97,4 @@ def _require_own(platform: Mapping[str, Any], entry: Entry, where: str) -> None:
 
     if platform and platform_from_config(platform) != platform_from_config(entry.platform):
         remedy = "leave platform out, or train a policy for it"
-        raise InputError("was trained for another machine than platform says", where, remedy)
+        raise InputError("was trained for another platform", where, remedy)

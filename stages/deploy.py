@@ -47,7 +47,7 @@ def deploy(config: DeployStage, run: StageRun) -> None:
     elif not races and (config.deploy.plan or _plan(config).exists()):
         _drive(config, run)
     else:
-        run.leave_out("deploy: nothing is deployed, since nothing was planned or trained")
+        run.leave_out("deploy: nothing is deployed, because there is no policy and no planned motion")
 
 
 def race(config: DeployStage, run: StageRun) -> None:

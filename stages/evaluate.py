@@ -24,7 +24,7 @@ def evaluate(config: EvaluateStage, run: StageRun) -> None:
     from simgap.stages._pilots import is_entered
 
     if not is_entered(config.evaluate, config):
-        run.leave_out("evaluate: nothing is flown, since no policy was trained")
+        run.leave_out("evaluate: nothing is flown, because no policy was trained")
         return
     _race(config, run)
 

@@ -28,7 +28,7 @@ def finetune(config: FinetuneStage, run: StageRun) -> None:
 
     chosen = config.finetune
     if not chosen.enabled:
-        run.leave_out("finetune: no policy is trained further, since finetune.enabled is false")
+        run.leave_out("finetune: no policy is fine-tuned, because finetune.enabled is false")
         return
     chosen.check()
     policy = Path(chosen.policy) if chosen.policy else config.artifact("train_policy", "policy")

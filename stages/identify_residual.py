@@ -36,7 +36,7 @@ def identify_residual(config: IdentifyResidualStage, run: StageRun) -> None:
     chosen, path = config.residual, _recorded(config)
     unflown = not chosen.recording and not path.exists()
     if unflown or not isinstance(platform_from_config(config.platform), Quadrotor):
-        run.leave_out("identify_residual: there are no flights whose residual could be found")
+        run.leave_out("identify_residual: nothing is identified, because there are no recorded flights")
         return
     recording = _flights(config, run.input(path))
     simulator = _physics(chosen_simulator(chosen.simulator, config.platform, config, run)[0])

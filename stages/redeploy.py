@@ -13,7 +13,7 @@ def redeploy(config: DeployStage, run: StageRun) -> None:
     if policy.exists():
         race(replace(config, evaluate=replace(config.evaluate, policy=str(policy))), run)
         return
-    run.leave_out("redeploy: nothing is deployed, since no policy was trained further")
+    run.leave_out("redeploy: nothing is deployed, because no policy was fine-tuned")
 
 
 if __name__ == "__main__":

@@ -47,7 +47,7 @@ def train(config: TrainStage, run: StageRun) -> None:
     if config.train.enabled:
         _train(config, run)
         return
-    run.leave_out("train: nothing is trained, since train.enabled is false")
+    run.leave_out("train: nothing is trained, because train.enabled is false")
 
 
 def _train(config: TrainStage, run: StageRun) -> None:

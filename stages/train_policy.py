@@ -25,7 +25,7 @@ def train_policy(config: TrainPolicyStage, run: StageRun) -> None:
     task = config.train_policy.task
     if task is None:
         run.leave_out(
-            "train_policy: no policy is trained, since no task is named, as train_policy=racing_quick does"
+            "train_policy: no policy is trained, because no task is set (example: train_policy=racing_quick)"
         )
         return
     if task != TASK:

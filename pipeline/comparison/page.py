@@ -16,8 +16,9 @@ UNKNOWN = "–"
 
 _HEAD = """# Results
 
-Every section was written by `simgap results` from the sweep whose command stands under its title, and can be made again
-alone. Scores are those of held-out runs; where there are several seeds, mean ± standard deviation over them.
+Each section below was written by `simgap results` from one sweep. The command of the sweep stands under the title;
+each section can be made again alone. Scores are those of held-out runs. With several seeds, a score is mean ± standard
+deviation.
 """
 _MARK = "<!-- sweep: {} -->"
 _SECTION = re.compile(r"^<!-- sweep: (\S+) -->$", re.MULTILINE)
@@ -70,8 +71,8 @@ def _section(comparison: Comparison, picture: str | None) -> str:
     seeds = sorted({job.seed for job in comparison.jobs})
     minutes = sum(job.seconds for job in comparison.jobs) / 60
     facts = (
-        f"`{comparison.command}`\n\nMade on {comparison.machine}: {len(comparison.jobs)} jobs that took {minutes:.1f} "
-        f"minutes one after the other; seed{'s' if len(seeds) > 1 else ''} {', '.join(map(str, seeds))}."
+        f"`{comparison.command}`\n\nMade on {comparison.machine}: {len(comparison.jobs)} jobs, {minutes:.1f} minutes of "
+        f"computing in all; seed{'s' if len(seeds) > 1 else ''} {', '.join(map(str, seeds))}."
     )
     parts = [f"## {title}", *filter(None, [comparison.results.text]), facts, tables_text(comparison).strip()]
     return "\n\n".join([*parts, *([f"![{title}]({picture})"] if picture else [])])

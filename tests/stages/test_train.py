@@ -149,7 +149,7 @@ def test_where_training_is_disabled_nothing_is_read_and_the_metrics_are_empty(tm
     caplog.set_level("INFO", "simgap")
     run = StageRun(tmp_path)
     train(TrainStage(recording="absent.parquet", train=Training(enabled=False)), run)
-    assert caplog.messages == ["train: nothing is trained, since train.enabled is false"]
+    assert caplog.messages == ["train: nothing is trained, because train.enabled is false"]
     assert [path.name for path in run.output.iterdir()] == ["metrics.json"]
     assert json.loads((run.output / "metrics.json").read_text()) == {}
     assert run.inputs == run.metrics == {}
