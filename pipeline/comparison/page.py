@@ -71,8 +71,8 @@ def _section(comparison: Comparison, picture: str | None) -> str:
     seeds = sorted({job.seed for job in comparison.jobs})
     minutes = sum(job.seconds for job in comparison.jobs) / 60
     facts = (
-        f"`{comparison.command}`\n\nMade on {comparison.machine}: {len(comparison.jobs)} jobs, {minutes:.1f} minutes of "
-        f"computing in all; seed{'s' if len(seeds) > 1 else ''} {', '.join(map(str, seeds))}."
+        f"`{comparison.command}`\n\nMade on {comparison.machine}: {len(comparison.jobs)} jobs, {minutes:.1f} minutes "
+        f"of computing in all; seed{'s' if len(seeds) > 1 else ''} {', '.join(map(str, seeds))}."
     )
     parts = [f"## {title}", *filter(None, [comparison.results.text]), facts, tables_text(comparison).strip()]
     return "\n\n".join([*parts, *([f"![{title}]({picture})"] if picture else [])])
