@@ -26,7 +26,8 @@ def reproduce(branch: str | None = None) -> None:
     artifacts = PROJECT_ROOT / "artifacts" / branch
     _reproduce("diagnose", branch)
     print(
-        f"the diagnosis: {write_first_page(artifacts, branch)}; later stages are added to one page", flush=True
+        f"the diagnosis: {write_first_page(artifacts, branch)}; later stages are added to one page",
+        flush=True,
     )
     _reproduce("report", branch)
     for page in sorted((artifacts / "report").glob("*.html")):
