@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from simgap.effects import Effect
     from simgap.gap.candidate import Candidate
 
-_CHANCE = 0.05
-_STRICT_CHANCE = 0.01  # where the catalogue calls the other the likelier cause
-_HALF = 0.5
-_NEARLY = 0.9
-_SAME = 1.0  # of a log likelihood: "not worth more than a bare mention" (Kass & Raftery 1995, Bayes factors)
+_CHANCE = 0.05  # level of the test between two effects
+_STRICT_CHANCE = 0.01  # level where the catalogue calls the other one the likelier cause
+_HALF = 0.5  # of the winner's share, above which another effect is a rival
+_NEARLY = 0.9  # of the same, above which an equivalent description is one
+_SAME = 1.0  # difference in log likelihood: "not worth more than a bare mention" (Kass & Raftery 1995, Bayes factors)
 
 
 @dataclass(frozen=True)

@@ -16,22 +16,18 @@ from simgap.gap.settings import Gap
 from simgap.simulation import Simulator
 
 _Z95 = 1.96
-_LEAST_ERROR = (
-    0.002  # of a platform's number: equations of motion sampled a few times per window are no better
-)
+_LEAST_ERROR = 0.002  # relative error of a platform number; the discretisation is no better
 _IMITATED = "smaller than the discretisation error of the equations"
-_LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
+_LEAST_ENERGY = 0.01  # of the noise energy; less does not show in a prediction
 BEYOND_NOISE = 4.0
 """Times the noise energy, above which a gap counts: coloured noise may reach it."""
 _SENT = "motor_command"
-_WORSE = 1.2  # times the energy in a channel; nothing that is there makes another equation that much worse
-_PRICE = 0.1  # of the logarithm that the other channels' energies fall by, which an imperfect law may cost
+_WORSE = 1.2  # times the energy of another channel, which a true effect does not exceed
+_PRICE = 0.1  # of the fall of ln(energy) in other channels, which an imperfect law may cost
 FEWEST_MORE = 5
 """Clusters that are needed beyond the number of parameters: standard errors from fewer are unreliable."""
-_NOTHING = 0.05  # of the strength of what drives a machine, which no machine that was recorded has left of it
-_SHARE_OF_REST = (
-    0.5  # of what the others leave: it may be little of the whole gap, but it is the cause of the rest
-)
+_NOTHING = 0.05  # of the RMS of an actuator signal; a recorded machine has more left
+_SHARE_OF_REST = 0.5  # of what the others leave; such an effect counts even if it is little of the whole gap
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,7 @@ from simgap.gap.candidate import BEYOND_NOISE
 from simgap.gap.fit import Fit, Problem, excess_of
 from simgap.platforms.mechanism import Channel
 
-_COARSE = (
-    0.5  # of the time in which an axis settles, from which on samples are too far apart to show how it does
-)
+_COARSE = 0.5  # time step over settling time, above which samples do not resolve the motion
 
 
 def coarse_axes(fit: Fit, problem: Problem, channels: Sequence[Channel]) -> dict[str, float]:

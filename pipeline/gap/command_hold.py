@@ -13,7 +13,7 @@ from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.signals import COMMANDS
 
-_NEARLY = 0.3  # of half a sample
+_NEARLY = 0.3  # tolerance, as a share of half a sample
 _TIMES_NOISE = 10.0  # times the energy of the noise
 
 

@@ -25,9 +25,9 @@ from simgap.gap.scoring import predictive_score
 from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect, Simulator
 
-_REDUNDANT = 0.2
-_INCREDIBLE = 0.1  # a probability below which an effect carries no other
-_SERIOUS = 0.5  # of a winner's share, with which a simpler effect may be a part of what that one explains
+_REDUNDANT = 0.2  # of its gain, below which a rival explains nothing beside the winner
+_INCREDIBLE = 0.1  # probability below which an effect is dropped even if others depend on it
+_SERIOUS = 0.5  # of the winner's share, above which a simpler effect may be a part of it
 _EXCHANGES = 3  # each costs a round for every named effect
 
 _pace = Pace("selecting effects")

@@ -20,13 +20,13 @@ from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 
-_DRIVING = 3.0  # times the noise, which what is commanded, or needed, has to make for the two to be compared
+_DRIVING = 3.0  # times the noise, above which commanded and needed wrench are compared
 _AGAINST = (
     -0.5
 )  # correlation; a tenth of a second of delay does not make it negative on a machine that is controlled
-_ALIKE = 0.7  # correlation, with which sizes can be compared
-_LEAST_RATIO = 1 / 30  # of need over what is commanded: a motor may be capped at a tenth of its strength
-_GREATEST_RATIO = 8.0  # of the same: no single number of a platform is taken to be wrong by so much
+_ALIKE = 0.7  # correlation above which sizes are compared
+_LEAST_RATIO = 1 / 30  # needed over commanded wrench; a motor may be limited to a tenth of its strength
+_GREATEST_RATIO = 8.0  # of the same; no single platform number is wrong by so much
 
 
 @dataclass(frozen=True)

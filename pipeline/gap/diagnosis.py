@@ -32,8 +32,8 @@ from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 from simgap.simulation.driver import with_drivers
 
-_FEW_CLUSTERS = 10  # so few that a person should know
-_BELIEVED = 0.5  # a probability from which on an effect says what kind of gap there is
+_FEW_CLUSTERS = 10  # below which a warning says that the recording is short
+_BELIEVED = 0.5  # presence from which an effect decides the verdict
 _NOTABLE_SHARE = 0.1  # of the energy that was left before
 _NEVER_FITTED = "no fitted run contains such motion; record more runs like them"
 _LAW_FAILS = "an unknown effect, or a law that holds only approximately, is stronger there"

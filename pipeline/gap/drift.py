@@ -12,10 +12,8 @@ from simgap.gap.fit import Fit, columns_of, inverse_of
 from simgap.simulation.blocks import Blocks
 
 _DRIFT_CHANCE = 1e-3
-_LEAST_DISTANCE = 0.2  # of a value: nearer to doing nothing, a ratio of one is no measure of its drift
-_TOLERATED_DRIFT = (
-    0.25  # of the value: runs of one machine differ by this much without another cause behind it
-)
+_LEAST_DISTANCE = 0.2  # of a value; the least distance from neutral that a drift is related to
+_TOLERATED_DRIFT = 0.25  # of the value; runs of one machine differ by this much without another cause
 
 
 @dataclass(frozen=True)

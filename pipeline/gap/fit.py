@@ -12,7 +12,7 @@ from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 
 _STEPS = 12
-_TOLERANCE = 1e-7  # of the cost of one standard deviation per row
+_TOLERANCE = 1e-7  # least promised decrease of the cost per row
 _DIFFERENCE = 1e-4
 
 

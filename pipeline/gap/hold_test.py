@@ -10,7 +10,7 @@ from simgap.platforms import Platform
 from simgap.recordings.recording import Recording
 from simgap.simulation.blocks import Blocks, cut_blocks
 
-_CHANCE = 1e-3  # of commands that were held to look measured
+_CHANCE = 1e-3  # level of the test
 
 _AXES = {"joint": ("velocity", "position"), "swerve": ("steer_velocity", "steer_angle")}
 _COMMANDS = {"joint": ("effort", "voltage"), "swerve": ("steer_voltage",)}

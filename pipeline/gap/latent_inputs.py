@@ -19,9 +19,9 @@ from simgap.gap.short_lags import name_with_short_lags
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 
-_STEP = 0.01  # of a driver's value at rest, by which the answer to it is taken
-_LEAST_COST = 2.0  # of a driver and the name that it drives
-_PASSES = 2  # a thrust answers to the square of a voltage
+_STEP = 0.01  # relative step of the finite difference in a driver
+_LEAST_COST = 2.0  # least cost of a latent input and its effect
+_PASSES = 2  # a thrust depends on the square of a voltage
 
 
 def name_with_latent_inputs(prepared: Prepared, naming: Naming, settings: Gap) -> tuple[Prepared, Naming]:

@@ -14,11 +14,11 @@ from simgap.platforms.mechanism import Channel
 from simgap.recordings.excerpt import evenly
 from simgap.simulation.knn_residual import NearestNeighbours
 
-_COUNTS = (5, 15, 45, 135)  # neighbours that are tried
-_MOST_SAMPLES = 4000  # windows that are looked up
-_CHANCE = 0.05  # of learning a channel in which there is nothing, over all channels
+_COUNTS = (5, 15, 45, 135)  # numbers of neighbours
+_MOST_SAMPLES = 4000  # windows that are stored
+_CHANCE = 0.05  # level of the test, over all channels
 _ROUNDING = 1e-9  # of a feature's size
-_LEAST_ENERGY = 0.2  # of the noise's, as for a formula: below that nobody would see it
+_LEAST_ENERGY = 0.2  # of the noise energy, as for a formula
 
 
 @dataclass(frozen=True)

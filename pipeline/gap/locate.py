@@ -14,9 +14,7 @@ from simgap.platforms.mechanism import Channel
 from simgap.simulation.blocks import Blocks
 
 _BINS = 8
-_TOLERATED = (
-    1.2  # the noise is estimated from the recording itself; an energy within a fifth of it is no mismatch
-)
+_TOLERATED = 1.2  # times the noise energy; the noise floor is itself an estimate
 _CHANCE = 1e-3
 _WORDS = {
     "force_x": "along body x",

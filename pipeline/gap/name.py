@@ -11,7 +11,7 @@ from simgap.gap.look_alikes import substitute, unite
 from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect, Simulator
 
-_OUTDONE = 0.1  # of the weight among rivals, with which a name is none any more
+_OUTDONE = 0.1  # weight among rivals, below which one more exchange is tried
 _TIMES_NOISE = 10.0  # times the energy of the noise
 
 

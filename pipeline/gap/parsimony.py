@@ -10,7 +10,7 @@ from simgap.gap.fit import Fit, Problem, fit
 from simgap.gap.refit import extend, remove, shrink
 from simgap.simulation import FittedEffect
 
-_NEARLY_ALL = 0.98  # of what the two explain; what is left may still be a small error of one of them
+_NEARLY_ALL = 0.98  # of what the two explain; the rest may be a small error of one of them
 
 
 def single_cause(

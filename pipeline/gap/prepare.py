@@ -17,8 +17,8 @@ from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 
-_SHORTEST = 0.5  # s, of a block
-_SLOWEST = 1.0  # s between samples, beyond which no machine of these kinds is seen moving
+_SHORTEST = 0.5  # s, shortest block
+_SLOWEST = 1.0  # s between samples; slower recordings do not show the motion
 
 
 @dataclass(frozen=True)

@@ -20,13 +20,13 @@ DIRECTIONS = {
 }
 """Whether more of a feature speaks for the effect (+1) or against it (−1)."""
 
-_GREATEST_PROBABILITY = 0.995  # nothing is certain of one recording
-_REFUTED = 0.25  # and a name is less likely than not where other runs speak against it
-_OPEN = 0.5  # and no likelier than not where samples are too far apart to tell it from others
-_LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 1.0  # times the noise: what cannot hide in it may be as small as it is
-_MOST_EXCESS = 10.0  # times the noise, whose level says little where far more is left
-_SLIGHT = 30.0  # times its share of what is explained, up to which what is left counts: a thirtieth is slight
-_MOST_ODDS = 50.0  # of the logarithm, beyond which the exponential says nothing more
+_GREATEST_PROBABILITY = 0.995  # cap of every probability
+_REFUTED = 0.25  # cap where held-out runs contradict the named effects
+_OPEN = 0.5  # cap where the axis is sampled too coarsely
+_LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 1.0  # limits of the signal, times the noise energy
+_MOST_EXCESS = 10.0  # limit of the excess, times the noise energy
+_SLIGHT = 30.0  # limit of the excess, as a multiple of excess over signal
+_MOST_ODDS = 50.0  # limit of the log odds, against overflow
 
 
 @dataclass(frozen=True)

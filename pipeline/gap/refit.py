@@ -24,11 +24,11 @@ from simgap.gap.fit import (
 )
 from simgap.simulation import FittedEffect, Simulator
 
-_STEPS = 3  # where slopes are kept
-_MOST_STEPS = 8  # where they are not
-_PROGRESS = 0.05  # of what all steps took off the cost: as much the last one has to for another to follow
-_SCANNED = 60  # blocks that a scan of starting points looks at
-_FOLLOWED = 4  # of them, where the most promising one leads to a bound
+_STEPS = 3  # Newton steps with kept slopes
+_MOST_STEPS = 8  # Newton steps with new slopes
+_PROGRESS = 0.05  # of the total decrease of the cost, which the last step must give for another to follow
+_SCANNED = 60  # blocks that rank the starts
+_FOLLOWED = 4  # starts that are followed where the best one ends on a bound
 
 
 def extend(

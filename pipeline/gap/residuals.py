@@ -14,8 +14,8 @@ from simgap.simulation.blocks import Blocks
 
 _FIFTH_DIFFERENCE = torch.tensor(FIFTH_DIFFERENCE, dtype=torch.float64)
 _ROUNDING = 1e-9  # of the mean square: a signal that rests leaves no more
-_TOUCHED = 1e-3  # of a window's weight: what is made up at its very edge does no harm
-_LEAST_SOUND = 0.5  # of the windows
+_TOUCHED = 1e-3  # of a window's weight; a lost command at its edge does no harm
+_LEAST_SOUND = 0.5  # least share of windows without lost commands
 _MEDIAN_OF_SQUARE = 0.4549364  # median of a squared standard normal
 
 

@@ -10,16 +10,12 @@ from simgap.gap.residuals import sample_noise
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 
-_LEAST_CHANGES = (
-    0.05  # of the changes of a velocity from sample to sample are no larger than one step of its sensor
-)
-_CROSSED = 0.5  # of the change over a step through which the mean velocity is taken: zero is passed within it
-_MOST_CHANGES = 10_000_000  # that a quantile is taken of
-_CERTAIN = 3.0  # standard deviations of the noise, beyond which a velocity has a direction
-_LEAST_SHARE, _LEAST_SPEED = 1e-3, 1e-6  # of the usual speed, and in its unit: no velocity is known better
-_SHORT = (
-    0.3  # of a sample: a controller twice as fast as the log acts a quarter away from where a command is read
-)
+_LEAST_CHANGES = 0.05  # quantile of the changes of a velocity that estimates its quantum
+_CROSSED = 0.5  # of the change of velocity per step; below it, the velocity passes zero within the step
+_MOST_CHANGES = 10_000_000  # most values for a quantile
+_CERTAIN = 3.0  # standard deviations of the noise, above which the direction is known
+_LEAST_SHARE, _LEAST_SPEED = 1e-3, 1e-6  # of the RMS speed, and in its unit: limits of the resolution
+_SHORT = 0.3  # of a sample; a controller twice as fast as the log is already a quarter of a sample off
 
 
 def is_short(late: float, time_step: float) -> bool:

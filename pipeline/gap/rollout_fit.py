@@ -20,10 +20,10 @@ from simgap.simulation.motion import motion_of
 from simgap.simulation.replay import substeps_for
 
 _MOST_BLOCKS = 120
-_ENDS = 5  # instants at which a prediction is compared
-_FAR = 5.0  # standard errors; a value that moves further does not mean the same in both criteria
-_BLUNTER = 2.0  # times a standard error: values that predictions know less well say nothing new
-_LEAST_MOVE = 0.05  # of a value, which the two criteria may differ by whatever their errors say
+_ENDS = 5  # instants at which predictions are compared
+_FAR = 5.0  # standard errors by which a value may move
+_BLUNTER = 2.0  # times the first standard error, which the new one may not exceed
+_LEAST_MOVE = 0.05  # of a value, by which it may move in addition
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,11 @@ from torch import Tensor
 from simgap.gap.fit import Fit, channel_scale, inverse_of
 from simgap.simulation.blocks import Blocks
 
-_CLUSTER_DURATION = 3.0  # s; residuals further apart than this count as independent
+_CLUSTER_DURATION = 3.0  # s; residuals further apart count as independent
 ENOUGH_CLUSTERS = 20
 """Least number of clusters of a test: cluster-robust errors are too small with fewer."""
-_ENOUGH_RUNS = 3  # to leave out one at a time, however long they are
-_UNEVEN = 2  # times as long as the other of two runs: it would have to be foretold by too little
+_ENOUGH_RUNS = 3  # from which whole runs are left out
+_UNEVEN = 2  # ratio of lengths of two runs, from which they are cut into stretches
 _ROUNDING = 1e-6  # of a cluster
 
 

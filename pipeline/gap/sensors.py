@@ -10,8 +10,8 @@ from simgap.physics import rotations
 from simgap.physics.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
 from simgap.simulation.blocks import Blocks
 
-_AGREED = 0.5  # of the disagreement must go for a shift to be believed
-_NOTABLE = 0.05  # m/s²: half a hundredth of gravity, the zero error of a calibrated consumer accelerometer
+_AGREED = 0.5  # of the disagreement, which a shift must remove
+_NOTABLE = 0.05  # m/s²; the zero error of a calibrated consumer accelerometer
 
 
 def settle_accelerometer(blocks: Blocks, gravity: float, width: float) -> tuple[Blocks, list[str]]:

@@ -11,7 +11,7 @@ from simgap.gap.prepare import Prepared
 from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect
 
-_PASSES = 3  # in which one time after another may turn out to be short
+_PASSES = 3  # most repetitions of the selection
 
 
 def name_with_short_lags(prepared: Prepared, settings: Gap) -> tuple[Prepared, Naming]:

@@ -14,10 +14,10 @@ from simgap.physics.weak_form import mean_of
 from simgap.platforms.mechanism import Channel
 
 _MOST_TERMS = 4
-_HARMONICS = 12  # of a turn: what repeats once to twelve times per turn of a joint
-_CHANCE = 1e-3  # of a formula where there is nothing, over the whole library
-_LEAST_ENERGY = 0.2  # of the noise's: below that the fit is at the noise floor to any eye
-_LEAST_STEP = 0.02  # of the remaining energy, cross-validated, for one more term to be worth reading
+_HARMONICS = 12  # of one turn of a joint
+_CHANCE = 1e-3  # level of the test, over the whole library
+_LEAST_ENERGY = 0.2  # of the noise energy, which a formula must explain
+_LEAST_STEP = 0.02  # of the remaining energy, cross-validated, which one more term must explain
 
 
 @dataclass(frozen=True)

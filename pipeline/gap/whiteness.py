@@ -15,8 +15,8 @@ from simgap.gap.fit import Problem
 from simgap.physics.weak_form import mean_of
 from simgap.platforms.mechanism import Channel
 
-_CHANCE = 1e-3  # over all channels, inputs and lags
-_NOTABLE = 0.1  # a correlation below that explains less than a hundredth of what is left
+_CHANCE = 1e-3  # level of the test, over all channels, inputs and lags
+_NOTABLE = 0.1  # least correlation of a warning
 _INPUTS = ("effort", "voltage", "rotor_command", "rotor_speed", "drive_voltage", "steer_voltage")
 
 
