@@ -56,7 +56,7 @@ def _chosen(comparison: Comparison) -> Table | None:
 
 
 def _is_wide(table: Table, column: str) -> bool:
-    """Whether some values are so much greater than others that these would lie flat on a linear axis.
+    """Whether the values span so many decades that a linear axis would hide the small ones.
 
     Where a spread reaches zero there is no other: a logarithmic axis has no room for it.
     """
@@ -101,7 +101,7 @@ def _bars(axes: "Axes", table: Table, column: str) -> None:
 
 
 def _named(row: Row, without: str = "") -> str:
-    """Return what a configuration is called beside others: a number, or whether, says nothing without its key."""
+    """Return the label of a configuration; numbers and booleans get their key."""
     return ", ".join(_labelled(key, value) for key, value in row.values.items() if key != without)
 
 

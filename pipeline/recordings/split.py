@@ -92,7 +92,7 @@ def _check(split: Split) -> None:
 
 
 def _most_alike_first(distances: NDArray[np.float64], count: int) -> list[int]:
-    """Return the runs' places, first so many of which each resembles one that is left as much as any does.
+    """Return the indices of the runs, first the `count` runs that most resemble one of the others.
 
     Of two that are nearest to each other, that is the one which is nearer to all.
     """

@@ -82,7 +82,7 @@ def _is_whole(lock_file: Path) -> bool:
 
 
 def _is_held(claims: Path) -> bool:
-    """Whether any claim is of a DVC that still runs; its number alone may by now be another process's."""
+    """Whether a claim belongs to a DVC that still runs; its process number may have been reused."""
     try:
         modes = json.loads(claims.read_text(encoding="utf-8"))
         writers = list(modes.get("write", {}).values())

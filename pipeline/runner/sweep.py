@@ -104,7 +104,7 @@ def job_name(overrides: Sequence[str]) -> str:
 
 
 def _as_in_preset(overrides: Sequence[str], preset: Sequence[str]) -> list[str]:
-    """Write the keys that a preset sweeps over as it does: for Hydra `++key` beside `key` is another key."""
+    """Write swept keys as the preset does: Hydra takes `++key` and `key` for different keys."""
     written = {_key(text): text.partition("=")[0] for text in preset}
     return [
         f"{written[_key(text)]}={text.partition('=')[2]}" if _key(text) in written else text
@@ -113,13 +113,13 @@ def _as_in_preset(overrides: Sequence[str], preset: Sequence[str]) -> list[str]:
 
 
 def _swept(overrides: Sequence[str]) -> frozenset[str]:
-    """Return the keys that differ between the jobs; what is said later about a key takes the place of the earlier."""
+    """Return the keys that differ between the jobs; a later value of a key replaces the earlier one."""
     sweeping = {_key(str(entry.input_line)): entry.is_sweep_override() for entry in _parsed(overrides)}
     return frozenset(key for key, sweeps in sweeping.items() if sweeps)
 
 
 def _identity(stage: "Stage[Any]", overrides: Sequence[str]) -> str:
-    """Return what identifies a sweep, however it is launched and its results are laid out."""
+    """Return the identity of a sweep, independent of launcher and layout of results."""
     return hash_value([stage.name, *(text for text in overrides if not _key(text).startswith(_ASIDE))])
 
 

@@ -102,7 +102,7 @@ def _by_run(recording: Recording) -> list[tuple[str, pd.DataFrame]]:
 
 
 def _begin(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCleaning:
-    """Take up one run; where it cannot be used it is dropped whole at once."""
+    """Begin with one run; an unusable run is dropped as a whole."""
     reason = lacking(rows, recording.kind)
     lost: dict[str, int] = {}
     if not reason:
@@ -147,7 +147,7 @@ def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> R
 
 
 def _cut(run: RunUnderCleaning, settings: Cleaning) -> None:
-    """Drop what is no use, and compare clocks in what is left."""
+    """Drop unusable parts, then estimate the clock offset of the rest."""
     if settings.crash:
         cut_crash(run, settings.crash_margin)
     if settings.idle:

@@ -286,7 +286,7 @@ def _between(
 def _note_filled(
     run: RunUnderCleaning, result: RunUnderCleaning, grid: _Grid, columns: list[str], filled: np.ndarray
 ) -> None:
-    """Write down, per channel, for want of what values were made up or remain missing."""
+    """Record, per channel, which values were filled or remain missing, and why."""
     for column in columns:
         place = run.columns.index(column)
         wanting = np.flatnonzero(filled | np.isnan(result.values[:, place]))

@@ -57,7 +57,7 @@ def erase_spikes(run: RunUnderCleaning) -> None:
 
 
 def _least(run: RunUnderCleaning, column: str) -> float:
-    """Return how far the smallest excursion goes that is impossible."""
+    """Return the smallest excursion that counts as a spike."""
     if column in _SHOCK:
         return _SHOCK[column]
     rates = [rate for rate in _RATE.get(column, []) if rate in run.columns]
@@ -110,7 +110,7 @@ def find_spikes(
 
 
 def _candidates(values: np.ndarray, width: int, floor: float) -> np.ndarray:
-    """Return where excursions of `width` samples begin that tower above the calm on either side."""
+    """Return the starts of excursions of `width` samples that exceed the signal on either side."""
     before, after = values[1 : -width - 2], values[width + 2 : -1]
     calm = np.maximum(np.abs(np.diff(values[: -width - 2])), np.abs(np.diff(values[width + 2 :])))
     calm = np.maximum(calm, np.abs(after - before))
