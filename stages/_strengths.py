@@ -2,13 +2,12 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from simgap.stages._benchmark_case import ProveStage
+from simgap.stages._prove_settings import ProveStage
 
 
-def settled(case: Any, config: "ProveStage") -> tuple[Any, dict[str, float]]:
+def settled(case: Any, config: ProveStage) -> tuple[Any, dict[str, float]]:
     """Make what a case conceals as strong as its subject says.
 
     Args:
@@ -28,11 +27,11 @@ def settled(case: Any, config: "ProveStage") -> tuple[Any, dict[str, float]]:
     return case, energies
 
 
-def _energy_of(case: Any, effect: str, config: "ProveStage", strength: float) -> float:
+def _energy_of(case: Any, effect: str, config: ProveStage, strength: float) -> float:
     return energy_over_noise(case.scaled(effect, strength), effect, config)
 
 
-def energy_over_noise(case: Any, effect: str, config: "ProveStage") -> float:
+def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
     """Return the energy over the noise's that an effect explains, in the channel where it explains most.
 
     One recording, two simulators: one that knows all that is concealed, one that lacks the effect alone. What makes

@@ -166,4 +166,6 @@ def _outcome(trials: "list[Trial]", config: DeployStage) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    deploy.main()
+    from simgap.runner.command import main
+
+    main(deploy)

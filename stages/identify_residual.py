@@ -152,4 +152,6 @@ def _observation(
 
 
 if __name__ == "__main__":
-    identify_residual.main()
+    from simgap.runner.command import main
+
+    main(identify_residual)

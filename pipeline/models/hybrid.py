@@ -17,12 +17,14 @@ import torch
 from torch import Tensor, nn
 
 from simgap.errors import InputError
+from simgap.models.closed_form import CLOSED_FORM
 from simgap.models.contract import DynamicsModel, FitContext
 from simgap.models.examples import Examples
 from simgap.models.layout import Layout
 from simgap.models.network_model import NetworkModel
 from simgap.models.recurrent_network import Memory, RecurrentNetwork, dense, silence
 from simgap.models.scaling import Scaler
+from simgap.models.selection import class_from, settings_from
 from simgap.models.settings import ModelSettings, TrainedSettings, Training
 from simgap.models.windows import Series
 
@@ -221,11 +223,8 @@ def _motion_model(layout: Layout, settings: HybridSettings, time_step: float) ->
     Raises:
         InputError: when it is none that is solved in closed form, or sees more samples than the hybrid.
     """
-    from simgap.models.registry import model_class, model_settings
-
-    own = model_settings(settings.motion)
-    if isinstance(own, TrainedSettings):
-        raise InputError(f"{own.name!r} is no motion model", "model.motion.name", "use white_box or linear")
+    motion_class = class_from(CLOSED_FORM, settings.motion, "motion model", "model.motion")
+    own = settings_from(CLOSED_FORM, settings.motion)
     if own.sequence_length > settings.sequence_length:
         raise InputError("is longer than model.sequence_length", "model.motion.sequence_length", "shorten it")
-    return model_class(settings.motion)(layout, own, time_step)
+    return motion_class(layout, own, time_step)

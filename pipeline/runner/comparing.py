@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from simgap.artifacts import staged_directory
 from simgap.comparison.comparison import Comparison, Job, Metrics
 from simgap.runner.completion import Note
+from simgap.runner.place import Place
 from simgap.runner.run import read_metrics
 from simgap.tracking import SweepTracker
 
@@ -20,23 +21,6 @@ FOLDER = "comparison"
 TABLES = "comparison.md"
 
 _log = logging.getLogger("simgap")
-
-
-@dataclass(frozen=True)
-class Place:
-    """The place of a job in its sweep.
-
-    Attributes:
-        sweep: identifies the sweep to which all its jobs belong.
-        folder: name of the folder of the sweep: its preset, or the stage.
-        job: what the job is called among the others; also the name of its directory.
-        values: what was swept, by key.
-    """
-
-    sweep: str
-    folder: str
-    job: str
-    values: dict[str, Any]
 
 
 @dataclass(frozen=True)
