@@ -33,7 +33,7 @@ def identify_residual(config: IdentifyResidualStage, run: StageRun) -> None:
     from simgap.simulation import write_simulator
     from simgap.stages._simulators import chosen_simulator
 
-    chosen, path = config.residual, _recorded(config)
+    chosen, path = config.residual, _path_of_flights(config)
     unflown = not chosen.recording and not path.exists()
     if unflown or not isinstance(platform_from_config(config.platform), Quadrotor):
         run.leave_out("identify_residual: there are no flights whose residual could be found")
@@ -64,7 +64,7 @@ def _named(recording: "Recording", simulator: "Simulator", settings: Gap) -> "Si
     return diagnose(recording, simulator, settings).simulator
 
 
-def _recorded(config: IdentifyResidualStage) -> Path:
+def _path_of_flights(config: IdentifyResidualStage) -> Path:
     """Return where the flights are: those that are named, those of a deployed policy, or those of the branch."""
     if config.residual.recording:
         return Path(config.residual.recording)

@@ -14,11 +14,13 @@ if TYPE_CHECKING:
     from simgap.effects import Effect
     from simgap.gap.candidate import Candidate
 
-_CHANCE = 0.05
-_STRICT_CHANCE = 0.01  # where the catalogue calls the other the likelier cause
+_DISTINCTION_LEVEL = 0.05
+_STRICT_DISTINCTION_LEVEL = 0.01  # where the catalogue calls the other the likelier cause
 _HALF = 0.5
-_NEARLY = 0.9
-_SAME = 1.0  # of a log likelihood: "not worth more than a bare mention" (Kass & Raftery 1995, Bayes factors)
+_TWIN_SHARE = 0.9
+_SAME_LOG_LIKELIHOOD = (
+    1.0  # of a log likelihood: "not worth more than a bare mention" (Kass & Raftery 1995, Bayes factors)
+)
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> li
 
 def _is_twin(winner: Candidate, other: Candidate) -> bool:
     """Whether one says what the other says, in other words."""
-    return other.effect.name in winner.effect.twins and other.share > _NEARLY * winner.share
+    return other.effect.name in winner.effect.twins and other.share > _TWIN_SHARE * winner.share
 
 
 def rivalry_of(winner: Candidate, rivals: list[Candidate], cluster: Tensor) -> Rivalry | None:
@@ -79,7 +81,7 @@ def _evidence_for(first: Candidate, second: Candidate, cluster: Tensor) -> float
     difference = _difference(first, second, cluster)
     if _is_twin(second, first):
         return 0.0
-    if abs(float(difference.sum())) < _SAME or len(difference) < 2:
+    if abs(float(difference.sum())) < _SAME_LOG_LIKELIHOOD or len(difference) < 2:
         return 0.0
     statistic = float(stats.ttest_1samp(difference.numpy(), 0.0).statistic)
     return math.copysign(0.5 * statistic**2, statistic)
@@ -93,24 +95,26 @@ def total_score(candidate: Candidate) -> float:
 def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
     """Return whether one candidate predicts better than another beyond chance, taken over clusters of residuals."""
     strict = second.effect.name in first.effect.yields_to
-    return is_beyond_chance(_difference(first, second, cluster), _STRICT_CHANCE if strict else _CHANCE)
+    return is_beyond_chance(
+        _difference(first, second, cluster), _STRICT_DISTINCTION_LEVEL if strict else _DISTINCTION_LEVEL
+    )
 
 
-def is_beyond_chance(ahead: Tensor, chance: float = _CHANCE) -> bool:
+def is_beyond_chance(ahead: Tensor, chance: float = _DISTINCTION_LEVEL) -> bool:
     """Return whether log likelihoods ahead of another's, summed over clusters of residuals, are so by more than chance.
 
     Args:
         ahead: (clusters,).
         chance: of a one-sided t test.
     """
-    if abs(float(ahead.sum())) < _SAME:
+    if abs(float(ahead.sum())) < _SAME_LOG_LIKELIHOOD:
         return False
     return float(stats.ttest_1samp(ahead.numpy(), 0.0, alternative="greater").pvalue) <= chance
 
 
 def is_as_good(score: Tensor, other: Tensor) -> bool:
     """Return whether a log likelihood, summed over clusters (clusters,), falls behind another by a bare mention."""
-    return float((other - score).sum()) < _SAME
+    return float((other - score).sum()) < _SAME_LOG_LIKELIHOOD
 
 
 def _difference(first: Candidate, second: Candidate, cluster: Tensor) -> Tensor:

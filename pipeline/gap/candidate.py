@@ -20,7 +20,7 @@ _LEAST_ERROR = (
     0.002  # of a platform's number: equations of motion sampled a few times per window are no better
 )
 _IMITATED = "smaller than the quadrature of the equations can tell"
-_LEAST_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
+_LEAST_PREDICTED_ENERGY = 0.01  # of the noise's: less than this nobody would see in a prediction
 BEYOND_NOISE = 4.0
 """Times the noise's energy: coloured noise may pass for more than the white noise it is measured by."""
 _SENT = "motor_command"
@@ -186,7 +186,7 @@ class Judge:
     def excess(self, residual: Tensor) -> Tensor:
         """Return the energy of residuals over the noise's in each channel, (channels,)."""
         noise = self.problem.noise.square()
-        return (residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
+        return (residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_PREDICTED_ENERGY * noise)
 
     def share(self, energy: Tensor, excess: Tensor) -> tuple[float, tuple[float, float]]:
         """Return the share of an excess that the energy explained in each block (blocks,) is, and its interval."""
@@ -202,7 +202,9 @@ class Judge:
         values = dict(zip(names, fit.values[columns_of(fit, effect)].tolist(), strict=True))
         constants = fit.simulator.constants()
         refusal = (
-            self.bound(effect, values) or _unseen(candidate) or self.unresolved(effect, values, constants)
+            self.bound(effect, values)
+            or _parameter_without_trace(candidate)
+            or self.unresolved(effect, values, constants)
         )
         if refusal:
             return refusal
@@ -217,7 +219,7 @@ class Judge:
             return "does not predict runs it was not fitted on"
         if why := effect.unphysical(values, constants) or self.silenced(effect, fit.simulator):
             return why
-        seen = energies > _LEAST_ENERGY * self.problem.noise.square()
+        seen = energies > _LEAST_PREDICTED_ENERGY * self.problem.noise.square()
         if not seen.any() or not self.matters(candidate):
             return "explains too little to matter"
         return "" if (seen & (energies > self.problem.quadrature.square())).any() else _IMITATED
@@ -226,7 +228,7 @@ class Judge:
         """Return in which channels an effect itself, not what is fitted beside it, makes a difference, (channels,)."""
         change = fitted.values[columns] - fitted.values.new_tensor(neutral)
         own = (fitted.jacobian[..., columns] @ change).square().mean((0, 1))
-        return own > _LEAST_ENERGY * self.problem.noise.square()
+        return own > _LEAST_PREDICTED_ENERGY * self.problem.noise.square()
 
     def spoilt(self, before: Tensor, after: Tensor, acts: Tensor) -> str:
         """Return which channel an effect makes worse on folds left out, if any, by more than noise may.
@@ -309,7 +311,7 @@ def _is_gone(after: Tensor, before: Tensor) -> bool:
     return float(after.square().mean()) < _NOTHING**2 * float(before.square().mean())
 
 
-def _unseen(candidate: Candidate) -> str:
+def _parameter_without_trace(candidate: Candidate) -> str:
     """Return which parameter leaves no trace in the recording, if one does: any value that it may have serves."""
     effect, fit = candidate.effect, candidate.fit
     for parameter, column in zip(effect.parameters, columns_of(fit, effect), strict=True):

@@ -6,7 +6,7 @@ from simgap.gap.candidate import BEYOND_NOISE
 from simgap.gap.fit import Fit, Problem, excess_of
 from simgap.platforms.mechanism import Channel
 
-_COARSE = (
+_COARSE_SHARE = (
     0.5  # of the time in which an axis settles, from which on samples are too far apart to show how it does
 )
 
@@ -21,7 +21,7 @@ def coarse_axes(fit: Fit, problem: Problem, channels: Sequence[Channel]) -> dict
     return {
         channel.name: 1.0 / rates[channel.name]
         for channel, energy in zip(channels, left, strict=True)
-        if energy > BEYOND_NOISE and rates.get(channel.name, 0.0) * problem.blocks.time_step > _COARSE
+        if energy > BEYOND_NOISE and rates.get(channel.name, 0.0) * problem.blocks.time_step > _COARSE_SHARE
     }
 
 

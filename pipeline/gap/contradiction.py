@@ -26,8 +26,10 @@ _AGAINST = (
     -0.5
 )  # correlation; a tenth of a second of delay does not make it negative on a machine that is controlled
 _ALIKE = 0.7  # correlation, with which sizes can be compared
-_LEAST_RATIO = 1 / 30  # of need over what is commanded: a motor may be capped at a tenth of its strength
-_GREATEST_RATIO = 8.0  # of the same: no single number of a platform is taken to be wrong by so much
+_LEAST_STRENGTH_RATIO = (
+    1 / 30
+)  # of need over what is commanded: a motor may be capped at a tenth of its strength
+_GREATEST_STRENGTH_RATIO = 8.0  # of the same: no single number of a platform is taken to be wrong by so much
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,10 @@ def _driven_otherwise(prepared: Prepared) -> Iterator[str]:
                 f"{channel}: the machine moves against what is commanded (correlation {agreement.correlation:.2f}): a "
                 "sign, a frame or the order of the motors is not the platform's"
             )
-        elif agreement.correlation > _ALIKE and not _LEAST_RATIO < agreement.ratio < _GREATEST_RATIO:
+        elif (
+            agreement.correlation > _ALIKE
+            and not _LEAST_STRENGTH_RATIO < agreement.ratio < _GREATEST_STRENGTH_RATIO
+        ):
             ratio = agreement.ratio
             much = f"{ratio:.0f} times what" if ratio > 1.0 else f"1/{1.0 / ratio:.0f} of what"
             yield (

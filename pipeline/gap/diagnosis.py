@@ -143,7 +143,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     )
     if validation.refutes:
         features = {key: replace(each, refuted=True) for key, each in features.items()}
-    unseen = _unseen(validation, naming, problem, channels)
+    unseen = _held_out_only(validation, naming, problem, channels)
     gap = bool(unnamed or unseen) or any(m.excess > BEYOND_NOISE for m in mismatches)
     doubts = (
         *_disproved(naming, validation),
@@ -211,7 +211,7 @@ def _remains(naming: Naming, problem: Problem, validation: Validation) -> bool:
     return bool(much.any()) or bool(_disproved(naming, validation))
 
 
-def _unseen(
+def _held_out_only(
     validation: Validation, naming: Naming, problem: Problem, channels: Sequence[Channel]
 ) -> list[str]:
     """Say in which channels the held-out runs show what none of the fitted runs does: no competition could name it."""

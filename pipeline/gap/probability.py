@@ -25,7 +25,9 @@ _REFUTED = 0.25  # and a name is less likely than not where other runs speak aga
 _OPEN = 0.5  # and no likelier than not where samples are too far apart to tell it from others
 _LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 1.0  # times the noise: what cannot hide in it may be as small as it is
 _MOST_EXCESS = 10.0  # times the noise, whose level says little where far more is left
-_SLIGHT = 30.0  # times its share of what is explained, up to which what is left counts: a thirtieth is slight
+_SLIGHT_RATIO = (
+    30.0  # times its share of what is explained, up to which what is left counts: a thirtieth is slight
+)
 _MOST_ODDS = 50.0  # of the logarithm, beyond which the exponential says nothing more
 
 
@@ -70,7 +72,7 @@ class Features:
     @property
     def _most_excess(self) -> float:
         """Up to which energy left counts: what is little beside all that the effect explains says little against it."""
-        return min(_MOST_EXCESS, 1.0 + _SLIGHT * self.excess / max(self.signal, _LEAST_SIGNAL))
+        return min(_MOST_EXCESS, 1.0 + _SLIGHT_RATIO * self.excess / max(self.signal, _LEAST_SIGNAL))
 
     @property
     def scaled(self) -> dict[str, float]:

@@ -11,13 +11,13 @@ from simgap.gap.prepare import Prepared
 from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect
 
-_PASSES = 3  # in which one time after another may turn out to be short
+_LAG_PASSES = 3  # in which one time after another may turn out to be short
 
 
 def name_with_short_lags(prepared: Prepared, settings: Gap) -> tuple[Prepared, Naming]:
     """Name what is missing beside the short times, which become part of the nominal simulator."""
     naming = name(prepared.nominal, prepared.problem, settings)
-    for _ in range(_PASSES):
+    for _ in range(_LAG_PASSES):
         if not naming.short:
             break
         prepared = _with_lags(prepared, naming.short)

@@ -28,7 +28,7 @@ from simgap.models.selection import class_from, settings_from
 from simgap.models.settings import ModelSettings, TrainedSettings, Training
 from simgap.models.windows import Series
 
-_MOTION = "motion."  # begins the names of the motion model's tensors
+_MOTION_PREFIX = "motion."  # begins the names of the motion model's tensors
 
 
 @dataclass
@@ -67,8 +67,8 @@ class HybridModel(NetworkModel):
 
     def __init__(self, layout: Layout, settings: HybridSettings, time_step: float) -> None:
         self.motion = _motion_model(layout, settings, time_step)
-        self.seen = 1.0 - _matching(layout.features, settings.unseen, "model.unseen")
-        self.corrected = _matching(layout.targets, settings.corrected, "model.corrected")
+        self.seen = 1.0 - _mask_of(layout.features, settings.unseen, "model.unseen")
+        self.corrected = _mask_of(layout.targets, settings.corrected, "model.corrected")
         super().__init__(layout, settings, time_step)
 
     def fit(
@@ -112,13 +112,19 @@ class HybridModel(NetworkModel):
 
     def tensors(self) -> dict[str, Tensor]:
         """Return weights, scaling and the motion model's."""
-        return super().tensors() | {f"{_MOTION}{name}": own for name, own in self.motion.tensors().items()}
+        return super().tensors() | {
+            f"{_MOTION_PREFIX}{name}": own for name, own in self.motion.tensors().items()
+        }
 
     def restore(self, tensors: Mapping[str, Tensor]) -> None:
         """Take over weights, scaling and the motion model's."""
-        super().restore({name: own for name, own in tensors.items() if not name.startswith(_MOTION)})
+        super().restore({name: own for name, own in tensors.items() if not name.startswith(_MOTION_PREFIX)})
         self.motion.restore(
-            {name.removeprefix(_MOTION): own for name, own in tensors.items() if name.startswith(_MOTION)}
+            {
+                name.removeprefix(_MOTION_PREFIX): own
+                for name, own in tensors.items()
+                if name.startswith(_MOTION_PREFIX)
+            }
         )
 
     def corrections(self, outputs: Tensor) -> Tensor:
@@ -205,7 +211,7 @@ class HybridSerialModel(HybridModel):
         return increment + self.corrections(self.network["output"](seen))
 
 
-def _matching(names: Sequence[str], patterns: Sequence[str], where: str) -> Tensor:
+def _mask_of(names: Sequence[str], patterns: Sequence[str], where: str) -> Tensor:
     """Return one for each name that matches a pattern and zero for the others, (names,) float32.
 
     Raises:
