@@ -65,11 +65,13 @@ def main(argv: list[str] | None = None) -> NoReturn:
         stage_parser(name, *description).print_help()
         sys.exit(0)
     from simgap.runner import Stage
+    from simgap.runner import command as command_line
 
     module = importlib.import_module(f"simgap.stages.{name}")
     command = getattr(module, name)
-    (command.main if isinstance(command, Stage) else module.main)(arguments[1:])
-    sys.exit(0)
+    if isinstance(command, Stage):
+        command_line.main(command, arguments[1:])
+    sys.exit(module.main(arguments[1:]))
 
 
 def _usage(known: dict[str, str]) -> str:

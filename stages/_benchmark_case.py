@@ -6,28 +6,13 @@ import time
 import traceback
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from simgap.benchmark.settings import Benchmark
-from simgap.gap.settings import Gap
-from simgap.recordings.cleaning.settings import Cleaning
-from simgap.recordings.dataset import Dataset
-from simgap.runner import Stage, StageConfig, StageRun
-from simgap.simulation.settings import SimulatorSettings
-
-
-@dataclass
-class ProveStage(StageConfig):
-    """The configuration of the benchmark."""
-
-    dataset: Dataset = field(default_factory=Dataset)
-    clean: Cleaning = field(default_factory=Cleaning)
-    simulator: SimulatorSettings = field(default_factory=SimulatorSettings)
-    gap: Gap = field(default_factory=Gap)
-    prove: Benchmark = field(default_factory=Benchmark)
+from simgap.runner import Stage, StageRun
+from simgap.stages._prove_settings import ProveStage
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,12 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from simgap.stages._benchmark_case import ProveStage
+from simgap.stages._prove_settings import ProveStage
 
 
-def settled(case: Any, config: "ProveStage") -> tuple[Any, dict[str, float]]:
+def settled(case: Any, config: ProveStage) -> tuple[Any, dict[str, float]]:
     """Scale the effects of a case to the size that its category demands.
 
     Args:
@@ -28,11 +27,11 @@ def settled(case: Any, config: "ProveStage") -> tuple[Any, dict[str, float]]:
     return case, energies
 
 
-def _energy_of(case: Any, effect: str, config: "ProveStage", strength: float) -> float:
+def _energy_of(case: Any, effect: str, config: ProveStage, strength: float) -> float:
     return energy_over_noise(case.scaled(effect, strength), effect, config)
 
 
-def energy_over_noise(case: Any, effect: str, config: "ProveStage") -> float:
+def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
     """Return the energy that an effect explains over the noise energy, in the channel where it explains most.
 
     Two simulators are compared on one recording: one with all concealed effects, one without this effect. A delay

@@ -40,4 +40,6 @@ def build_sim(config: BuildSimStage, run: StageRun) -> None:
 
 
 if __name__ == "__main__":
-    build_sim.main()
+    from simgap.runner.command import main
+
+    main(build_sim)

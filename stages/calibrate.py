@@ -45,4 +45,6 @@ def calibrate(config: CalibrateStage, run: StageRun) -> None:
 
 
 if __name__ == "__main__":
-    calibrate.main()
+    from simgap.runner.command import main
+
+    main(calibrate)

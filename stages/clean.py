@@ -47,4 +47,6 @@ def clean(config: CleanStage, run: StageRun) -> None:
 
 
 if __name__ == "__main__":
-    clean.main()
+    from simgap.runner.command import main
+
+    main(clean)

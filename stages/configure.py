@@ -61,4 +61,6 @@ def check(values: dict[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    configure.main()
+    from simgap.runner.command import main
+
+    main(configure)

@@ -76,11 +76,11 @@ def race(config: DeployStage, run: StageRun) -> None:
     run.log_metrics(laps.metrics())
     write_laps(laps, race.track, entry.track.name, race.period, run)
     lengths = laps.states[:, :logged, 0].isfinite().sum(0).numpy() * race.period
-    recording = machines.recording(_recorded(lengths, config.deploy))
+    recording = machines.recording(_whole_flights(lengths, config.deploy))
     write_recording(recording, run.output / "recording.parquet")
 
 
-def _recorded(lengths: "NDArray[np.float64]", chosen: Deployment) -> "NDArray[np.float64]":
+def _whole_flights(lengths: "NDArray[np.float64]", chosen: Deployment) -> "NDArray[np.float64]":
     """Return the lengths, s, of the first flights that together are as many and as long as asked for."""
     import numpy as np
 
@@ -166,4 +166,6 @@ def _outcome(trials: "list[Trial]", config: DeployStage) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    deploy.main()
+    from simgap.runner.command import main
+
+    main(deploy)

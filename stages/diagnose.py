@@ -125,4 +125,6 @@ def _say_what_closed(fit: dict[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    diagnose.main()
+    from simgap.runner.command import main
+
+    main(diagnose)

@@ -49,4 +49,6 @@ def _race(config: EvaluateStage, run: StageRun) -> None:
 
 
 if __name__ == "__main__":
-    evaluate.main()
+    from simgap.runner.command import main
+
+    main(evaluate)

@@ -61,4 +61,6 @@ def _learning(description: "Description", chosen: PolicyFinetuning) -> dict[str,
 
 
 if __name__ == "__main__":
-    finetune.main()
+    from simgap.runner.command import main
+
+    main(finetune)

@@ -33,7 +33,7 @@ def identify_residual(config: IdentifyResidualStage, run: StageRun) -> None:
     from simgap.simulation import write_simulator
     from simgap.stages._simulators import chosen_simulator
 
-    chosen, path = config.residual, _recorded(config)
+    chosen, path = config.residual, _path_of_flights(config)
     unflown = not chosen.recording and not path.exists()
     if unflown or not isinstance(platform_from_config(config.platform), Quadrotor):
         run.leave_out("identify_residual: nothing is identified, because there are no recorded flights")
@@ -64,7 +64,7 @@ def _named(recording: "Recording", simulator: "Simulator", settings: Gap) -> "Si
     return diagnose(recording, simulator, settings).simulator
 
 
-def _recorded(config: IdentifyResidualStage) -> Path:
+def _path_of_flights(config: IdentifyResidualStage) -> Path:
     """Return where the flights are: those that are named, those of a deployed policy, or those of the branch."""
     if config.residual.recording:
         return Path(config.residual.recording)
@@ -152,4 +152,6 @@ def _observation(
 
 
 if __name__ == "__main__":
-    identify_residual.main()
+    from simgap.runner.command import main
+
+    main(identify_residual)

@@ -112,4 +112,6 @@ def _compared_measures(motions: "Mapping[str, Motion]", task: Profile) -> dict[s
 
 
 if __name__ == "__main__":
-    profile.main()
+    from simgap.runner.command import main
+
+    main(profile)

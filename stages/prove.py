@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from simgap.runner import StageRun, stage
-from simgap.stages._benchmark_case import Concealed, ProveStage, Published, examine
+from simgap.stages._benchmark_case import Concealed, Published, examine
+from simgap.stages._prove_settings import ProveStage
 
 
 @stage(ProveStage)
@@ -95,4 +96,6 @@ def _command(config: ProveStage) -> str:
 
 
 if __name__ == "__main__":
-    prove.main()
+    from simgap.runner.command import main
+
+    main(prove)

@@ -92,4 +92,6 @@ def record_sealed(case: Any, path: Path, sealed: Path) -> str:
 
 
 if __name__ == "__main__":
-    record.main()
+    from simgap.runner.command import main
+
+    main(record)

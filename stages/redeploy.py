@@ -17,4 +17,6 @@ def redeploy(config: DeployStage, run: StageRun) -> None:
 
 
 if __name__ == "__main__":
-    redeploy.main()
+    from simgap.runner.command import main
+
+    main(redeploy)

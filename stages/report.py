@@ -41,4 +41,6 @@ def final_numbers(inputs: ReportInputs) -> dict[str, float | str | None]:
 
 
 if __name__ == "__main__":
-    report.main()
+    from simgap.runner.command import main
+
+    main(report)

@@ -41,4 +41,6 @@ def sysid(config: SysidStage, run: StageRun) -> None:
 
 
 if __name__ == "__main__":
-    sysid.main()
+    from simgap.runner.command import main
+
+    main(sysid)

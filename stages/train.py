@@ -53,8 +53,9 @@ def train(config: TrainStage, run: StageRun) -> None:
 def _train(config: TrainStage, run: StageRun) -> None:
     """Fit a model to the recording, write it and score it."""
     from simgap.models.contract import FitContext, Provenance
-    from simgap.models.layout import layout_of
+    from simgap.models.layouts import layout_of
     from simgap.models.registry import model_class, model_settings
+    from simgap.models.storage import save_model
     from simgap.recordings.recording import read_recording
     from simgap.recordings.split import require_holdout
 
@@ -84,7 +85,7 @@ def _train(config: TrainStage, run: StageRun) -> None:
     if config.train.bias_correction:
         before = _steps(model, machines, config.train.evaluation_history)
         model.correct(chosen)
-    model.save(run.output / "model")
+    save_model(model, run.output / "model")
     run.log_metrics({"best_validation_loss": loss})
     _score(model, machines, config.train, before, run)
     remove_checkpoint(checkpoint)
@@ -179,4 +180,6 @@ def _finite(errors: Any) -> Any:
 
 
 if __name__ == "__main__":
-    train.main()
+    from simgap.runner.command import main
+
+    main(train)

@@ -34,4 +34,6 @@ def train_policy(config: TrainPolicyStage, run: StageRun) -> None:
 
 
 if __name__ == "__main__":
-    train_policy.main()
+    from simgap.runner.command import main
+
+    main(train_policy)

@@ -54,12 +54,14 @@ def _with_lines(iterable: Iterable[Item], label: str, total: int | None) -> Iter
         now = time.monotonic()
         if now >= due:
             count = f"{done} of {total}" if total is not None else str(done)
-            _log.info("%s: %s after %.0f s%s", label, count, now - start, _left(done, total, now - start))
+            _log.info(
+                "%s: %s after %.0f s%s", label, count, now - start, _remaining_time(done, total, now - start)
+            )
             due = now + LINE_SECONDS
         yield item
 
 
-def _left(done: int, total: int | None, seconds: float) -> str:
+def _remaining_time(done: int, total: int | None, seconds: float) -> str:
     """Return the remaining time at the present rate; empty where it is unknown."""
     if total is None or done == 0:
         return ""

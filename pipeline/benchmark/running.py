@@ -48,7 +48,7 @@ def _worked(
     if not tasks:
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(tasks)), context, initializer=_begin) as pool:
+    with ProcessPoolExecutor(min(jobs, len(tasks)), context, initializer=_start_worker) as pool:
         waiting = {pool.submit(work, task, folder / name): name for name, task in tasks.items()}
         try:
             for done in as_completed(waiting):
@@ -60,7 +60,7 @@ def _worked(
             pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _begin() -> None:
+def _start_worker() -> None:
     """Limit a worker process to one thread, and end it if its parent is killed."""
     one_thread()
     threading.Thread(target=_end_with_parent, daemon=True).start()

@@ -10,7 +10,7 @@ MOST = 5.0
 """Greatest size of an effect, as a multiple of its usual size; more is unrealistic."""
 
 _TRIES = 10
-_STEP = 30.0  # by which a strength changes at most from one try to the next
+_GREATEST_FACTOR = 30.0  # by which a strength changes at most from one try to the next
 
 
 def settle_strength(energy_of: Callable[[float], float], wanted: str) -> tuple[float, float]:
@@ -34,7 +34,7 @@ def settle_strength(energy_of: Callable[[float], float], wanted: str) -> tuple[f
         tried[strength] = energy = energy_of(strength)
         if is_settled(energy, wanted):
             return strength, energy
-        strength = min(_next(tried, low, target), MOST)
+        strength = min(_next_strength(tried, low, target), MOST)
     return min(tried.items(), key=lambda pair: _distance(pair[1], low, high))
 
 
@@ -44,14 +44,14 @@ def is_settled(energy: float, wanted: str) -> bool:
     return low <= energy <= high
 
 
-def _next(tried: dict[float, float], low: float, target: float) -> float:
+def _next_strength(tried: dict[float, float], low: float, target: float) -> float:
     fainter = [strength for strength, energy in tried.items() if energy < low]
     stronger = [strength for strength, energy in tried.items() if energy >= low]
     if fainter and stronger:
         return math.sqrt(max(fainter) * min(stronger))
     strength, energy = list(tried.items())[-1]
-    factor = math.sqrt(target / energy) if energy > 0 else _STEP
-    return strength * min(max(factor, 1.0 / _STEP), _STEP)
+    factor = math.sqrt(target / energy) if energy > 0 else _GREATEST_FACTOR
+    return strength * min(max(factor, 1.0 / _GREATEST_FACTOR), _GREATEST_FACTOR)
 
 
 def _distance(energy: float, low: float, high: float) -> float:

@@ -14,6 +14,7 @@ from torch import Tensor
 
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.scan import scan
+from simgap.physics.shapes import Signal
 
 Array = NDArray[Any]
 
@@ -47,7 +48,7 @@ class Backlash(ActuatorEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the effort that reaches the axis; the memory holds place, slip and the axis's last velocity."""
         effort, velocity = signals[self.transmitted], signals[f"{self.group}velocity"]
         half, inertia, braking = self._motor(signals, values, constants)
@@ -65,7 +66,7 @@ class Backlash(ActuatorEffect):
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
-    ) -> dict[str, Tensor]:
+    ) -> dict[str, Signal]:
         """Return blocks with the effort that reaches the axis.
 
         A gap can only be gone through sample by sample: a compiled loop does, on the processor and without gradients.

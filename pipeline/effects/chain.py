@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import torch
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from simgap.effects.effect import Signals
@@ -31,18 +32,22 @@ class Chains:
         recorded: whether a sample does not only repeat the last one of its chain, (chains, longest).
     """
 
-    stretch: Tensor
-    sample: Tensor
-    chain: Tensor
-    first: Tensor
+    stretch: Int[Tensor, "chains longest"]
+    sample: Int[Tensor, "chains longest"]
+    chain: Int[Tensor, " stretches"]
+    first: Int[Tensor, " stretches"]
     samples: int
-    recorded: Tensor
+    recorded: Bool[Tensor, "chains longest"]
 
-    def joined(self, series: Tensor) -> Tensor:
+    def joined(
+        self, series: Float[Tensor, "stretches samples *rest"]
+    ) -> Float[Tensor, "chains longest *rest"]:
         """Return a series of stretches (stretches, samples, ...) along the chains, (chains, longest, ...)."""
         return series[self.stretch, self.sample]
 
-    def parted(self, series: Tensor) -> Tensor:
+    def parted(
+        self, series: Float[Tensor, "chains longest *rest"]
+    ) -> Float[Tensor, "stretches samples *rest"]:
         """Return a series along the chains (chains, longest, ...) by stretches, (stretches, samples, ...)."""
         return series[self.chain[:, None], self.first[:, None] + torch.arange(self.samples)]
 

@@ -2,9 +2,8 @@
 
 from typing import Any, ClassVar
 
-from torch import Tensor
-
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.physics.shapes import Signal
 
 
 class CurrentLimit(ActuatorEffect):
@@ -28,7 +27,7 @@ class CurrentLimit(ActuatorEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the effort that no more than the limiting current can give."""
         per_ampere = constants[f"{self.group}torque_constant"] * constants[f"{self.group}gear_ratio"]
         most = values["limit"] * per_ampere

@@ -4,10 +4,10 @@ import math
 from typing import Any, ClassVar
 
 import torch
-from torch import Tensor
 
 from simgap.effects.effect import CommandEffect, Parameter, Signals, Values
 from simgap.effects.shift import shift_in_time
+from simgap.physics.shapes import Signal
 
 
 class CommandDelay(CommandEffect):
@@ -35,7 +35,7 @@ class CommandDelay(CommandEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the commands of `delay` ago; the memory holds what was commanded since."""
         present = [name for name in self.delayed if name in signals]
         if not present:
@@ -53,7 +53,7 @@ class CommandDelay(CommandEffect):
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
-    ) -> dict[str, Tensor]:
+    ) -> dict[str, Signal]:
         """Shift whole blocks at once: the same as sample by sample, in one step."""
         shifted = {
             name: shift_in_time(signals[name], values["delay"], time_step)

@@ -7,9 +7,7 @@ import torch
 from torch import Tensor
 
 from simgap.effects.effect import Signals, Values, WrenchEffect
-
-Value = Tensor | float
-
+from simgap.physics.shapes import Channels, Real, Value
 
 _FASTEST = 0.99  # quantile of recorded speeds: the very greatest may be a spike
 _FADED = 0.5  # of the level at rest, beyond which nothing shows that friction fades at all
@@ -33,14 +31,14 @@ class DryFriction(WrenchEffect):
     holds: ClassVar[str]
 
     @abstractmethod
-    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Real:
         """Return the friction on the axis (...,), or on each wheel or module (..., 4), N·m or N."""
 
     @abstractmethod
-    def on_channels(self, friction: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:
+    def on_channels(self, friction: Real, signals: Signals, constants: Values) -> Channels:
         """Return what a friction adds to each channel."""
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction on each channel, N·m or N."""
         return self.on_channels(self.friction(signals, values, constants), signals, constants)
 
@@ -69,7 +67,7 @@ def sliding_of(signals: Signals, constants: Values, group: str = "") -> Sliding:
     return Sliding(signals[name], True) if name in signals else Sliding(constants[name], False)
 
 
-def fades(velocity: Tensor, fading_velocity: Value, slides: Sliding) -> bool:
+def fades(velocity: Real, fading_velocity: Value, slides: Sliding) -> bool:
     """Whether recorded velocities (...,) show friction of a level · exp(−(v / fading_velocity)²) fade.
 
     It has to be less at the fastest, and to be felt where samples tell the direction of motion, not only where an axis
@@ -96,11 +94,11 @@ def _is_told(velocity: Tensor, fading: Tensor, resolution: Tensor) -> bool:
 
 def dry_friction(
     level: Value,
-    velocity: Tensor,
-    applied: Tensor,
+    velocity: Real,
+    applied: Real,
     slides: Sliding,
     backward_level: Value | None = None,
-) -> Tensor:
+) -> Real:
     """Friction that opposes motion at its level, and at standstill what is applied, up to its level (...,).
 
     An axis that passes through zero within a sample slides one way and then the other: of its level there remains the

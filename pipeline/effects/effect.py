@@ -13,8 +13,7 @@ from typing import Any, ClassVar
 import torch
 from torch import Tensor
 
-Signals = Mapping[str, Tensor]
-"""Physical signals by name: `velocity` (..., 3), `rotor_speed` (..., 4), `voltage` (...,) and so on."""
+from simgap.physics.shapes import Channels, Signal, Signals
 
 Values = Mapping[str, Any]
 """Parameter values (numbers or tensors), or constants of a platform, by name."""
@@ -95,7 +94,7 @@ class Effect(ABC):
         """Return the values at which the effect does nothing."""
         return {parameter.name: parameter.neutral for parameter in self.parameters}
 
-    def load(self, signals: Signals, constants: Values) -> Tensor | None:
+    def load(self, signals: Signals, constants: Values) -> Signal | None:
         """Return what makes the effect's driver give way at once, in any unit, or None where nothing does."""
         return None
 
@@ -140,10 +139,10 @@ class WrenchEffect(Effect):
     """Whether the wrench is linear in the parameters, which makes identification a least-squares problem."""
 
     @abstractmethod
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return what is added to each channel of the platform's balance, in that channel's unit."""
 
-    def regressors(self, signals: Signals, constants: Values) -> list[dict[str, Tensor]]:
+    def regressors(self, signals: Signals, constants: Values) -> list[Channels]:
         """Return, for each parameter of a linear effect, the wrench per unit of it."""
         names = [parameter.name for parameter in self.parameters]
         return [
@@ -169,12 +168,12 @@ class ActuatorEffect(Effect):
     @abstractmethod
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the changed signals at this sample, and the memory for the next."""
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
-    ) -> dict[str, Tensor]:
+    ) -> dict[str, Signal]:
         """Return the signals of recorded blocks (blocks, samples, ...) as the effect changes them.
 
         The default runs `actuate` sample by sample where the effect remembers, and at once where it does not.
@@ -192,7 +191,7 @@ class MeasurementEffect(Effect):
     """A map from the true state to what was recorded."""
 
     @abstractmethod
-    def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Tensor]:
+    def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Signal]:
         """Return the signals as they would have been recorded without the effect; time is dimension 1."""
 
 

@@ -4,10 +4,12 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import torch
+from jaxtyping import Float, Shaped
 from torch import Tensor
 
 from simgap.physics import rotations
 from simgap.physics.cable import Cable, across, along, pooled, pull, swing
+from simgap.physics.shapes import Value
 
 _COARSE = 0.15  # rad that a cable swings by in a step: an error of the start is no finer than what is felt
 _USUAL = 1.0  # rad, by which a cable may be off the apparent gravity at first
@@ -29,24 +31,30 @@ class Felt:
         counts: which steps count, (cables, steps).
     """
 
-    apparent: Tensor
-    attitude: Tensor
-    counts: Tensor
+    apparent: Float[Tensor, "cables steps 3"]
+    attitude: Float[Tensor, "cables steps 4"]
+    counts: Shaped[Tensor, "cables steps"]
 
     def beginning(self, part: float) -> "Felt":
         """Return the first part of it."""
         steps = max(round(part * self.counts.shape[1]), 2)
         return Felt(self.apparent[:, :steps], self.attitude[:, :steps], self.counts[:, :steps])
 
-    def sideways(self, acceleration: Tensor) -> Tensor:
+    def sideways(
+        self, acceleration: Float[Tensor, "*batch cables steps 3"]
+    ) -> Float[Tensor, "*batch cables felt"]:
         """Return world-frame accelerations (..., cables, steps, 3) along body x and y, (..., cables, 2·steps)."""
         body = rotations.rotate_inverse(self.attitude.expand(*acceleration.shape[:-1], 4), acceleration)
         return (body[..., :2] * self.counts[..., None]).flatten(-2)
 
 
 def first_swing(
-    cable: Cable, apparent: Tensor, attitude: Tensor, counts: Tensor, mass_ratio: Tensor | float
-) -> tuple[Tensor, Tensor]:
+    cable: Cable,
+    apparent: Float[Tensor, "cables samples 3"],
+    attitude: Float[Tensor, "cables samples 4"],
+    counts: Shaped[Tensor, "cables samples"],
+    mass_ratio: Value,
+) -> tuple[Float[Tensor, "cables 3"], Float[Tensor, "cables 3"]]:
     """Return direction and rate with which the pull follows best what is felt across the thrust.
 
     Levenberg-Marquardt from rest, in coarse steps, over two angles and their rates, as far as they may usually be off;
@@ -81,12 +89,12 @@ class Swung(NamedTuple):
         slopes: of what is felt against the start, (cables, 2·steps, 4).
     """
 
-    off: Tensor
-    error: Tensor
-    slopes: Tensor
+    off: Float[Tensor, "cables 4"]
+    error: Float[Tensor, "cables felt"]
+    slopes: Float[Tensor, "cables felt 4"]
 
     @property
-    def cost(self) -> Tensor:
+    def cost(self) -> Float[Tensor, " cables"]:
         """The energy of the error of each start, (cables,)."""
         return self.error.square().sum(1)
 

@@ -7,13 +7,12 @@ import torch
 from torch import Tensor
 
 from simgap.effects.recurrence import accumulated
+from simgap.physics.shapes import Real, Series, Signal, Value
 
 _FORGOTTEN = 1 / 40  # of a step: so short a lag has decayed to e⁻⁴⁰ at the end of the step
 
 
-def lag_step(
-    start: Tensor, target: Tensor, time_constant: Tensor | float, time_step: float
-) -> tuple[Tensor, Tensor]:
+def lag_step(start: Real, target: Real, time_constant: Value, time_step: float) -> tuple[Real, Real]:
     """Return the mean over a step and the value at its end of dy/dt = (target − y) / time_constant.
 
     Args:
@@ -27,7 +26,7 @@ def lag_step(
     return target + share * behind, target + decay * behind
 
 
-def lag_along_time(target: Tensor, time_constant: Tensor | float, time_step: float) -> Tensor:
+def lag_along_time(target: Series, time_constant: float | Signal, time_step: float) -> Series:
     """Return the means of `lag_step` along recorded blocks, settled at their first sample.
 
     Args:

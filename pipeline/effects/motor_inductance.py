@@ -5,10 +5,9 @@ At each sample the torque is the mean over the time around it for which the samp
 
 from typing import Any, ClassVar
 
-from torch import Tensor
-
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.lag import lag_along_time, lag_step
+from simgap.physics.shapes import Signal
 
 _SLOWEST = 0.05  # s; a few milliseconds are usual, for large machines some twenty
 
@@ -45,7 +44,7 @@ class MotorInductance(ActuatorEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the mean torque of the step; the memory holds the torque at its end."""
         target = signals[self.delayed]
         start = target if memory is None else memory
@@ -54,7 +53,7 @@ class MotorInductance(ActuatorEffect):
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
-    ) -> dict[str, Tensor]:
+    ) -> dict[str, Signal]:
         """Filter whole blocks at once: the same as sample by sample."""
         time_constant = self._time_constant(values, constants)
         return {**signals, self.delayed: lag_along_time(signals[self.delayed], time_constant, time_step)}

@@ -1,10 +1,11 @@
 """A linear recurrence along recorded blocks, without a step per sample."""
 
 import torch
-from torch import Tensor
+
+from simgap.physics.shapes import Series
 
 
-def accumulated(decay: Tensor, gained: Tensor) -> Tensor:
+def accumulated(decay: Series, gained: Series) -> Series:
     """Return y of y[k] = decay[k] · y[k−1] + gained[k] for all samples, in as many passes as their count doubles.
 
     Source: Blelloch 1990, Prefix sums and their applications, §1.4.

@@ -1,10 +1,15 @@
 """A fractional shift along the time of recorded blocks."""
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
+from simgap.physics.shapes import Series
 
-def shift_in_time(series: Tensor, delay: Tensor | float, time_step: float) -> Tensor:
+
+def shift_in_time(
+    series: Series, delay: float | Float[Tensor, ""] | Float[Tensor, "#blocks"], time_step: float
+) -> Series:
     """Return series(t − delay), linear between samples; the ends hold their last value.
 
     Differentiable in the delay, with the slope between the two samples that it falls between.

@@ -2,10 +2,9 @@
 
 from typing import ClassVar
 
-from torch import Tensor
-
 from simgap.effects.effect import MeasurementEffect, Parameter, Signals, Values
 from simgap.effects.shift import shift_in_time
+from simgap.physics.shapes import Signal
 
 
 class TimeOffset(MeasurementEffect):
@@ -35,7 +34,7 @@ class TimeOffset(MeasurementEffect):
         """Return the offset."""
         return float(values["offset"])
 
-    def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Tensor]:
+    def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Signal]:
         """Delay the motors' signals by the offset so that both clocks agree.
 
         Where the runs' clocks differ, `clock_deviation` holds each block's deviation from the common offset.

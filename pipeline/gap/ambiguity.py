@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from simgap.effects import Effect
     from simgap.gap.candidate import Candidate
 
-_CHANCE = 0.05  # level of the test between two effects
-_STRICT_CHANCE = 0.01  # level where the catalogue calls the other one the likelier cause
+_DISTINCTION_LEVEL = 0.05  # level of the test between two effects
+_STRICT_DISTINCTION_LEVEL = 0.01  # level where the catalogue calls the other one the likelier cause
 _HALF = 0.5  # of the winner's share, above which another effect is a rival
-_NEARLY = 0.9  # of the same, above which an equivalent description is one
-_SAME = 1.0  # difference in log likelihood: "not worth more than a bare mention" (Kass & Raftery 1995, Bayes factors)
+_TWIN_SHARE = 0.9  # of the same, above which an equivalent description is one
+_SAME_LOG_LIKELIHOOD = 1.0  # of log likelihood: "a bare mention" (Kass & Raftery 1995, Bayes factors)
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> li
 
 def _is_twin(winner: Candidate, other: Candidate) -> bool:
     """Whether two effects are equivalent descriptions of the same law here."""
-    return other.effect.name in winner.effect.twins and other.share > _NEARLY * winner.share
+    return other.effect.name in winner.effect.twins and other.share > _TWIN_SHARE * winner.share
 
 
 def rivalry_of(winner: Candidate, rivals: list[Candidate], cluster: Tensor) -> Rivalry | None:
@@ -79,7 +79,7 @@ def _evidence_for(first: Candidate, second: Candidate, cluster: Tensor) -> float
     difference = _difference(first, second, cluster)
     if _is_twin(second, first):
         return 0.0
-    if abs(float(difference.sum())) < _SAME or len(difference) < 2:
+    if abs(float(difference.sum())) < _SAME_LOG_LIKELIHOOD or len(difference) < 2:
         return 0.0
     statistic = float(stats.ttest_1samp(difference.numpy(), 0.0).statistic)
     return math.copysign(0.5 * statistic**2, statistic)
@@ -93,24 +93,26 @@ def total_score(candidate: Candidate) -> float:
 def predicts_better(first: Candidate, second: Candidate, cluster: Tensor) -> bool:
     """Return whether one candidate predicts significantly better than another, over clusters of residuals."""
     strict = second.effect.name in first.effect.yields_to
-    return is_beyond_chance(_difference(first, second, cluster), _STRICT_CHANCE if strict else _CHANCE)
+    return is_beyond_chance(
+        _difference(first, second, cluster), _STRICT_DISTINCTION_LEVEL if strict else _DISTINCTION_LEVEL
+    )
 
 
-def is_beyond_chance(ahead: Tensor, chance: float = _CHANCE) -> bool:
+def is_beyond_chance(ahead: Tensor, chance: float = _DISTINCTION_LEVEL) -> bool:
     """Return whether a gain in log likelihood per cluster is significantly positive.
 
     Args:
         ahead: log likelihood minus that of the other, (clusters,).
         chance: level of the one-sided t test.
     """
-    if abs(float(ahead.sum())) < _SAME:
+    if abs(float(ahead.sum())) < _SAME_LOG_LIKELIHOOD:
         return False
     return float(stats.ttest_1samp(ahead.numpy(), 0.0, alternative="greater").pvalue) <= chance
 
 
 def is_as_good(score: Tensor, other: Tensor) -> bool:
     """Return whether a log likelihood (clusters,) is less than another by under 1 in all: no evidence."""
-    return float((other - score).sum()) < _SAME
+    return float((other - score).sum()) < _SAME_LOG_LIKELIHOOD
 
 
 def _difference(first: Candidate, second: Candidate, cluster: Tensor) -> Tensor:

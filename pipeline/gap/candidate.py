@@ -18,7 +18,7 @@ from simgap.simulation import Simulator
 _Z95 = 1.96
 _LEAST_ERROR = 0.002  # relative error of a platform number; the discretisation is no better
 _IMITATED = "smaller than the discretisation error of the equations"
-_LEAST_ENERGY = 0.01  # of the noise energy; less does not show in a prediction
+_LEAST_PREDICTED_ENERGY = 0.01  # of the noise energy; less does not show in a prediction
 BEYOND_NOISE = 4.0
 """Times the noise energy, above which a gap counts: coloured noise may reach it."""
 _SENT = "motor_command"
@@ -180,7 +180,7 @@ class Judge:
     def excess(self, residual: Tensor) -> Tensor:
         """Return the energy of residuals over the noise's in each channel, (channels,)."""
         noise = self.problem.noise.square()
-        return (residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_ENERGY * noise)
+        return (residual.square().mean((0, 1)) - noise).clamp_min(_LEAST_PREDICTED_ENERGY * noise)
 
     def share(self, energy: Tensor, excess: Tensor) -> tuple[float, tuple[float, float]]:
         """Return the share of an excess that the energy explained in each block (blocks,) is, and its interval."""
@@ -196,7 +196,9 @@ class Judge:
         values = dict(zip(names, fit.values[columns_of(fit, effect)].tolist(), strict=True))
         constants = fit.simulator.constants()
         refusal = (
-            self.bound(effect, values) or _unseen(candidate) or self.unresolved(effect, values, constants)
+            self.bound(effect, values)
+            or _parameter_without_trace(candidate)
+            or self.unresolved(effect, values, constants)
         )
         if refusal:
             return refusal
@@ -211,7 +213,7 @@ class Judge:
             return "does not improve the prediction of left-out runs"
         if why := effect.unphysical(values, constants) or self.silenced(effect, fit.simulator):
             return why
-        seen = energies > _LEAST_ENERGY * self.problem.noise.square()
+        seen = energies > _LEAST_PREDICTED_ENERGY * self.problem.noise.square()
         if not seen.any() or not self.matters(candidate):
             return "explains too little to matter"
         return "" if (seen & (energies > self.problem.quadrature.square())).any() else _IMITATED
@@ -220,7 +222,7 @@ class Judge:
         """Return in which channels the effect itself, without the refit of others, makes a difference, (channels,)."""
         change = fitted.values[columns] - fitted.values.new_tensor(neutral)
         own = (fitted.jacobian[..., columns] @ change).square().mean((0, 1))
-        return own > _LEAST_ENERGY * self.problem.noise.square()
+        return own > _LEAST_PREDICTED_ENERGY * self.problem.noise.square()
 
     def spoilt(self, before: Tensor, after: Tensor, acts: Tensor) -> str:
         """Return which channel an effect makes worse on left-out folds, if any.
@@ -303,7 +305,7 @@ def _is_gone(after: Tensor, before: Tensor) -> bool:
     return float(after.square().mean()) < _NOTHING**2 * float(before.square().mean())
 
 
-def _unseen(candidate: Candidate) -> str:
+def _parameter_without_trace(candidate: Candidate) -> str:
     """Return a reason if the recording does not depend on a parameter."""
     effect, fit = candidate.effect, candidate.fit
     for parameter, column in zip(effect.parameters, columns_of(fit, effect), strict=True):

@@ -6,7 +6,7 @@ from simgap.gap.candidate import BEYOND_NOISE
 from simgap.gap.fit import Fit, Problem, excess_of
 from simgap.platforms.mechanism import Channel
 
-_COARSE = 0.5  # time step over settling time, above which samples do not resolve the motion
+_COARSE_SHARE = 0.5  # time step over settling time, above which samples do not resolve the motion
 
 
 def coarse_axes(fit: Fit, problem: Problem, channels: Sequence[Channel]) -> dict[str, float]:
@@ -19,7 +19,7 @@ def coarse_axes(fit: Fit, problem: Problem, channels: Sequence[Channel]) -> dict
     return {
         channel.name: 1.0 / rates[channel.name]
         for channel, energy in zip(channels, left, strict=True)
-        if energy > BEYOND_NOISE and rates.get(channel.name, 0.0) * problem.blocks.time_step > _COARSE
+        if energy > BEYOND_NOISE and rates.get(channel.name, 0.0) * problem.blocks.time_step > _COARSE_SHARE
     }
 
 

@@ -13,8 +13,8 @@ from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.signals import COMMANDS
 
-_NEARLY = 0.3  # tolerance, as a share of half a sample
-_TIMES_NOISE = 10.0  # times the energy of the noise
+_SHIFT_TOLERANCE = 0.3  # tolerance, as a share of half a sample
+_TIMES_NOISE_ENERGY = 10.0  # times the energy of the noise
 
 
 def name_with_hold(
@@ -53,7 +53,7 @@ def _has_commands(prepared: Prepared) -> bool:
 
 def _much_is_left(naming: Naming, prepared: Prepared) -> bool:
     """Whether every channel leaves more than ten times the noise energy."""
-    return bool((excess_of(naming.fit, prepared.problem.noise) > _TIMES_NOISE).all())
+    return bool((excess_of(naming.fit, prepared.problem.noise) > _TIMES_NOISE_ENERGY).all())
 
 
 def _may_cost_less(other: Prepared, prepared: Prepared, naming: Naming) -> bool:
@@ -83,4 +83,4 @@ def _is_late_by_half_a_sample(naming: Naming, prepared: Prepared) -> bool:
     late = -half if prepared.problem.blocks.held else half
     simulator = naming.fit.simulator
     shifts = [f.effect.lateness(f.values, simulator.constants()) for f in simulator.free]
-    return any(abs(shift - late) < _NEARLY * half for shift in shifts)
+    return any(abs(shift - late) < _SHIFT_TOLERANCE * half for shift in shifts)

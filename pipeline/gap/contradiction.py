@@ -25,8 +25,10 @@ _AGAINST = (
     -0.5
 )  # correlation; a tenth of a second of delay does not make it negative on a machine that is controlled
 _ALIKE = 0.7  # correlation above which sizes are compared
-_LEAST_RATIO = 1 / 30  # needed over commanded wrench; a motor may be limited to a tenth of its strength
-_GREATEST_RATIO = 8.0  # of the same; no single platform number is wrong by so much
+_LEAST_STRENGTH_RATIO = (
+    1 / 30
+)  # needed over commanded wrench; a motor may be limited to a tenth of its strength
+_GREATEST_STRENGTH_RATIO = 8.0  # of the same; no single platform number is wrong by so much
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,10 @@ def _driven_otherwise(prepared: Prepared) -> Iterator[str]:
                 f"{channel}: the motion opposes the commands (correlation {agreement.correlation:.2f}); check the "
                 "signs, the frames and the order of the motors against the platform file"
             )
-        elif agreement.correlation > _ALIKE and not _LEAST_RATIO < agreement.ratio < _GREATEST_RATIO:
+        elif (
+            agreement.correlation > _ALIKE
+            and not _LEAST_STRENGTH_RATIO < agreement.ratio < _GREATEST_STRENGTH_RATIO
+        ):
             ratio = agreement.ratio
             much = f"{ratio:.0f} times" if ratio > 1.0 else f"1/{1.0 / ratio:.0f} of"
             yield (

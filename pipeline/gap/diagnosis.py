@@ -145,7 +145,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     )
     if validation.refutes:
         features = {key: replace(each, refuted=True) for key, each in features.items()}
-    unseen = _unseen(validation, naming, problem, channels)
+    unseen = _held_out_only(validation, naming, problem, channels)
     gap = bool(unnamed or unseen) or any(m.excess > BEYOND_NOISE for m in mismatches)
     doubts = (
         *_disproved(naming, validation),
@@ -213,7 +213,7 @@ def _remains(naming: Naming, problem: Problem, validation: Validation) -> bool:
     return bool(much.any()) or bool(_disproved(naming, validation))
 
 
-def _unseen(
+def _held_out_only(
     validation: Validation, naming: Naming, problem: Problem, channels: Sequence[Channel]
 ) -> list[str]:
     """Return a warning for each channel in which held-out runs show what no fitted run does."""

@@ -11,8 +11,8 @@ from simgap.physics.weak_form import WindowFunctions, mean_of
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 
-_STEPS = 12
-_TOLERANCE = 1e-7  # least promised decrease of the cost per row
+_FIT_STEPS = 12
+_COST_TOLERANCE = 1e-7  # least promised decrease of the cost per row
 _DIFFERENCE = 1e-4
 
 
@@ -113,10 +113,10 @@ def fit(simulator: Simulator, problem: Problem) -> Fit:
     values = values_of(simulator).clamp(low, high)
     residual = problem.residual(with_values(simulator, values))
     jacobian = jacobian_of(with_values(simulator, values), problem, residual)
-    for _ in range(_STEPS):
+    for _ in range(_FIT_STEPS):
         scale = channel_scale(residual, problem.noise)
         change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
-        if promised < _TOLERANCE * residual.numel():
+        if promised < _COST_TOLERANCE * residual.numel():
             break
         values, residual = line_search(simulator, problem, values, change, residual, scale)
         jacobian = jacobian_of(with_values(simulator, values), problem, residual)

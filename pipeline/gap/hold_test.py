@@ -10,11 +10,11 @@ from simgap.platforms import Platform
 from simgap.recordings.recording import Recording
 from simgap.simulation.blocks import Blocks, cut_blocks
 
-_CHANCE = 1e-3  # level of the test
+_MEASURED_LEVEL = 1e-3  # level of the test
 
-_AXES = {"joint": ("velocity", "position"), "swerve": ("steer_velocity", "steer_angle")}
+_AXIS_SIGNALS = {"joint": ("velocity", "position"), "swerve": ("steer_velocity", "steer_angle")}
 _COMMANDS = {"joint": ("effort", "voltage"), "swerve": ("steer_voltage",)}
-HELD_KINDS = frozenset(_AXES)
+HELD_KINDS = frozenset(_AXIS_SIGNALS)
 """Kinds of machine whose controllers are about as fast as their logs."""
 
 
@@ -47,24 +47,24 @@ def _is_less(first: Tensor, second: Tensor) -> bool:
     if len(first) < 2 or torch.equal(first, second):
         return False
     test = stats.ttest_rel(second.numpy(), first.numpy(), alternative="greater")
-    return bool(test.pvalue < _CHANCE)
+    return bool(test.pvalue < _MEASURED_LEVEL)
 
 
 def _unexplained(blocks: Blocks, kind: str, width: float) -> Tensor:
     """Return the mean square of the acceleration that a regression on everything recorded of the axis leaves."""
     functions = window_functions(blocks.samples, width, blocks.time_step)
     signals = {name: blocks.acting_inside(series) for name, series in blocks.acting.items()}
-    speed, place = (_per_axis(signals[name]) for name in _AXES[kind])
+    speed, place = (_per_axis(signals[name]) for name in _AXIS_SIGNALS[kind])
     commands = [_per_axis(signals[name]) for name in _COMMANDS[kind] if name in signals]
     slow = 0.05 * speed.square().mean().sqrt().clamp_min(1e-12)
     terms = [*commands, speed, torch.tanh(speed / slow), place, torch.sin(place), torch.ones_like(speed)]
-    recorded = _per_axis(blocks.inner(blocks.signals[_AXES[kind][0]]))
+    recorded = _per_axis(blocks.inner(blocks.signals[_AXIS_SIGNALS[kind][0]]))
     rate = mean_rate_of(functions, recorded, blocks.held)
     means = [mean_of(functions, blocks.at_samples(term)) for term in terms]
-    return _left(means, rate, len(blocks))
+    return _unexplained_mean_square(means, rate, len(blocks))
 
 
-def _left(terms: list[Tensor], target: Tensor, blocks: int) -> Tensor:
+def _unexplained_mean_square(terms: list[Tensor], target: Tensor, blocks: int) -> Tensor:
     """Return the mean square that a regression on the terms leaves of a target in each block, (blocks,)."""
     matrix = torch.stack([term.flatten() for term in terms], dim=1)
     goal = target.flatten()

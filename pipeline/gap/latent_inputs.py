@@ -19,9 +19,9 @@ from simgap.gap.short_lags import name_with_short_lags
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 
-_STEP = 0.01  # relative step of the finite difference in a driver
+_DRIVER_STEP = 0.01  # relative step of the finite difference in a driver
 _LEAST_COST = 2.0  # least cost of a latent input and its effect
-_PASSES = 2  # a thrust depends on the square of a voltage
+_DRIVER_PASSES = 2  # a thrust depends on the square of a voltage
 
 
 def name_with_latent_inputs(prepared: Prepared, naming: Naming, settings: Gap) -> tuple[Prepared, Naming]:
@@ -108,7 +108,7 @@ class DriverLaw:
         load = self._load(problem.blocks)
         taken = 0.0 if load is None else self.giving * load
         line = constant(problem.blocks, self.rest)
-        for _ in range(_PASSES):
+        for _ in range(_DRIVER_PASSES):
             residual, answer = self._answer(problem, line - taken, torch.ones_like(line))
             scale = channel_scale(residual, problem.noise)
             information = (answer / scale).square().sum((1, 2))
@@ -141,7 +141,7 @@ class DriverLaw:
 
     def _answer(self, problem: Problem, series: Tensor, direction: Tensor) -> tuple[Tensor, Tensor]:
         """Return the residual under a driver, and how the prediction answers to a change, (blocks, rows, channels)."""
-        step = _STEP * abs(self.rest) / float(direction.abs().max().clamp_min(1e-300))
+        step = _DRIVER_STEP * abs(self.rest) / float(direction.abs().max().clamp_min(1e-300))
         residual, moved = (
             replace(problem, blocks=with_signal(problem.blocks, self.name, value)).residual(self.acting)
             for value in (series, series + step * direction)

@@ -14,10 +14,10 @@ from simgap.platforms.mechanism import Channel
 from simgap.recordings.excerpt import evenly
 from simgap.simulation.knn_residual import NearestNeighbours
 
-_COUNTS = (5, 15, 45, 135)  # numbers of neighbours
+_NEIGHBOUR_COUNTS = (5, 15, 45, 135)  # numbers of neighbours
 _MOST_SAMPLES = 4000  # windows that are stored
-_CHANCE = 0.05  # level of the test, over all channels
-_ROUNDING = 1e-9  # of a feature's size
+_LEARNED_LEVEL = 0.05  # level of the test, over all channels
+_FEATURE_ROUNDING = 1e-9  # of a feature's size
 _LEAST_ENERGY = 0.2  # of the noise energy, as for a formula
 
 
@@ -101,7 +101,7 @@ def _features(regimes: Sequence[Regime], functions: WindowFunctions) -> Tensor:
 
 def _moving(features: Tensor) -> Tensor:
     """Return which features (windows, features) change by more than their rounding, (features,)."""
-    return features.std(0) > _ROUNDING * features.abs().amax(0)
+    return features.std(0) > _FEATURE_ROUNDING * features.abs().amax(0)
 
 
 def _is_left(left: Tensor, noise: float, quadrature: float) -> bool:
@@ -115,17 +115,17 @@ def _best_count(left: Tensor, features: Tensor, fold: Tensor, kept: Tensor) -> t
 
     The energy is of each block, (blocks,): the number is one of four, so that the choice hardly flatters it.
     """
-    explained = {count: left.new_zeros(len(left)) for count in _COUNTS}
+    explained = {count: left.new_zeros(len(left)) for count in _NEIGHBOUR_COUNTS}
     for part in torch.unique(fold):
         mine, others = fold == part, kept[fold[kept] != part]
         known, outcome = features[others].flatten(0, 1), left[others].flatten()[:, None]
-        for count in _COUNTS:
+        for count in _NEIGHBOUR_COUNTS:
             if len(known) <= count or not bool(_moving(known).all()):
                 continue
             predicted = NearestNeighbours(known, outcome, count)(features[mine].flatten(0, 1))
             error = left[mine] - predicted[:, 0].reshape(left[mine].shape)
             explained[count][mine] = (left[mine].square() - error.square()).sum(1)
-    best = max(_COUNTS, key=lambda count: float(explained[count].sum()))
+    best = max(_NEIGHBOUR_COUNTS, key=lambda count: float(explained[count].sum()))
     return best, explained[best]
 
 
@@ -136,4 +136,4 @@ def _predicts(explained: Tensor, left: Tensor, problem: Problem, place: int, cha
         return False
     clusters = explained.new_zeros(int(problem.cluster.max()) + 1)
     gained = clusters.index_add(0, problem.cluster, explained) / (2.0 * left.square().mean())
-    return is_beyond_chance(gained, _CHANCE / channels)
+    return is_beyond_chance(gained, _LEARNED_LEVEL / channels)

@@ -15,7 +15,7 @@ from simgap.simulation.blocks import Blocks
 
 _BINS = 8
 _TOLERATED = 1.2  # times the noise energy; the noise floor is itself an estimate
-_CHANCE = 1e-3
+_MISMATCH_LEVEL = 1e-3
 _WORDS = {
     "force_x": "along body x",
     "force_y": "along body y",
@@ -75,7 +75,7 @@ def locate(
     misfit = torch.log1p((ratio - 1.0).clamp_min(0.0))
     rows = residual.shape[0] * residual.shape[1]
     p_values = [_chance_of_noise(value, rows) for value in ratio.tolist()]
-    guilty = [i for i, p in enumerate(p_values) if p < _CHANCE]
+    guilty = [i for i, p in enumerate(p_values) if p < _MISMATCH_LEVEL]
     total = float(misfit[guilty].sum())
     averaged = [(regime, mean_of(problem.functions, regime.series).flatten()) for regime in regimes]
     found = []

@@ -12,7 +12,7 @@ from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect, Simulator
 
 _OUTDONE = 0.1  # weight among rivals, below which one more exchange is tried
-_TIMES_NOISE = 10.0  # times the energy of the noise
+_TIMES_NOISE_ENERGY = 10.0  # times the energy of the noise
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         competition.exchange()
         competition.conclude()
         rivalries = _rivalries(competition)
-    much_is_left = competition.leaves_more_than_noise(times=_TIMES_NOISE)
+    much_is_left = competition.leaves_more_than_noise(times=_TIMES_NOISE_ENERGY)
     if (much_is_left and substitute(competition, rivalries)) or unite(competition, rivalries):
         competition.conclude()
         rivalries = _rivalries(competition)
@@ -80,7 +80,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
 def _begun_with_usual(competition: Competition, other: Competition) -> Competition:
     """Return another selection, begun with the usual effects, if much is left and it predicts better."""
     usual = usual_of(competition.catalogue)
-    if not (usual and competition.leaves_more_than_noise(times=_TIMES_NOISE)):
+    if not (usual and competition.leaves_more_than_noise(times=_TIMES_NOISE_ENERGY)):
         return competition
     other.begin_with(usual)
     other.finish()

@@ -18,7 +18,7 @@ from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 
 _SHORTEST = 0.5  # s, shortest block
-_SLOWEST = 1.0  # s between samples; slower recordings do not show the motion
+_LONGEST_STEP = 1.0  # s between samples; slower recordings do not show the motion
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool 
 
 
 def _require_motion(recording: Recording) -> None:
-    if recording.time_step > _SLOWEST:
+    if recording.time_step > _LONGEST_STEP:
         raise InputError(
             f"one sample every {recording.time_step:.3g} s is too slow: is t in milliseconds instead of seconds?",
             recording.source or "recording",

@@ -25,7 +25,7 @@ _REFUTED = 0.25  # cap where held-out runs contradict the named effects
 _OPEN = 0.5  # cap where the axis is sampled too coarsely
 _LEAST_SIGNAL, _MOST_SIGNAL = 0.01, 1.0  # limits of the signal, times the noise energy
 _MOST_EXCESS = 10.0  # limit of the excess, times the noise energy
-_SLIGHT = 30.0  # limit of the excess, as a multiple of excess over signal
+_SLIGHT_RATIO = 30.0  # limit of the excess, as a multiple of excess over signal
 _MOST_ODDS = 50.0  # limit of the log odds, against overflow
 
 
@@ -70,7 +70,7 @@ class Features:
     @property
     def _most_excess(self) -> float:
         """Upper limit of the excess: a rest that is small against what the effect explains counts little."""
-        return min(_MOST_EXCESS, 1.0 + _SLIGHT * self.excess / max(self.signal, _LEAST_SIGNAL))
+        return min(_MOST_EXCESS, 1.0 + _SLIGHT_RATIO * self.excess / max(self.signal, _LEAST_SIGNAL))
 
     @property
     def scaled(self) -> dict[str, float]:

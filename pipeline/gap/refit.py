@@ -24,7 +24,7 @@ from simgap.gap.fit import (
 )
 from simgap.simulation import FittedEffect, Simulator
 
-_STEPS = 3  # Newton steps with kept slopes
+_SLOPE_STEPS = 3  # Newton steps with kept slopes
 _MOST_STEPS = 8  # Newton steps with new slopes
 _PROGRESS = 0.05  # of the total decrease of the cost, which the last step must give for another to follow
 _SCANNED = 60  # blocks that rank the starts
@@ -62,18 +62,18 @@ def extend(
 def _tried(current: Fit, effect: Effect, starts: Sequence[dict[str, float]]) -> list[Simulator]:
     """Return the simulators from which an effect is fitted; what is known of it is the only start there is."""
     kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
-    known = _known(current, effect)
+    known = _fitted_values(current, effect)
     values = [known] if known else starts
     return [current.simulator.with_effects((*kept, FittedEffect(effect, each))) for each in values]
 
 
-def _known(current: Fit, effect: Effect) -> dict[str, float] | None:
+def _fitted_values(current: Fit, effect: Effect) -> dict[str, float] | None:
     return next((dict(f.values) for f in current.simulator.known if f.effect.key == effect.key), None)
 
 
 def _residual_at(start: Simulator, current: Fit, effect: Effect, problem: Problem) -> Tensor:
     """Return what a start leaves; where it changes nothing yet, nothing has to be evaluated."""
-    unchanged = _known(current, effect) or effect.neutral()
+    unchanged = _fitted_values(current, effect) or effect.neutral()
     return current.residual if start.effects[-1].values == unchanged else problem.residual(start)
 
 
@@ -159,7 +159,7 @@ def _without(current: Fit, effect: Effect, known: FittedEffect | None) -> Simula
 def _eased(simulator: Simulator, jacobian: Tensor, problem: Problem) -> Fit | None:
     """Move all parameters by a few Newton steps with slopes from nearby; None where the first leads nowhere."""
     residual = problem.residual(simulator)
-    for step in range(_STEPS if jacobian.shape[-1] else 0):
+    for step in range(_SLOPE_STEPS if jacobian.shape[-1] else 0):
         moved, rows = _stepped(simulator, residual, jacobian, problem, linear=False)
         if moved is simulator:
             if step == 0:

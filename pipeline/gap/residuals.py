@@ -13,7 +13,7 @@ from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 
 _FIFTH_DIFFERENCE = torch.tensor(FIFTH_DIFFERENCE, dtype=torch.float64)
-_ROUNDING = 1e-9  # of the mean square: a signal that rests leaves no more
+_RESIDUAL_ROUNDING = 1e-9  # of the mean square: a signal that rests leaves no more
 _TOUCHED = 1e-3  # of a window's weight; a lost command at its edge does no harm
 _LEAST_SOUND = 0.5  # least share of windows without lost commands
 _MEDIAN_OF_SQUARE = 0.4549364  # median of a squared standard normal
@@ -189,4 +189,4 @@ def sample_noise(series: Tensor, kept: float = 1.0) -> Tensor:
     squared = torch.nn.functional.conv1d(series[:, None], kernel[None, None]).square() / kernel.square().sum()
     # The median forgives steps of a command and spikes; a quantised signal that rests has none, hence the mean.
     median, mean = squared.median() / _MEDIAN_OF_SQUARE, squared.mean()
-    return (median if median > _ROUNDING * mean else mean) / kept
+    return (median if median > _RESIDUAL_ROUNDING * mean else mean) / kept

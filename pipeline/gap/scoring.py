@@ -14,7 +14,7 @@ ENOUGH_CLUSTERS = 20
 """Least number of clusters of a test: cluster-robust errors are too small with fewer."""
 _ENOUGH_RUNS = 3  # from which whole runs are left out
 _UNEVEN = 2  # ratio of lengths of two runs, from which they are cut into stretches
-_ROUNDING = 1e-6  # of a cluster
+_CLUSTER_ROUNDING = 1e-6  # of a cluster
 
 
 def folds_of(blocks: Blocks, count: int) -> Tensor:
@@ -30,7 +30,7 @@ def folds_of(blocks: Blocks, count: int) -> Tensor:
 
 def clusters_of(blocks: Blocks, duration: float) -> Tensor:
     """Number stretches of about `duration` s inside each run, within which residuals may be correlated; (blocks,)."""
-    stretch = torch.floor((blocks.start - blocks.start.min()) / duration + _ROUNDING).long()
+    stretch = torch.floor((blocks.start - blocks.start.min()) / duration + _CLUSTER_ROUNDING).long()
     return torch.unique(torch.stack([blocks.run, stretch]), dim=1, return_inverse=True)[1]
 
 

@@ -11,7 +11,7 @@ from simgap.physics.weak_form import WindowFunctions, mean_of, mean_rate_of, win
 from simgap.simulation.blocks import Blocks
 
 _AGREED = 0.5  # of the disagreement, which a shift must remove
-_NOTABLE = 0.05  # m/s²; the zero error of a calibrated consumer accelerometer
+_NOTABLE_ZERO_ERROR = 0.05  # m/s²; the zero error of a calibrated consumer accelerometer
 
 
 def settle_accelerometer(blocks: Blocks, gravity: float, width: float) -> tuple[Blocks, list[str]]:
@@ -61,7 +61,7 @@ def settle_velocity(blocks: Blocks, width: float) -> tuple[Blocks, list[str]]:
 
 
 def _remarks(zeros: dict[str, Tensor]) -> list[str]:
-    notable = {run: zero for run, zero in zeros.items() if zero.abs().max() > _NOTABLE}
+    notable = {run: zero for run, zero in zeros.items() if zero.abs().max() > _NOTABLE_ZERO_ERROR}
     if not notable:
         return []
     worst = max(notable, key=lambda run: float(notable[run].abs().max()))

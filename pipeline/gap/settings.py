@@ -7,7 +7,7 @@ from simgap.errors import InputError
 
 _SHARES = ("significance", "least_share", "least_probability")
 _LENGTHS = ("block_duration", "test_width", "horizon", "fit_horizon", "significance")
-_COUNTS = ("most_effects", "most_blocks", "resamples")
+_COUNT_KEYS = ("most_effects", "most_blocks", "resamples")
 
 
 @dataclass
@@ -47,7 +47,7 @@ class Gap:
         Raises:
             InputError: on a number that is out of its range.
         """
-        check_positive(self, (*_LENGTHS, *_COUNTS), "gap")
+        check_positive(self, (*_LENGTHS, *_COUNT_KEYS), "gap")
         check_not_negative(self, ("margin", *_SHARES), "gap")
         for key in _SHARES:
             if getattr(self, key) > 1:

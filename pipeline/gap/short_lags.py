@@ -11,13 +11,13 @@ from simgap.gap.prepare import Prepared
 from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect
 
-_PASSES = 3  # most repetitions of the selection
+_LAG_PASSES = 3  # most repetitions of the selection
 
 
 def name_with_short_lags(prepared: Prepared, settings: Gap) -> tuple[Prepared, Naming]:
     """Select effects; short lags become part of the nominal simulator and the selection runs again."""
     naming = name(prepared.nominal, prepared.problem, settings)
-    for _ in range(_PASSES):
+    for _ in range(_LAG_PASSES):
         if not naming.short:
             break
         prepared = _with_lags(prepared, naming.short)

@@ -15,7 +15,7 @@ from simgap.platforms.mechanism import Channel
 
 _MOST_TERMS = 4
 _HARMONICS = 12  # of one turn of a joint
-_CHANCE = 1e-3  # level of the test, over the whole library
+_FORMULA_LEVEL = 1e-3  # level of the test, over the whole library
 _LEAST_ENERGY = 0.2  # of the noise energy, which a formula must explain
 _LEAST_STEP = 0.02  # of the remaining energy, cross-validated, which one more term must explain
 
@@ -116,7 +116,7 @@ def _pursue(left: Tensor, terms: list[_Term], fold: Tensor, cluster: Tensor) -> 
         tried = [*chosen, int(correlation.argmax())]
         after = _cross_validated_energy(matrix[:, tried], left, fold)
         chance = _chance_of_last(matrix[:, tried], left, cluster) * len(terms)
-        if energy - after < _LEAST_STEP * energy or chance > _CHANCE:
+        if energy - after < _LEAST_STEP * energy or chance > _FORMULA_LEVEL:
             break
         chosen, energy = tried, after
         weights = torch.linalg.lstsq(matrix[:, chosen], left[:, None]).solution

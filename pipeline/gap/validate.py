@@ -14,7 +14,7 @@ from simgap.platforms.mechanism import Channel
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 
-_CLUSTER_DURATION = 5.0  # s
+_HELD_OUT_CLUSTER_DURATION = 5.0  # s
 _PERCENTILES = (2.5, 97.5)
 
 
@@ -131,7 +131,7 @@ def gap_closed(before: float, after: float, noise_floor: float) -> float:
 def _interval(energy: Tensor, noise: float, blocks: Blocks, resamples: int) -> tuple[float, float]:
     """Bootstrap over whole runs, or over stretches of 5 s where there are fewer than five runs."""
     runs = torch.unique(blocks.run, return_inverse=True)[1]
-    groups = runs if int(runs.max()) >= 4 else clusters_of(blocks, _CLUSTER_DURATION)
+    groups = runs if int(runs.max()) >= 4 else clusters_of(blocks, _HELD_OUT_CLUSTER_DURATION)
     count = int(groups.max()) + 1
     summed = energy.new_zeros((count, 2)).index_add(0, groups, energy)
     counted = energy.new_zeros(count).index_add(0, groups, torch.ones(len(groups), dtype=energy.dtype))

@@ -15,8 +15,8 @@ from simgap.gap.fit import Problem
 from simgap.physics.weak_form import mean_of
 from simgap.platforms.mechanism import Channel
 
-_CHANCE = 1e-3  # level of the test, over all channels, inputs and lags
-_NOTABLE = 0.1  # least correlation of a warning
+_WHITENESS_LEVEL = 1e-3  # level of the test, over all channels, inputs and lags
+_NOTABLE_CORRELATION = 0.1  # least correlation of a warning
 _INPUTS = ("effort", "voltage", "rotor_command", "rotor_speed", "drive_voltage", "steer_voltage")
 
 
@@ -76,7 +76,11 @@ def memories_of(residual: Tensor, channels: Sequence[Channel], problem: Problem)
 
 def remembered(found: Sequence[Memory]) -> list[Memory]:
     """Return the strongest memory of each channel that is notable and beyond chance, the strongest channel first."""
-    sure = [m for m in found if m.p_value < _CHANCE / len(found) and abs(m.correlation) > _NOTABLE]
+    sure = [
+        m
+        for m in found
+        if m.p_value < _WHITENESS_LEVEL / len(found) and abs(m.correlation) > _NOTABLE_CORRELATION
+    ]
     strongest: dict[str, Memory] = {}
     for memory in sorted(sure, key=lambda m: abs(m.correlation)):
         strongest[memory.channel.name] = memory

@@ -189,12 +189,6 @@ class DynamicsModel(ABC):
     def _corrected(self, increments: Tensor) -> Tensor:
         return increments if self.correction is None else self.correction.apply(increments)
 
-    def save(self, folder: Path) -> None:
-        """Write `model.yaml` and `model.safetensors`; see `simgap.models.storage.load_model`."""
-        from simgap.models.storage import save_model
-
-        save_model(self, folder)
-
     def description(self) -> dict[str, Any]:
         """Return everything about the model but what it learned."""
         return {

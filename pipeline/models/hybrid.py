@@ -17,16 +17,18 @@ import torch
 from torch import Tensor, nn
 
 from simgap.errors import InputError
+from simgap.models.closed_form import CLOSED_FORM
 from simgap.models.contract import DynamicsModel, FitContext
 from simgap.models.examples import Examples
 from simgap.models.layout import Layout
 from simgap.models.network_model import NetworkModel
 from simgap.models.recurrent_network import Memory, RecurrentNetwork, dense, silence
 from simgap.models.scaling import Scaler
+from simgap.models.selection import class_from, settings_from
 from simgap.models.settings import ModelSettings, TrainedSettings, Training
 from simgap.models.windows import Series
 
-_MOTION = "motion."  # begins the names of the motion model's tensors
+_MOTION_PREFIX = "motion."  # begins the names of the motion model's tensors
 
 
 @dataclass
@@ -65,8 +67,8 @@ class HybridModel(NetworkModel):
 
     def __init__(self, layout: Layout, settings: HybridSettings, time_step: float) -> None:
         self.motion = _motion_model(layout, settings, time_step)
-        self.seen = 1.0 - _matching(layout.features, settings.unseen, "model.unseen")
-        self.corrected = _matching(layout.targets, settings.corrected, "model.corrected")
+        self.seen = 1.0 - _mask_of(layout.features, settings.unseen, "model.unseen")
+        self.corrected = _mask_of(layout.targets, settings.corrected, "model.corrected")
         super().__init__(layout, settings, time_step)
 
     def fit(
@@ -110,13 +112,19 @@ class HybridModel(NetworkModel):
 
     def tensors(self) -> dict[str, Tensor]:
         """Return weights, scaling and the motion model's."""
-        return super().tensors() | {f"{_MOTION}{name}": own for name, own in self.motion.tensors().items()}
+        return super().tensors() | {
+            f"{_MOTION_PREFIX}{name}": own for name, own in self.motion.tensors().items()
+        }
 
     def restore(self, tensors: Mapping[str, Tensor]) -> None:
         """Take over weights, scaling and the motion model's."""
-        super().restore({name: own for name, own in tensors.items() if not name.startswith(_MOTION)})
+        super().restore({name: own for name, own in tensors.items() if not name.startswith(_MOTION_PREFIX)})
         self.motion.restore(
-            {name.removeprefix(_MOTION): own for name, own in tensors.items() if name.startswith(_MOTION)}
+            {
+                name.removeprefix(_MOTION_PREFIX): own
+                for name, own in tensors.items()
+                if name.startswith(_MOTION_PREFIX)
+            }
         )
 
     def corrections(self, outputs: Tensor) -> Tensor:
@@ -203,7 +211,7 @@ class HybridSerialModel(HybridModel):
         return increment + self.corrections(self.network["output"](seen))
 
 
-def _matching(names: Sequence[str], patterns: Sequence[str], where: str) -> Tensor:
+def _mask_of(names: Sequence[str], patterns: Sequence[str], where: str) -> Tensor:
     """Return one for each name that matches a pattern and zero for the others, (names,) float32.
 
     Raises:
@@ -221,13 +229,8 @@ def _motion_model(layout: Layout, settings: HybridSettings, time_step: float) ->
     Raises:
         InputError: when it is none that is solved in closed form, or sees more samples than the hybrid.
     """
-    from simgap.models.registry import model_class, model_settings
-
-    own = model_settings(settings.motion)
-    if isinstance(own, TrainedSettings):
-        raise InputError(
-            f"{own.name!r} is not a motion model", "model.motion.name", "use white_box or linear"
-        )
+    motion_class = class_from(CLOSED_FORM, settings.motion, "motion model", "model.motion")
+    own = settings_from(CLOSED_FORM, settings.motion)
     if own.sequence_length > settings.sequence_length:
         raise InputError("is longer than model.sequence_length", "model.motion.sequence_length", "shorten it")
-    return model_class(settings.motion)(layout, own, time_step)
+    return motion_class(layout, own, time_step)

@@ -14,7 +14,7 @@ from simgap.platforms import Quadrotor, platform_from_config
 from simgap.recordings.recording import Recording
 
 REACTION = 0.02  # s after which the motion that a command causes is seen, about a rotor's time constant
-_MOTION = tuple(
+_MOTION_COLUMNS = tuple(
     f"{stem}_{axis}"
     for stem, axes in (("attitude", "wxyz"), ("velocity", "xyz"), ("body_rate", "xyz"))
     for axis in axes
@@ -45,7 +45,7 @@ class MotorCommandLayout(Layout):
         """Velocity of every rotor m/s and body rate rad/s, body frame; specific force m/s², voltage V."""
         rotors = (f"rotor_{number}_velocity_{axis}" for number in range(1, 5) for axis in "xyz")
         rates = (f"body_rate_{axis}" for axis in "xyz")
-        return (*rotors, *rates, *self.inputs[len(_MOTION) :])
+        return (*rotors, *rates, *self.inputs[len(_MOTION_COLUMNS) :])
 
     @property
     def input_features(self) -> int:
@@ -62,7 +62,7 @@ class MotorCommandLayout(Layout):
         """Take the motion, and specific force and voltage where they were recorded."""
         requests = tuple(name for name in _REQUESTS if name in recording.units)
         lead = 1 + round(REACTION / recording.time_step)
-        return cls((*_MOTION, *requests), lead=lead)
+        return cls((*_MOTION_COLUMNS, *requests), lead=lead)
 
     def on(self, platform: Mapping[str, Any]) -> "MotorCommandLayout":
         """Take the places of the rotors.

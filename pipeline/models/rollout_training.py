@@ -5,22 +5,43 @@ Source: Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Protocol, runtime_checkable
 
 import pytorch_lightning as lightning
 import torch
 from pytorch_lightning.utilities.types import OptimizerLRSchedulerConfig
-from torch import Tensor
+from torch import Tensor, nn
 
 from simgap.errors import InputError
-from simgap.models.contract import DynamicsModel, FitContext
-from simgap.models.network_model import NetworkModel
-from simgap.models.settings import Training
+from simgap.models.contract import FitContext
+from simgap.models.layout import Layout
+from simgap.models.settings import TrainedSettings, Training
 from simgap.models.training import VALIDATION_LOSS, train_module
 from simgap.models.windows import Series, evenly, gather
 
 _VALIDATION_WINDOWS = 2048  # evenly over the validation runs
 _THINNING = 10  # windows of the training runs to one that an epoch sees: neighbours say nearly the same
 _USUAL_WINDOWS = 4096  # from which the usual change of every quantity is taken
+
+
+@runtime_checkable
+class Unrolled(Protocol):
+    """What is trained here: a network in a model that predicts many steps with it."""
+
+    @property
+    def network(self) -> nn.Module:
+        """Whose weights are learned."""
+
+    @property
+    def layout(self) -> Layout:
+        """Of what is predicted."""
+
+    @property
+    def settings(self) -> TrainedSettings:
+        """Of the model."""
+
+    def unroll(self, states: Tensor, actions: Tensor) -> Tensor:
+        """Return what `DynamicsModel.unroll` does, with its derivatives."""
 
 
 class Stretches:
@@ -50,7 +71,7 @@ class RolloutRegression(lightning.LightningModule):
     """
 
     def __init__(
-        self, model: NetworkModel, train: Series, validation: Series, training: Training, seed: int
+        self, model: Unrolled, train: Series, validation: Series, training: Training, seed: int
     ) -> None:
         super().__init__()
         self.model, self.network = model, model.network
@@ -58,7 +79,7 @@ class RolloutRegression(lightning.LightningModule):
         self.steps, self.size, self.seed = training.steps, training.batch_size, seed
         self.epochs = training.max_epochs
         self.length = model.settings.sequence_length + training.steps
-        self.usual = usual_changes(model, self.train_series, training.steps)
+        self.usual = usual_changes(model.layout, self.train_series, training.steps)
 
     def train_dataloader(self) -> Stretches:
         """Shuffle anew by seed and epoch, so that a resumed epoch is the one that was interrupted."""
@@ -107,7 +128,7 @@ class RolloutRegression(lightning.LightningModule):
 
 
 def train_rollouts(
-    model: NetworkModel, train: Series, validation: Series, training: Training, context: FitContext
+    model: Unrolled, train: Series, validation: Series, training: Training, context: FitContext
 ) -> float:
     """Train a network further through predictions of `training.steps` steps; return the lowest validation loss.
 
@@ -120,11 +141,11 @@ def train_rollouts(
     return train_module(module, model.network, training, context, clip=1.0)
 
 
-def usual_changes(model: DynamicsModel, series: Series, steps: int) -> dict[str, Tensor]:
+def usual_changes(layout: Layout, series: Series, steps: int) -> dict[str, Tensor]:
     """Return by quantity the mean change from a state to each of the next steps, (steps,)."""
     starts = evenly(_starts(series, steps + 1, "training"), _USUAL_WINDOWS)
     states = gather(series.states, starts, steps + 1)
-    changes = model.layout.errors(states[:, :1].expand(-1, steps, -1), states[:, 1:])
+    changes = layout.errors(states[:, :1].expand(-1, steps, -1), states[:, 1:])
     return {name: change.mean(0).clamp_min(1e-9) for name, change in changes.items()}
 
 

@@ -9,7 +9,7 @@ from torch import Tensor
 from simgap.errors import InputError
 
 SCALINGS = ("standard", "robust")
-_PARTS = ("centre", "spread")
+_SCALER_PARTS = ("centre", "spread")
 
 
 @dataclass(frozen=True)
@@ -61,18 +61,18 @@ class Scaler:
 def scaler_tensors(inputs: Scaler, outputs: Scaler) -> dict[str, Tensor]:
     """Return the tensors of a model's two scalers by name."""
     pairs = (("inputs", inputs), ("outputs", outputs))
-    return {f"{name}.{part}": getattr(scaler, part) for name, scaler in pairs for part in _PARTS}
+    return {f"{name}.{part}": getattr(scaler, part) for name, scaler in pairs for part in _SCALER_PARTS}
 
 
 def scaler_shapes(features: int, targets: int) -> dict[str, tuple[int, ...]]:
     """Return the shapes of what `scaler_tensors` returns for so many features and targets."""
     columns = (("inputs", features), ("outputs", targets))
-    return {f"{name}.{part}": (count,) for name, count in columns for part in _PARTS}
+    return {f"{name}.{part}": (count,) for name, count in columns for part in _SCALER_PARTS}
 
 
 def scalers_of(tensors: Mapping[str, Tensor]) -> tuple[Scaler, Scaler]:
     """Return the scalers of inputs and outputs whose tensors `scaler_tensors` returned."""
     inputs, outputs = (
-        Scaler(*(tensors[f"{name}.{part}"] for part in _PARTS)) for name in ("inputs", "outputs")
+        Scaler(*(tensors[f"{name}.{part}"] for part in _SCALER_PARTS)) for name in ("inputs", "outputs")
     )
     return inputs, outputs

@@ -11,7 +11,7 @@ from simgap.artifacts.descriptions import (
 from simgap.errors import InputError
 from simgap.models.bias_correction import BiasCorrection
 from simgap.models.contract import DynamicsModel, Provenance
-from simgap.models.layout import layout_from_mapping
+from simgap.models.layouts import layout_from_mapping
 from simgap.models.registry import model_class, model_settings
 
 SCHEMA = "simgap.model/1"

@@ -140,7 +140,7 @@ def train_module(
     Raises:
         InputError: when the loss is not finite from the beginning.
     """
-    _quiet()
+    _silence_lightning()
     best = KeepBest(network, VALIDATION_LOSS)
     # Decided right after validation, so that at the end of the epoch it is known whether to write a resume point.
     stopping = lightning.callbacks.EarlyStopping(
@@ -173,7 +173,7 @@ def train_module(
     return best.loss
 
 
-def _quiet() -> None:
+def _silence_lightning() -> None:
     """Keep Lightning from telling about hardware and its own products."""
     for name in ("pytorch_lightning", "lightning.pytorch", "pytorch_lightning.utilities.rank_zero"):
         logging.getLogger(name).setLevel(logging.ERROR)

@@ -21,9 +21,9 @@ from simgap.models.second_order import SecondOrder, responses
 from simgap.models.settings import ModelSettings, Training
 from simgap.models.windows import Series, gather
 
-_NUMBERS = tuple(entry.name for entry in fields(SecondOrder))
-_STARTS = (2.0, 10.0, 50.0)  # time constants from which the fit is begun, samples
-_FASTEST, _SLOWEST = 0.1, 1e4  # time constants, samples
+_PARAMETER_NAMES = tuple(entry.name for entry in fields(SecondOrder))
+_START_TIMES = (2.0, 10.0, 50.0)  # time constants from which the fit is begun, samples
+_SHORTEST_TIME, _LONGEST_TIME = 0.1, 1e4  # time constants, samples
 _LEAST_DAMPED, _MOST_DAMPED = 1e-3, 1e3
 
 
@@ -83,14 +83,15 @@ class TransferFunctionModel(DynamicsModel):
         """Return gains, time constants s, damping ratios and delays s."""
         return {
             name: torch.tensor([getattr(axis, name) for axis in self.axes], dtype=torch.float64)
-            for name in _NUMBERS
+            for name in _PARAMETER_NAMES
         }
 
     def restore(self, tensors: Mapping[str, Tensor]) -> None:
         """Take over what was fitted."""
-        own = take_tensors(tensors, dict.fromkeys(_NUMBERS, (len(self.layout.inputs),)))
+        own = take_tensors(tensors, dict.fromkeys(_PARAMETER_NAMES, (len(self.layout.inputs),)))
         self.axes = [
-            SecondOrder(*numbers) for numbers in torch.stack([own[name] for name in _NUMBERS], dim=1).tolist()
+            SecondOrder(*numbers)
+            for numbers in torch.stack([own[name] for name in _PARAMETER_NAMES], dim=1).tolist()
         ]
         self._require_pairs()
         self._prepare()
@@ -149,8 +150,8 @@ def fit_axis(
         return np.asarray(left - left @ basis @ basis.T).ravel()
 
     free = 4 if most_delay > 0.0 else 3
-    low = [-np.inf, np.log(_FASTEST * time_step), np.log(_LEAST_DAMPED), 0.0][:free]
-    high = [np.inf, np.log(_SLOWEST * time_step), np.log(_MOST_DAMPED), most_delay][:free]
-    starts = [[1.0, np.log(start * time_step), 0.0, 0.5 * most_delay][:free] for start in _STARTS]
+    low = [-np.inf, np.log(_SHORTEST_TIME * time_step), np.log(_LEAST_DAMPED), 0.0][:free]
+    high = [np.inf, np.log(_LONGEST_TIME * time_step), np.log(_MOST_DAMPED), most_delay][:free]
+    starts = [[1.0, np.log(start * time_step), 0.0, 0.5 * most_delay][:free] for start in _START_TIMES]
     fits = [least_squares(residual, start, bounds=(low, high)) for start in starts]
     return axis_of(min(fits, key=lambda fit: fit.cost).x)

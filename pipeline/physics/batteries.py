@@ -5,16 +5,16 @@ performance", IEEE Transactions on Energy Conversion 21(2).
 """
 
 import torch
-from torch import Tensor
 
-from simgap.physics.motors import Value, first_order_lag
+from simgap.physics.motors import first_order_lag
+from simgap.physics.shapes import Real, Value
 
 # Open-circuit voltage of one lithium-polymer cell against its state of charge, equation (2) of the source, V.
 _CELL_KNEE, _CELL_KNEE_RATE = -1.031, 35.0
 _CELL_POLYNOMIAL = (3.685, 0.2156, -0.1178, 0.3201)
 
 
-def open_circuit_voltage(state_of_charge: Tensor, cells: int = 1) -> Tensor:
+def open_circuit_voltage(state_of_charge: Real, cells: int = 1) -> Real:
     """Return the voltage of a rested lithium-polymer battery, V.
 
     Args:
@@ -25,7 +25,7 @@ def open_circuit_voltage(state_of_charge: Tensor, cells: int = 1) -> Tensor:
     return cells * (knee + sum(c * state_of_charge**power for power, c in enumerate(_CELL_POLYNOMIAL)))
 
 
-def terminal_voltage(open_circuit: Tensor, relaxation: Tensor, current: Tensor, resistance: Value) -> Tensor:
+def terminal_voltage(open_circuit: Real, relaxation: Real, current: Real, resistance: Value) -> Real:
     """Return the voltage at the terminals under load, V.
 
     Args:
@@ -38,8 +38,8 @@ def terminal_voltage(open_circuit: Tensor, relaxation: Tensor, current: Tensor, 
 
 
 def relaxation_step(
-    relaxation: Tensor, current: Tensor, resistance: Value, capacitance: Value, dt: float
-) -> Tensor:
+    relaxation: Real, current: Real, resistance: Value, capacitance: Value, dt: float
+) -> Real:
     """Return the voltage over the resistor–capacitor pair dt later, exact for a held current, V.
 
     Args:
@@ -52,7 +52,7 @@ def relaxation_step(
     return first_order_lag(relaxation, resistance * current, resistance * capacitance, dt)
 
 
-def charge_step(state_of_charge: Tensor, current: Tensor, capacity: Value, dt: float) -> Tensor:
+def charge_step(state_of_charge: Real, current: Real, capacity: Value, dt: float) -> Real:
     """Return the state of charge dt later (coulomb counting).
 
     Args:
@@ -64,7 +64,7 @@ def charge_step(state_of_charge: Tensor, current: Tensor, capacity: Value, dt: f
     return state_of_charge - current * dt / capacity
 
 
-def current_for_power(power: Tensor, source_voltage: Tensor, resistance: Value) -> Tensor:
+def current_for_power(power: Real, source_voltage: Real, resistance: Value) -> Real:
     """Return the current at which a source behind a resistance delivers a power, A.
 
     The lesser root of P = (E − R·I)·I. Beyond the greatest power E²/4R, the current of the greatest power.

@@ -8,8 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from numpy.typing import NDArray
 from torch import Tensor
+
+from simgap.physics.shapes import Real, Signal, Value, Vector
+
+Directions = Float[Tensor, "cables samples 3"]
 
 _FINE = 0.04  # rad that a cable swings by in a step
 
@@ -24,12 +29,12 @@ class Cable:
         time_step: of the samples, s.
     """
 
-    length: Tensor | float
+    length: Value
     gravity: float
     time_step: float
 
     @property
-    def pace(self) -> Tensor:
+    def pace(self) -> Real:
         """How fast it swings, rad/s."""
         return (self.gravity / torch.as_tensor(self.length, dtype=torch.float64)).sqrt()
 
@@ -42,7 +47,9 @@ class Cable:
         """How many samples are a step in which it swings by so little that no finer one is needed."""
         return self.stride(_FINE)
 
-    def swings(self, direction: Tensor, rate: Tensor, apparent: Tensor) -> tuple[Tensor, Tensor]:
+    def swings(
+        self, direction: Float[Tensor, "cables 3"], rate: Float[Tensor, "cables 3"], apparent: Directions
+    ) -> tuple[Directions, Directions]:
         """Return direction and rate of cables along samples of apparent gravity (cables, samples, 3) from a start.
 
         The start is that in the middle of the first fine step. A step is as many samples as make a small part of a
@@ -52,7 +59,13 @@ class Cable:
         direction, rate = (_spread(series, self.fine, apparent.shape[1]) for series in found)
         return along(direction), rate
 
-    def steps(self, direction: Tensor, rate: Tensor, means: Tensor, stride: int) -> tuple[Tensor, Tensor]:
+    def steps(
+        self,
+        direction: Float[Tensor, "cables 3"],
+        rate: Float[Tensor, "cables 3"],
+        means: Directions,
+        stride: int,
+    ) -> tuple[Directions, Directions]:
         """Return direction and rate of cables over steps of so many samples, (cables, steps, 3) each.
 
         The steps are taken one by one where somebody asks for gradients, else by a compiled loop.
@@ -80,8 +93,8 @@ class Cable:
 
 
 def swing(
-    direction: Tensor, rate: Tensor, before: Tensor, after: Tensor, length: Tensor | float, time_step: float
-) -> tuple[Tensor, Tensor]:
+    direction: Vector, rate: Vector, before: Vector, after: Vector, length: float | Signal, time_step: float
+) -> tuple[Vector, Vector]:
     """Return direction and rate of a cable a step later.
 
     Source: Hairer, Lubich & Wanner 2006, Geometric numerical integration, §VII.1.4: RATTLE, second order.
@@ -101,13 +114,13 @@ def swing(
     return turned, across((turned - direction) / time_step + kick * after, turned)
 
 
-def pull(direction: Tensor, rate: Tensor, apparent: Tensor, length: Tensor | float) -> Tensor:
+def pull(direction: Vector, rate: Vector, apparent: Vector, length: Value) -> Vector:
     """Return the cable's tension per mass of the load along its direction, m/s²; a cable does not push."""
     tension = length * rate.square().sum(-1) + (direction * apparent).sum(-1)
     return tension.clamp_min(0.0)[..., None] * direction
 
 
-def along(vector: Tensor) -> Tensor:
+def along(vector: Vector) -> Vector:
     """Return the direction of vectors (..., 3); straight down where there is none."""
     down = torch.zeros_like(vector)
     down[..., 2] = -1.0
@@ -116,12 +129,12 @@ def along(vector: Tensor) -> Tensor:
     return safe / torch.linalg.vector_norm(safe, dim=-1, keepdim=True)
 
 
-def across(vector: Tensor, direction: Tensor) -> Tensor:
+def across(vector: Vector, direction: Vector) -> Vector:
     """Return what of vectors (..., 3) is at right angles to unit directions (..., 3)."""
     return vector - (vector * direction).sum(-1, keepdim=True) * direction
 
 
-def pooled(series: Tensor, stride: int) -> Tensor:
+def pooled(series: Directions, stride: int) -> Float[Tensor, "cables strides 3"]:
     """Return the means of every so many samples of a series (cables, samples, 3), the last one held where it ends."""
     missing = -series.shape[1] % stride
     whole = torch.cat([series, series[:, -1:].expand(-1, missing, -1)], dim=1)

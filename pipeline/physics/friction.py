@@ -5,12 +5,11 @@ Velocities in m/s or rad/s, levels in N or N·m.
 """
 
 import torch
-from torch import Tensor
 
-Value = float | Tensor
+from simgap.physics.shapes import Real, Value
 
 
-def direction(velocity: Tensor, smoothing: float = 0.0) -> Tensor:
+def direction(velocity: Real, smoothing: float = 0.0) -> Real:
     """Return the sign of the velocity, or the smooth tanh(velocity / smoothing) where gradients are needed.
 
     Args:
@@ -20,29 +19,29 @@ def direction(velocity: Tensor, smoothing: float = 0.0) -> Tensor:
     return torch.tanh(velocity / smoothing) if smoothing > 0 else torch.sign(velocity)
 
 
-def coulomb(velocity: Tensor, level: Value, smoothing: float = 0.0) -> Tensor:
+def coulomb(velocity: Real, level: Value, smoothing: float = 0.0) -> Real:
     """Return dry friction of constant level."""
     return -level * direction(velocity, smoothing)
 
 
-def viscous(velocity: Tensor, coefficient: Value) -> Tensor:
+def viscous(velocity: Real, coefficient: Value) -> Real:
     """Return friction proportional to velocity; coefficient in N/(m/s) or N·m/(rad/s)."""
     return -coefficient * velocity
 
 
-def stribeck_level(velocity: Tensor, kinetic: Value, static: Value, stribeck_velocity: Value) -> Tensor:
+def stribeck_level(velocity: Real, kinetic: Value, static: Value, stribeck_velocity: Value) -> Real:
     """Return the level of friction, which falls from static to kinetic over the Stribeck velocity."""
     return kinetic + (static - kinetic) * torch.exp(-((velocity / stribeck_velocity) ** 2))
 
 
 def stribeck(
-    velocity: Tensor, kinetic: Value, static: Value, stribeck_velocity: Value, smoothing: float = 0.0
-) -> Tensor:
+    velocity: Real, kinetic: Value, static: Value, stribeck_velocity: Value, smoothing: float = 0.0
+) -> Real:
     """Return dry friction with the Stribeck effect."""
     return -stribeck_level(velocity, kinetic, static, stribeck_velocity) * direction(velocity, smoothing)
 
 
-def lugre_bristle_rate(deflection: Tensor, velocity: Tensor, level: Value, stiffness: Value) -> Tensor:
+def lugre_bristle_rate(deflection: Real, velocity: Real, level: Value, stiffness: Value) -> Real:
     """Return the rate of the mean bristle deflection, dz/dt = v − σ₀|v|z / g(v).
 
     Canudas de Wit, Olsson, Åström & Lischinsky 1995, "A new model for control of systems with friction".
@@ -56,9 +55,7 @@ def lugre_bristle_rate(deflection: Tensor, velocity: Tensor, level: Value, stiff
     return velocity - stiffness * torch.abs(velocity) / level * deflection
 
 
-def lugre_bristle_step(
-    deflection: Tensor, velocity: Tensor, level: Value, stiffness: Value, dt: float
-) -> Tensor:
+def lugre_bristle_step(deflection: Real, velocity: Real, level: Value, stiffness: Value, dt: float) -> Real:
     """Return the bristle deflection dt later, exact for a held velocity (the rate is linear in z)."""
     exponent = stiffness * torch.abs(velocity) / level * dt
     safe = torch.where(exponent > 0, exponent, torch.ones_like(exponent))
@@ -66,7 +63,7 @@ def lugre_bristle_step(
     return deflection * torch.exp(-exponent) + velocity * dt * share
 
 
-def lugre(deflection: Tensor, rate: Tensor, stiffness: Value, damping: Value) -> Tensor:
+def lugre(deflection: Real, rate: Real, stiffness: Value, damping: Value) -> Real:
     """Return the LuGre bristle force −(σ₀ z + σ₁ dz/dt); add `viscous` for lubricated contact.
 
     Args:

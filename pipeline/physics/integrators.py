@@ -5,18 +5,22 @@ A state is a tensor (..., components); `derivative` maps it to its rate of chang
 
 from collections.abc import Callable
 
+from jaxtyping import Float
 from torch import Tensor
 
-Derivative = Callable[[Tensor], Tensor]
-Step = float | Tensor  # s
+from simgap.physics.shapes import Signal
+
+Same = Float[Tensor, "*state"]
+Derivative = Callable[[Same], Same]
+Step = float | Signal  # s
 
 
-def euler(derivative: Derivative, state: Tensor, dt: Step) -> Tensor:
+def euler(derivative: Derivative, state: Same, dt: Step) -> Same:
     """Return the state dt later by the explicit Euler rule, of first order."""
     return state + dt * derivative(state)
 
 
-def rk4(derivative: Derivative, state: Tensor, dt: Step) -> Tensor:
+def rk4(derivative: Derivative, state: Same, dt: Step) -> Same:
     """Return the state dt later by the classical Runge–Kutta rule, of fourth order."""
     first = derivative(state)
     second = derivative(state + 0.5 * dt * first)
@@ -26,8 +30,8 @@ def rk4(derivative: Derivative, state: Tensor, dt: Step) -> Tensor:
 
 
 def semi_implicit(
-    acceleration: Callable[[Tensor, Tensor], Tensor], position: Tensor, velocity: Tensor, dt: Step
-) -> tuple[Tensor, Tensor]:
+    acceleration: Callable[[Same, Same], Same], position: Same, velocity: Same, dt: Step
+) -> tuple[Same, Same]:
     """Return (position, velocity) dt later by the symplectic Euler rule, of first order.
 
     The new velocity moves the position, which keeps the energy of an oscillation bounded.

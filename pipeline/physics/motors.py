@@ -1,12 +1,11 @@
 """Direct-current motors and first-order lags (Krishnan, "Electric Motor Drives", chapter 2)."""
 
 import torch
-from torch import Tensor
 
-Value = float | Tensor
+from simgap.physics.shapes import Real, Value
 
 
-def current(voltage: Tensor, speed: Tensor, resistance: Value, back_emf_constant: Value) -> Tensor:
+def current(voltage: Real, speed: Real, resistance: Value, back_emf_constant: Value) -> Real:
     """Return the current of a motor whose inductance is neglected, A.
 
     Args:
@@ -18,7 +17,7 @@ def current(voltage: Tensor, speed: Tensor, resistance: Value, back_emf_constant
     return (voltage - back_emf_constant * speed) / resistance
 
 
-def torque(motor_current: Tensor, torque_constant: Value) -> Tensor:
+def torque(motor_current: Real, torque_constant: Value) -> Real:
     """Return the torque at the shaft, N·m.
 
     Args:
@@ -28,7 +27,7 @@ def torque(motor_current: Tensor, torque_constant: Value) -> Tensor:
     return torque_constant * motor_current
 
 
-def first_order_lag(value: Tensor, target: Tensor, time_constant: Value, dt: float) -> Tensor:
+def first_order_lag(value: Real, target: Real, time_constant: Value, dt: float) -> Real:
     """Return the value dt later of d(value)/dt = (target − value) / time_constant, exact for a held target.
 
     Args:

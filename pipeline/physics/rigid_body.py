@@ -4,13 +4,12 @@ Inertia is given by its principal moments along the body axes, (..., 3) in kg·m
 """
 
 import torch
-from jaxtyping import Float
-from torch import Tensor
 
-from simgap.physics.rotations import Quaternion, Vector, cross, rotate
+from simgap.physics.rotations import cross, rotate
+from simgap.physics.shapes import Quaternion, Real, Signal, Vector
 
 
-def linear_acceleration(attitude: Quaternion, specific_force: Vector, gravity: float | Tensor) -> Vector:
+def linear_acceleration(attitude: Quaternion, specific_force: Vector, gravity: float | Signal) -> Vector:
     """Return the acceleration of the centre of mass in the world frame, m/s².
 
     Args:
@@ -48,6 +47,6 @@ def angular_momentum(attitude: Quaternion, body_rate: Vector, inertia: Vector) -
     return rotate(attitude, inertia * body_rate)
 
 
-def rotational_energy(body_rate: Vector, inertia: Vector) -> Float[Tensor, "*#batch"]:
+def rotational_energy(body_rate: Vector, inertia: Vector) -> Real:
     """Return the kinetic energy of rotation ½ ω·Jω, J."""
     return 0.5 * (inertia * body_rate.square()).sum(dim=-1)

@@ -4,12 +4,8 @@ Every function takes leading batch dimensions that broadcast, and is differentia
 """
 
 import torch
-from jaxtyping import Float
-from torch import Tensor
 
-Quaternion = Float[Tensor, "*#batch 4"]
-Vector = Float[Tensor, "*#batch 3"]
-Matrix = Float[Tensor, "*#batch 3 3"]
+from simgap.physics.shapes import Matrix, Quaternion, Real, Vector
 
 
 def cross(a: Vector, b: Vector) -> Vector:
@@ -113,7 +109,7 @@ def to_rotation_vector(quaternion: Quaternion) -> Vector:
     return vector * torch.where(small, 2.0 / safe_scalar, 2.0 * torch.atan2(safe, scalar) / safe)
 
 
-def rotation_angle(first: Quaternion, second: Quaternion) -> Float[Tensor, "*#batch"]:
+def rotation_angle(first: Quaternion, second: Quaternion) -> Real:
     """Return the angle between two attitudes, rad, from 0 to π."""
     difference = multiply(conjugate(first), second)
     return 2.0 * torch.atan2(

@@ -8,13 +8,14 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from simgap.physics.rotations import Vector, cross
+from simgap.physics.rotations import cross
+from simgap.physics.shapes import Signal, Vector
 
 PerRotor = Float[Tensor, "*#batch rotors"]
 RotorVectors = Float[Tensor, "*#batch rotors 3"]
 
 
-def thrust(speed: PerRotor, coefficient: float | Tensor) -> PerRotor:
+def thrust(speed: PerRotor, coefficient: float | Signal) -> PerRotor:
     """Return the thrust of each rotor, N.
 
     Args:
@@ -24,7 +25,7 @@ def thrust(speed: PerRotor, coefficient: float | Tensor) -> PerRotor:
     return coefficient * speed.square()
 
 
-def reaction_torque(speed: PerRotor, coefficient: float | Tensor, directions: PerRotor) -> PerRotor:
+def reaction_torque(speed: PerRotor, coefficient: float | Signal, directions: PerRotor) -> PerRotor:
     """Return the torque of each rotor's air drag on the body about +z, N·m.
 
     Args:
@@ -35,7 +36,7 @@ def reaction_torque(speed: PerRotor, coefficient: float | Tensor, directions: Pe
     return coefficient * directions * speed.square()
 
 
-def shaft_power(speed: PerRotor, coefficient: float | Tensor) -> PerRotor:
+def shaft_power(speed: PerRotor, coefficient: float | Signal) -> PerRotor:
     """Return the power that each rotor takes from its shaft, W.
 
     Args:

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from simgap.physics.motors import Value
+from simgap.physics.rotors import PerRotor
+from simgap.physics.shapes import Real, Value
 
 
 class SpeedMap(NamedTuple):
@@ -30,7 +31,7 @@ class SpeedMap(NamedTuple):
     per_voltage_root: Value
 
 
-def steady_speed(throttle: Tensor, voltage: Tensor, speed_map: SpeedMap) -> Tensor:
+def steady_speed(throttle: PerRotor, voltage: Real, speed_map: SpeedMap) -> PerRotor:
     """Return the rotor speed that a held throttle settles at, rad/s, never below zero.
 
     Args:
@@ -44,7 +45,7 @@ def steady_speed(throttle: Tensor, voltage: Tensor, speed_map: SpeedMap) -> Tens
     return (level + slope * root + speed_map.per_throttle * throttle).clamp_min(0.0)
 
 
-def motor_speed(throttle: Tensor, voltage_ratio: Tensor, efficiency: float) -> Tensor:
+def motor_speed(throttle: Real, voltage_ratio: Real, efficiency: float) -> Real:
     """Return the steady speed of a direct-current motor with a propeller, over that at full throttle.
 
     Voltage is resistance · current + K · Ω, and K · current = drag · Ω². With x = Ω/Ω_max and the share η of the full

@@ -9,6 +9,7 @@ Source: Messenger & Bortz 2021, Weak SINDy (SIAM Multiscale Model. Simul. 19(3))
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor
 
 _LEAST_HALF = 4  # samples from the centre of a test function to its end
@@ -26,10 +27,10 @@ class WindowFunctions:
             mean rate over the two steps that meet at a sample, exact where what acts is held from sample to sample.
     """
 
-    weights: Tensor
-    slopes: Tensor
-    centres: Tensor
-    differences: Tensor
+    weights: Float[Tensor, "rows samples"]
+    slopes: Float[Tensor, "rows samples"]
+    centres: Int[Tensor, " rows"]
+    differences: Float[Tensor, "rows samples"]
 
 
 @dataclass(frozen=True)
@@ -42,8 +43,8 @@ class MovingWindow:
         stride: samples from one window to the next: half a window.
     """
 
-    weights: Tensor
-    slopes: Tensor
+    weights: Float[Tensor, " window"]
+    slopes: Float[Tensor, " window"]
     stride: int
 
 
@@ -66,12 +67,16 @@ def window_functions(samples: int, width: float, time_step: float) -> WindowFunc
     return WindowFunctions(weights, slopes, centres.long(), differences)
 
 
-def mean_of(functions: WindowFunctions, series: Tensor) -> Tensor:
+def mean_of(
+    functions: WindowFunctions, series: Float[Tensor, "blocks samples"]
+) -> Float[Tensor, "blocks rows"]:
     """Return the weighted means (blocks, rows) of a series (blocks, samples)."""
     return series @ functions.weights.T
 
 
-def mean_rate_of(functions: WindowFunctions, momentum: Tensor, held: bool = False) -> Tensor:
+def mean_rate_of(
+    functions: WindowFunctions, momentum: Float[Tensor, "blocks samples"], held: bool = False
+) -> Float[Tensor, "blocks rows"]:
     """Return the weighted means (blocks, rows) of the rate of a momentum (blocks, samples).
 
     Args:
@@ -89,17 +94,21 @@ def moving_window(width: float, time_step: float) -> MovingWindow:
     return MovingWindow(*_test_functions(offset, half, time_step), half)
 
 
-def moving_mean_of(window: MovingWindow, series: Tensor) -> Tensor:
+def moving_mean_of(
+    window: MovingWindow, series: Float[Tensor, "*batch samples"]
+) -> Float[Tensor, "*batch windows"]:
     """Return the weighted means (..., windows) of a series (..., samples); none where it is too short."""
     return _moved(window.weights, window.stride, series)
 
 
-def moving_mean_rate_of(window: MovingWindow, series: Tensor) -> Tensor:
+def moving_mean_rate_of(
+    window: MovingWindow, series: Float[Tensor, "*batch samples"]
+) -> Float[Tensor, "*batch windows"]:
     """Return the weighted means (..., windows) of the rate of a series (..., samples)."""
     return _moved(window.slopes, window.stride, series)
 
 
-def moving_centres(window: MovingWindow, samples: int) -> Tensor:
+def moving_centres(window: MovingWindow, samples: int) -> Int[Tensor, " windows"]:
     """Return the sample at the centre of each window (windows,) along a series of so many samples."""
     return torch.arange(samples)[window.stride : -window.stride : window.stride]
 

@@ -18,7 +18,7 @@ from simgap.recordings.recording import Recording
 
 KINDS = ("quadrotor", "joint", "swerve")
 
-_TABLES = {
+_TABLE_MODULES = {
     "quadrotor": "simgap.plants.concealable",
     "joint": "simgap.plants.joint.effects",
     "swerve": "simgap.plants.swerve.effects",
@@ -161,7 +161,7 @@ def _able(
 
 
 def _known(kind: str, section: str) -> Table:
-    module = importlib.import_module(_TABLES[kind])
+    module = importlib.import_module(_TABLE_MODULES[kind])
     return module.CONCEALABLE if section == "effects" else module.OUTSIDE
 
 
@@ -172,5 +172,5 @@ def _size(kind: str, record: Mapping[str, Any], platform: Mapping[str, Any]) -> 
     return (
         case.size(told)
         if hasattr(case, "size")
-        else importlib.import_module(_TABLES[kind]).machine_size(told)
+        else importlib.import_module(_TABLE_MODULES[kind]).machine_size(told)
     )

@@ -8,7 +8,7 @@ from simgap.plants.case import PlantCase
 from simgap.plants.rotation import Array
 
 _LINES = 8
-_LOWEST, _HIGHEST = 1.2, 7.0  # Hz
+_LOWEST_FREQUENCY, _HIGHEST_FREQUENCY = 1.2, 7.0  # Hz
 _SIZES = np.array([0.8, 0.25, 0.25, 0.12])  # rms of thrust, m/s², and of the rates about x, y, z, rad/s
 
 
@@ -39,7 +39,7 @@ class Dither:
 def shake(case: PlantCase, random: np.random.Generator) -> Dither:
     """Return a multisine with lines spread evenly over the octaves, drawn anew for each run and channel."""
     shape = (case.runs, 4, _LINES)
-    octaves = np.linspace(np.log(_LOWEST), np.log(_HIGHEST), _LINES)
+    octaves = np.linspace(np.log(_LOWEST_FREQUENCY), np.log(_HIGHEST_FREQUENCY), _LINES)
     spread = random.uniform(-0.5, 0.5, shape) * (octaves[1] - octaves[0])
     amplitude = case.excitation * _SIZES[:, None] * np.sqrt(2.0 / _LINES)
     return Dither(

@@ -13,7 +13,7 @@ MANOEUVRES = ("random", "circle", "eight", "sprint", "climb")
 _PACE_DEPTH, _PACE_PERIOD = 0.3, 7.0  # share and s by which the pace along the path swings
 _GOLDEN = (5**0.5 - 1) / 2  # spreads speeds evenly over manoeuvres, whatever the number of runs
 _BASE_FREQUENCY = 1.4  # rad/s, of a manoeuvre that is not slowed down for its acceleration
-_LOWEST = 1.5  # m above the floor
+_LOWEST_HEIGHT = 1.5  # m above the floor
 _LOW_SPEED, _LOW_ACCELERATION = 1.5, 2.5  # m/s and m/s² at most over the floor, so that nobody touches it
 _LOW_HEIGHT, _LOW_SPAN = (
     0.12,
@@ -82,7 +82,7 @@ def plan(case: PlantCase, random: np.random.Generator) -> Paths:
     )
     speeds = np.linspace(case.slowest, case.fastest, case.runs)[order]
     if case.flown == "hover":
-        return replace(paths, height=np.full(case.runs, _LOWEST))
+        return replace(paths, height=np.full(case.runs, _LOWEST_HEIGHT))
     if case.flown == "low":
         return _low(_scaled(paths, np.minimum(speeds, _LOW_SPEED), case, _LOW_ACCELERATION), case)
     return _scaled(paths, speeds, case, case.acceleration)
@@ -110,7 +110,7 @@ def _scaled(paths: Paths, speeds: Array, case: PlantCase, limit: float) -> Paths
         paths,
         amplitude=amplitude,
         frequency=paths.frequency * slowing,
-        height=_LOWEST + np.abs(amplitude[:, 2]).sum(axis=-1),
+        height=_LOWEST_HEIGHT + np.abs(amplitude[:, 2]).sum(axis=-1),
     )
 
 

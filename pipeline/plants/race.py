@@ -22,8 +22,8 @@ from simgap.recordings.recording import Recording
 Regulator = Callable[[Array, Array], Array]
 """From body rates (runs, 3), rad/s, and a reference (runs, 4), m/s² and rad/s, to rotor speeds (runs, 4), rad/s."""
 
-_TICK = round(ESTIMATED_EVERY / STEP)
-_LATE = round(DELAY / STEP)
+_ESTIMATE_STEPS = round(ESTIMATED_EVERY / STEP)
+_DELAY_STEPS = round(DELAY / STEP)
 _REFERENCE = ("thrust_command", *(f"body_rate_command_{axis}" for axis in "xyz"))
 
 
@@ -72,7 +72,9 @@ class RacedMachines:
         steps = round(seconds / STEP) + 1
         flown = replace(case, runs=runs)
         self._machines = Machines(design(platform, case), platform, flown, battery, for_plant, steps)
-        self._odometry = Odometry(case.estimates, runs, steps // _TICK + 1, ESTIMATED_EVERY, for_belief)
+        self._odometry = Odometry(
+            case.estimates, runs, steps // _ESTIMATE_STEPS + 1, ESTIMATED_EVERY, for_belief
+        )
         self._log = _Logbook(logged)
 
     def fly(self, state: Array, reference: Array, period: float) -> tuple[Array, Array]:
@@ -91,13 +93,13 @@ class RacedMachines:
             happened = machines.advance(self._regulate(machines.felt_rate(), reference))
             passed.append(happened[0])
             self._note(happened, reference)
-        late = [*passed, machines.state][-1 - _LATE :][0]
+        late = [*passed, machines.state][-1 - _DELAY_STEPS :][0]
         belief = believed_state(late, self._errors) if self._case.estimates > 0 else machines.state
         return machines.state, belief
 
     def _note(self, happened: tuple[Array, ...], reference: Array) -> None:
         """Write down a step, and go on with the estimators where it is time."""
-        if self._log.steps % _TICK == 0:
+        if self._log.steps % _ESTIMATE_STEPS == 0:
             self._errors = self._odometry.advance(happened[0], happened[1])
             self._log.errors.append(self._errors)
         self._log.note(happened, reference)

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import torch
-from torch import Tensor
 
+from simgap.physics.shapes import Channels, Real, Signal
 from simgap.platforms.joint import Joint
 from simgap.platforms.mechanism import Channel, Constants, Mechanism, Signals
 
@@ -41,7 +41,7 @@ class JointMechanism(Mechanism):
             constants["gear_ratio"] = motor.gear_ratio
         return constants
 
-    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
         """Turn the voltage into effort by the motor's resistance and back-EMF, unless effort is given."""
         if "voltage" not in signals:
             return dict(signals)
@@ -49,21 +49,21 @@ class JointMechanism(Mechanism):
         current = (signals["voltage"] - constant * signals["velocity"]) / constants["resistance"]
         return {**signals, "effort": constant * current}
 
-    def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, constants: Constants) -> Channels:
         """Effort less gravity and spring."""
         position = signals["position"]
         load = constants["gravity_torque"] * torch.sin(position) + constants["stiffness"] * position
         return {self.channels[0].name: signals["effort"] - load}
 
-    def loads(self, wrench: Mapping[str, Tensor], signals: Signals) -> dict[str, Tensor]:
+    def loads(self, wrench: Mapping[str, Real], signals: Signals) -> dict[str, Signal]:
         """All that acts on the axis."""
         return {"axis_load": wrench[self.channels[0].name]}
 
-    def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def inertial(self, signals: Signals, constants: Constants) -> Channels:
         """Nothing: the frame of an axis does not turn."""
         return {}
 
-    def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def momentum(self, signals: Signals, constants: Constants) -> Channels:
         """Inertia times velocity."""
         return {self.channels[0].name: constants["inertia"] * signals["velocity"]}
 

@@ -5,9 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torch import Tensor
+from simgap.physics.shapes import Channels, Real, Signal, Signals
 
-Signals = Mapping[str, Tensor]
 Constants = Mapping[str, Any]
 
 
@@ -49,7 +48,7 @@ class Mechanism(ABC):
         """Return the equations that these signals can be held against: more where an actuator's output is recorded."""
         return self.channels
 
-    def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Tensor, Tensor]]:
+    def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Real, Real]]:
         """Return what was read and what the other signals say it must be, for each channel that holds no momentum."""
         return {}
 
@@ -62,33 +61,31 @@ class Mechanism(ABC):
         """Return the numbers of the nominal equations, which parameter errors scale."""
 
     @abstractmethod
-    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
         """Return the signals with the nominal actuator's output (`rotor_speed`, `effort`) added."""
 
     @abstractmethod
-    def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, constants: Constants) -> Channels:
         """Return what the actuators and the nominal environment do, per channel."""
 
-    def loads(self, wrench: Mapping[str, Tensor], signals: Signals) -> dict[str, Tensor]:
+    def loads(self, wrench: Mapping[str, Real], signals: Signals) -> dict[str, Signal]:
         """Return what acts on each thing that dry friction may hold, as signals; none where nothing rubs."""
         return {}
 
-    def derived(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def derived(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
         """Return what several of the equations need of the signals, as further signals, lest each work it out again."""
         return {}
 
-    def constrain(
-        self, wrench: Mapping[str, Tensor], signals: Signals, constants: Constants
-    ) -> dict[str, Tensor]:
+    def constrain(self, wrench: Mapping[str, Real], signals: Signals, constants: Constants) -> Channels:
         """Return what is left of a wrench once forces of constraint have answered it; absent channels are zero."""
         return dict(wrench)
 
     @abstractmethod
-    def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def inertial(self, signals: Signals, constants: Constants) -> Channels:
         """Return gravity and the terms of a turning frame, constrained, per channel (absent where zero)."""
 
     @abstractmethod
-    def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def momentum(self, signals: Signals, constants: Constants) -> Channels:
         """Return the quantity whose rate balances the wrench, per channel."""
 
     def damping(self, constants: Constants) -> dict[str, float]:

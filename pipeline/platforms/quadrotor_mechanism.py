@@ -6,6 +6,7 @@ import torch
 from torch import Tensor
 
 from simgap.physics import rotations
+from simgap.physics.shapes import Channels, Real, Signal
 from simgap.platforms.mechanism import Channel, Constants, Mechanism, Signals
 from simgap.platforms.quadrotor import Quadrotor
 
@@ -40,7 +41,7 @@ class QuadrotorMechanism(Mechanism):
         both = self.actuator_output in signals and self.actuator_input in signals
         return (*self.channels, *self.rotors) if both else self.channels
 
-    def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Tensor, Tensor]]:
+    def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Real, Real]]:
         """Return the recorded rotor speeds beside those that the command makes, rad/s."""
         commanded = signals.get(f"commanded_{self.actuator_output}")
         if commanded is None:
@@ -66,13 +67,13 @@ class QuadrotorMechanism(Mechanism):
             "rotor_directions": torch.tensor(platform.rotor_directions, dtype=torch.float64),
         }
 
-    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
         """Rotor speed follows the command at once and in proportion, unless it is given."""
         if "rotor_speed" in signals:
             return dict(signals)
         return {**signals, "rotor_speed": constants["motor_speed_max"] * signals["motor_command"]}
 
-    def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, constants: Constants) -> Channels:
         """Thrust along body z; torques by lever arms and reaction."""
         squared = signals["rotor_speed"] ** 2  # (..., 4)
         thrust = constants["thrust_coefficient"] * squared
@@ -88,7 +89,7 @@ class QuadrotorMechanism(Mechanism):
             "torque_z": (reaction * squared).sum(-1),
         }
 
-    def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def inertial(self, signals: Signals, constants: Constants) -> Channels:
         """Gravity and the transport terms ω × u of the body frame, and the gyroscopic torque ω × Jω."""
         rate, velocity = signals["body_rate"], signals["velocity"]
         down = torch.zeros_like(velocity)
@@ -97,7 +98,7 @@ class QuadrotorMechanism(Mechanism):
         torque = -rotations.cross(rate, constants["inertia"].to(rate) * rate)
         return _named("force", force) | _named("torque", torque)
 
-    def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def momentum(self, signals: Signals, constants: Constants) -> Channels:
         """Body-frame velocity (mass-normalised momentum) and angular momentum."""
         angular = constants["inertia"].to(signals["body_rate"]) * signals["body_rate"]
         return _named("force", signals["velocity"]) | _named("torque", angular)

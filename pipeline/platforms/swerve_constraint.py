@@ -17,6 +17,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from simgap.physics.shapes import Matrix, PerModule, Vector
 from simgap.platforms.swerve_kinematics import lateral_matrix, lateral_matrix_rate
 
 _SHARPNESS = 400.0
@@ -29,7 +30,9 @@ _FLOOR = (
 )
 
 
-def rolling_projection(angle: Tensor, turning: Tensor, constants: Mapping[str, Any]) -> tuple[Tensor, Tensor]:
+def rolling_projection(
+    angle: PerModule, turning: PerModule, constants: Mapping[str, Any]
+) -> tuple[Matrix, Matrix]:
     """Return the projection Q of the chassis momentum [x, y, yaw] and its rate dQ/dt, (..., 3, 3) each.
 
     Inside, the indices of matrices come first: a product is then a few operations over all samples, far faster than a
@@ -58,7 +61,7 @@ def rolling_projection(angle: Tensor, turning: Tensor, constants: Mapping[str, A
     return both[0].to(dtype), both[1].to(dtype)
 
 
-def along_the_wheels(twist: Tensor, angle: Tensor, constants: Mapping[str, Any]) -> Tensor:
+def along_the_wheels(twist: Vector, angle: PerModule, constants: Mapping[str, Any]) -> Vector:
     """Return the part of a twist that the wheels let pass most easily, (..., 3).
 
     Wheels never agree quite. Of all motions, the one goes on across which they stand least: the eigenvector of the

@@ -6,10 +6,17 @@ Robot frame x forward, y left. A twist is [x m/s, y m/s, yaw rad/s].
 import math
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
+from simgap.physics.shapes import Pair, Real, Vector
 
-def module_matrix(positions: Tensor) -> Tensor:
+Positions = Float[Tensor, "modules 2"]
+Velocities = Float[Tensor, "*#batch modules 2"]
+Angles = Float[Tensor, "*#batch modules"]
+
+
+def module_matrix(positions: Positions) -> Float[Tensor, "2*modules 3"]:
     """Return the matrix from a chassis twist to the velocities of all modules, (2·modules, 3).
 
     Rows come in pairs, x and y of each module: v = v_chassis + yaw × position.
@@ -25,7 +32,7 @@ def module_matrix(positions: Tensor) -> Tensor:
     return torch.stack([along_x, along_y], dim=1).flatten(0, 1)
 
 
-def module_velocities(twist: Tensor, positions: Tensor) -> Tensor:
+def module_velocities(twist: Vector, positions: Positions) -> Velocities:
     """Inverse kinematics: the velocity of each module, (..., modules, 2) m/s.
 
     Args:
@@ -36,7 +43,7 @@ def module_velocities(twist: Tensor, positions: Tensor) -> Tensor:
     return velocities.unflatten(-1, (-1, 2))
 
 
-def chassis_twist(velocities: Tensor, positions: Tensor) -> Tensor:
+def chassis_twist(velocities: Velocities, positions: Positions) -> Vector:
     """Forward kinematics: the twist that fits the modules' velocities best in the least-squares sense, (..., 3).
 
     Args:
@@ -47,17 +54,17 @@ def chassis_twist(velocities: Tensor, positions: Tensor) -> Tensor:
     return velocities.flatten(-2) @ inverse.T
 
 
-def wheel_direction(angle: Tensor) -> Tensor:
+def wheel_direction(angle: Real) -> Pair:
     """Return the unit vector that a wheel rolls along, (..., 2); an angle of zero points forward."""
     return torch.stack([torch.cos(angle), torch.sin(angle)], dim=-1)
 
 
-def lateral_direction(angle: Tensor) -> Tensor:
+def lateral_direction(angle: Real) -> Pair:
     """Return the unit vector across each wheel, to its left, (..., 2)."""
     return torch.stack([-torch.sin(angle), torch.cos(angle)], dim=-1)
 
 
-def rolling_speed(twist: Tensor, angle: Tensor, positions: Tensor) -> Tensor:
+def rolling_speed(twist: Vector, angle: Angles, positions: Positions) -> Angles:
     """Return how fast each wheel rolls along its direction, (..., modules) m/s.
 
     Args:
@@ -68,7 +75,7 @@ def rolling_speed(twist: Tensor, angle: Tensor, positions: Tensor) -> Tensor:
     return (module_velocities(twist, positions) * wheel_direction(angle)).sum(-1)
 
 
-def lateral_matrix(angle: Tensor, positions: Tensor) -> Tensor:
+def lateral_matrix(angle: Angles, positions: Positions) -> Float[Tensor, "*#batch modules 3"]:
     """Return the matrix from a twist to each module's velocity across its wheel, (..., modules, 3).
 
     Args:
@@ -80,7 +87,9 @@ def lateral_matrix(angle: Tensor, positions: Tensor) -> Tensor:
     return torch.stack([-sine, cosine, cosine * x + sine * y], dim=-1)
 
 
-def lateral_matrix_rate(angle: Tensor, turning: Tensor, positions: Tensor) -> Tensor:
+def lateral_matrix_rate(
+    angle: Angles, turning: Angles, positions: Positions
+) -> Float[Tensor, "*#batch modules 3"]:
     """Return the rate of `lateral_matrix` while the modules turn, (..., modules, 3) per second.
 
     Args:
@@ -93,7 +102,7 @@ def lateral_matrix_rate(angle: Tensor, turning: Tensor, positions: Tensor) -> Te
     return turning[..., None] * torch.stack([-cosine, -sine, cosine * y - sine * x], dim=-1)
 
 
-def module_states(twist: Tensor, positions: Tensor, angle: Tensor) -> tuple[Tensor, Tensor]:
+def module_states(twist: Vector, positions: Positions, angle: Angles) -> tuple[Angles, Angles]:
     """Return the angles (rad) and speeds (m/s) that give a twist with the shortest turn from the present angles.
 
     A module never turns by more than a quarter: beyond it, it turns the other way and its wheel rolls backward. A
@@ -116,7 +125,9 @@ def module_states(twist: Tensor, positions: Tensor, angle: Tensor) -> tuple[Tens
     return angle + turn, torch.where(backward, -speed, speed)
 
 
-def heading_of(twist: Tensor, time: Tensor) -> Tensor:
+def heading_of(
+    twist: Float[Tensor, "samples 3"], time: Float[Tensor, " samples"]
+) -> Float[Tensor, " samples"]:
     """Return the yaw angle turned since the first sample, (samples,) rad, by the trapezoid rule.
 
     Args:

@@ -6,6 +6,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from simgap.physics.shapes import Channels, PerModule, Real, Signal, Vector
 from simgap.platforms.mechanism import Channel, Constants, Mechanism, Signals
 from simgap.platforms.swerve import Swerve
 from simgap.platforms.swerve_constraint import along_the_wheels, rolling_projection
@@ -65,7 +66,7 @@ class SwerveMechanism(Mechanism):
         """Return those of the momenta, and those of the wheels where the chassis' motion was measured by itself."""
         return (*self.channels, *self.wheels) if MEASURED in signals else self.channels
 
-    def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Tensor, Tensor]]:
+    def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Real, Real]]:
         """Return the motors' speeds beside those of the ground below, and the motion beside that along the wheels."""
         if MEASURED not in signals:
             return {}
@@ -110,7 +111,7 @@ class SwerveMechanism(Mechanism):
             constants[f"{group}_back_emf_constant"] = axis.motor.back_emf_constant
         return constants
 
-    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def actuate(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
         """Turn voltages into torques at the wheel and at the module."""
         out = dict(signals)
         speeds = {
@@ -124,25 +125,23 @@ class SwerveMechanism(Mechanism):
             out[f"{group}_torque"] = gain * current
         return out
 
-    def wrench(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, constants: Constants) -> Channels:
         """Wheel torques summed on the chassis, before the wheels' side forces, and steering torques."""
         drive = sum_on_chassis(signals["drive_torque"], signals["steer_angle"], constants)
         return drive | per_module(steering_torque(signals, constants))
 
-    def loads(self, wrench: Mapping[str, Tensor], signals: Signals) -> dict[str, Tensor]:
+    def loads(self, wrench: Mapping[str, Real], signals: Signals) -> dict[str, Signal]:
         """All that acts on each module about its axis, and each motor's torque about its wheel's axle, (..., 4) N·m."""
         modules = torch.stack([wrench[name] for name in per_module(signals["drive_torque"])], dim=-1)
         return {"wheel_load": signals["drive_torque"], "module_load": modules}
 
-    def derived(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def derived(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
         """Return the projection onto the motion that the wheels allow, and its rate."""
         angle = wheel_angle(signals["steer_angle"], constants)
         projection, rate = rolling_projection(angle, signals["steer_velocity"], constants)
         return {"rolling_projection": projection, "rolling_projection_rate": rate}
 
-    def constrain(
-        self, wrench: Mapping[str, Tensor], signals: Signals, constants: Constants
-    ) -> dict[str, Tensor]:
+    def constrain(self, wrench: Mapping[str, Real], signals: Signals, constants: Constants) -> Channels:
         """Add the wheels' side forces, which leave what is along the motion that the wheels allow."""
         if not wrench.keys() & set(_CHASSIS):
             return dict(wrench)
@@ -151,7 +150,7 @@ class SwerveMechanism(Mechanism):
         projection = self._projection(signals, constants)["rolling_projection"]
         return {**wrench, **on_chassis((projection @ whole[..., None])[..., 0])}
 
-    def inertial(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def inertial(self, signals: Signals, constants: Constants) -> Channels:
         """Transport terms of the turning robot frame along the allowed motion, and what turns the motion with it."""
         velocity, mass = signals["chassis_velocity"], constants["mass"]
         x, y, yaw = velocity.unbind(-1)
@@ -164,7 +163,7 @@ class SwerveMechanism(Mechanism):
     def _projection(self, signals: Signals, constants: Constants) -> Signals:
         return signals if "rolling_projection" in signals else self.derived(signals, constants)
 
-    def momentum(self, signals: Signals, constants: Constants) -> dict[str, Tensor]:
+    def momentum(self, signals: Signals, constants: Constants) -> Channels:
         """Linear and angular momentum of the chassis, angular momentum of each module."""
         velocity = signals["chassis_velocity"]
         chassis = {
@@ -202,18 +201,18 @@ def _beyond(speed: Tensor, creep: Any) -> Tensor:
     return speed.sign() * (speed.abs() - creep).clamp_min(0.0)
 
 
-def wheel_angle(steer_angle: Tensor, constants: Constants) -> Tensor:
+def wheel_angle(steer_angle: PerModule, constants: Constants) -> PerModule:
     """Return where each wheel points, (..., 4) rad, which misalignment makes another angle than the measured one."""
     return steer_angle + constants["module_offset"].to(steer_angle)
 
 
-def steering_torque(signals: Signals, constants: Constants) -> Tensor:
+def steering_torque(signals: Signals, constants: Constants) -> PerModule:
     """Return what the motors do about each module's axis, (..., 4) N·m; the drive's share is the gears' reaction."""
     coupling = constants["coupling_ratio"] / constants["drive_gear_ratio"]
     return signals["steer_torque"] + coupling * signals["drive_torque"]
 
 
-def sum_on_chassis(wheel_torque: Tensor, steer_angle: Tensor, constants: Constants) -> dict[str, Tensor]:
+def sum_on_chassis(wheel_torque: PerModule, steer_angle: PerModule, constants: Constants) -> Channels:
     """Sum what four wheel torques do to the chassis.
 
     Args:
@@ -227,17 +226,19 @@ def sum_on_chassis(wheel_torque: Tensor, steer_angle: Tensor, constants: Constan
     return on_chassis(force.flatten(-2) @ module_matrix(constants["module_positions"].to(wheel_torque)))
 
 
-def on_chassis(vector: Tensor) -> dict[str, Tensor]:
+def on_chassis(vector: Vector) -> Channels:
     """Name the three components of a (..., 3) vector as channels of the chassis."""
     return {name: vector[..., index] for index, name in enumerate(_CHASSIS)}
 
 
-def per_module(values: Tensor) -> dict[str, Tensor]:
+def per_module(values: PerModule) -> Channels:
     """Name the four steering channels of a (..., 4) tensor."""
     return {f"steer_{module + 1}": values[..., module] for module in range(4)}
 
 
-def chassis_velocity_from_wheels(drive_velocity: Tensor, steer_angle: Tensor, platform: Swerve) -> Tensor:
+def chassis_velocity_from_wheels(
+    drive_velocity: PerModule, steer_angle: PerModule, platform: Swerve
+) -> Vector:
     """Return the chassis velocity that four rolling wheels fit best in the least-squares sense.
 
     Args:

@@ -50,8 +50,8 @@ class Learner:
             share: of the training that is done, 0 to 1.
         """
         settings = self.settings
-        rate = _between(settings.learning_rate, settings.final_learning_rate, share)
-        self._loss.entropy_coeff.fill_(_between(settings.entropy, settings.final_entropy, share))
+        rate = _interpolated(settings.learning_rate, settings.final_learning_rate, share)
+        self._loss.entropy_coeff.fill_(_interpolated(settings.entropy, settings.final_entropy, share))
         for group in self.optimizer.param_groups:
             group["lr"] = rate
         samples = self._samples(steps)
@@ -105,7 +105,7 @@ class Learner:
         self.generator.set_state(snapshot["generator"])  # type: ignore[arg-type]
 
 
-def _between(start: float, end: float, share: float) -> float:
+def _interpolated(start: float, end: float, share: float) -> float:
     return (1.0 - share) * start + share * end
 
 

@@ -8,10 +8,10 @@ import pandas as pd
 from simgap.recordings.rates import body_rate_and_derived, recorded_and_derived
 
 _DEGREE = 180 / np.pi
-_TOLERANCE = 0.35  # of the ratio of two rates; noise and lag take up to a third of it
+_RATIO_TOLERANCE = 0.35  # of the ratio of two rates; noise and lag take up to a third of it
 _CORRELATION = 0.7  # below, the two have too little in common to say anything
 _TWO_TURNS = 4 * np.pi
-_SAMPLES = 20
+_FEWEST_SAMPLES = 20
 _SWERVE = [(f"steer_velocity_{module}", f"steer_angle_{module}") for module in "1234"]
 _QUADROTOR = [(f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
 _PAIRS = {"joint": [("velocity", "position")], "swerve": _SWERVE, "quadrotor": _QUADROTOR}
@@ -50,7 +50,7 @@ def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[str]:
 
 
 def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -> Iterator[str]:
-    if len(recorded) < _SAMPLES:
+    if len(recorded) < _FEWEST_SAMPLES:
         return
     # corrupted samples must not decide: leave out the extreme hundredth of either
     usual = (np.abs(recorded) <= np.quantile(np.abs(recorded), 0.99)) & (
@@ -65,7 +65,9 @@ def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -
     if correlation < 0:
         yield f"Channel {rate!r} has the opposite sign of the rate of change of {angle!r}: check sign and frame."
     ratio = float(recorded.std() / derived.std())
-    reason = next((text for factor, text in _REASONS.items() if abs(ratio / factor - 1) < _TOLERANCE), "")
+    reason = next(
+        (text for factor, text in _REASONS.items() if abs(ratio / factor - 1) < _RATIO_TOLERANCE), ""
+    )
     if reason or not 0.4 < ratio < 2.5:
         reason = reason or "their units do not match."
         yield f"Channel {rate!r} is {ratio:.3g} times the rate of change of {angle!r}: {reason}"
@@ -91,7 +93,7 @@ def _swings_wide(frame: pd.DataFrame, column: str) -> bool:
     """Whether an angle goes back and forth, not on and on, over more than two turns."""
     for _, values in frame.groupby("run", sort=False)[column]:
         known = values.dropna().to_numpy()
-        if len(known) < _SAMPLES:
+        if len(known) < _FEWEST_SAMPLES:
             continue
         span = float(np.ptp(known))
         path = float(np.abs(np.diff(known)).sum())

@@ -16,7 +16,7 @@ from simgap.errors import InputError
 CACHE_VARIABLE = "SIMGAP_CACHE"
 FOLDER_VARIABLE = "SIMGAP_DATA"
 
-_TABLES = Path(__file__).parent / "published"
+_PUBLISHED_TABLES = Path(__file__).parent / "published"
 _ADDRESS = "https://raw.githubusercontent.com/{repository}/{commit}/{path}"
 _CONNECT, _READ = 3.0, 20.0  # s; a machine without a network should say so soon
 _PROBE = 5.0  # s, the whole of it, name resolution included
@@ -71,7 +71,7 @@ class Published:
 
 def published_names() -> list[str]:
     """Return the names of the published datasets."""
-    return sorted(path.stem for path in _TABLES.glob("*.yaml"))
+    return sorted(path.stem for path in _PUBLISHED_TABLES.glob("*.yaml"))
 
 
 def published(name: str) -> Published:
@@ -80,7 +80,7 @@ def published(name: str) -> Published:
     Raises:
         InputError: when there is none of that name.
     """
-    path = _TABLES / f"{name}.yaml"
+    path = _PUBLISHED_TABLES / f"{name}.yaml"
     if name not in published_names():
         near = difflib.get_close_matches(name, published_names(), n=1)
         remedy = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(published_names())}"
@@ -128,14 +128,14 @@ def fetch(dataset: str, patterns: Sequence[str] = ()) -> list[Path]:
 
 
 def _fetch(entry: Published, file: PublishedFile) -> Path:
-    for _, path in _candidates(entry, file):
+    for _, path in _places(entry, file):
         if path.is_file():
             _verify(path, file)
             return path
     return _download(entry, file)
 
 
-def _candidates(entry: Published, file: PublishedFile) -> Iterator[tuple[str, Path]]:
+def _places(entry: Published, file: PublishedFile) -> Iterator[tuple[str, Path]]:
     yield "cache", cache_folder() / entry.name / entry.commit[:8] / file.name
     if folder := os.environ.get(FOLDER_VARIABLE):
         yield FOLDER_VARIABLE, Path(folder) / entry.name / file.name
@@ -160,7 +160,7 @@ def _download(entry: Published, file: PublishedFile) -> Path:
     import requests
 
     pooch.get_logger().setLevel("WARNING")
-    target = next(path for _, path in _candidates(entry, file))
+    target = next(path for _, path in _places(entry, file))
     downloader = pooch.HTTPDownloader(progressbar=sys.stderr.isatty(), timeout=(_CONNECT, _READ))
     try:
         return Path(
@@ -192,7 +192,7 @@ def locate(dataset: str, patterns: Sequence[str] = ()) -> str | None:
     entry = published(dataset)
     origins: set[str] = set()
     for file in entry.select(patterns):
-        origin = next((name for name, path in _candidates(entry, file) if path.is_file()), None)
+        origin = next((name for name, path in _places(entry, file) if path.is_file()), None)
         if origin is None:
             return "download" if _reachable(file.address) else None
         origins.add(origin)

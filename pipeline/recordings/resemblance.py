@@ -5,7 +5,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 _NO_CHANNELS = ("run", "t", "segment", "filled")
-_STILL = 1e-4  # of a channel's spread, below which it counts as still
+_STILL_SHARE = 1e-4  # of a channel's spread, below which it counts as still
 
 
 def distances_of(frame: pd.DataFrame) -> NDArray[np.float64]:
@@ -23,10 +23,10 @@ def distances_of(frame: pd.DataFrame) -> NDArray[np.float64]:
     scaled = numbers[complete] / numbers[complete].std().replace(0.0, 1.0).fillna(1.0)
     runs = scaled.groupby(run, sort=False)
     steps = runs.diff().groupby(run, sort=False)
-    sizes = [np.log(part.std().fillna(0.0).clip(lower=_STILL).to_numpy()) for part in (runs, steps)]
+    sizes = [np.log(part.std().fillna(0.0).clip(lower=_STILL_SHARE).to_numpy()) for part in (runs, steps)]
     traits = np.concatenate([runs.mean().to_numpy(), *sizes], axis=1)
     traits = traits - traits.mean(0)
-    told = traits.std(0) > _STILL
+    told = traits.std(0) > _STILL_SHARE
     traits = traits[:, told] / traits[:, told].std(0)
     apart = traits[:, None] - traits[None]
     return np.sqrt(np.square(apart).sum(-1) / max(int(told.sum()), 1))

@@ -2,7 +2,7 @@
 
 import math
 
-_GRAVITY = 9.80665  # m/s², the g in which accelerometers are scaled
+_STANDARD_GRAVITY = 9.80665  # m/s², the g in which accelerometers are scaled
 
 _ALIASES = {
     "": "1", "-": "1", "none": "1", "dimensionless": "1", "unitless": "1",
@@ -26,8 +26,8 @@ _CONVERSIONS: dict[str, tuple[str, float, float]] = {
     "cm": ("m", 1e-2, 0.0),
     "mm/s": ("m/s", 1e-3, 0.0),
     "cm/s": ("m/s", 1e-2, 0.0),
-    "g": ("m/s²", _GRAVITY, 0.0),
-    "mg": ("m/s²", 1e-3 * _GRAVITY, 0.0),
+    "g": ("m/s²", _STANDARD_GRAVITY, 0.0),
+    "mg": ("m/s²", 1e-3 * _STANDARD_GRAVITY, 0.0),
     "ms": ("s", 1e-3, 0.0),
     "us": ("s", 1e-6, 0.0),
     "ns": ("s", 1e-9, 0.0),

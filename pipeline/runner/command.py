@@ -8,18 +8,29 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from typing import Any, NoReturn
 
 from simgap.errors import InputError
-
-if TYPE_CHECKING:
-    from simgap.runner.wrapper import Stage
+from simgap.runner.wrapper import Stage, import_stage
 
 MISTAKE = 2
 INTERRUPTED = 130
 
 
-def run_command(stage: "Stage[Any]", argv: Sequence[str]) -> int:
+def main(stage: Stage[Any], argv: Sequence[str] | None = None) -> NoReturn:
+    """Run a stage as a command with these arguments, by default those of the process, and exit."""
+    sys.exit(run_command(_importable(stage), sys.argv[1:] if argv is None else argv))
+
+
+def _importable(stage: Stage[Any]) -> Stage[Any]:
+    """Return the same stage out of its module, which `python -m simgap.stages.NAME` calls `__main__`."""
+    specification = getattr(sys.modules["__main__"], "__spec__", None)
+    if stage.__module__ != "__main__" or specification is None:
+        return stage
+    return import_stage(specification.name, stage.name)
+
+
+def run_command(stage: Stage[Any], argv: Sequence[str]) -> int:
     """Run a stage with command-line arguments and return the exit code: 2 for a user's mistake."""
     parser = stage_parser(
         stage.name, stage.__doc__ or "", [field.name for field in fields(stage.config_class)]
@@ -48,7 +59,7 @@ def report_mistakes(name: str, debug: bool, action: Callable[[], None]) -> int:
     return 0
 
 
-def _run(stage: "Stage[Any]", flags: argparse.Namespace, unknown: list[str]) -> None:
+def _run(stage: Stage[Any], flags: argparse.Namespace, unknown: list[str]) -> None:
     from simgap.runner.compose import compose, typed
     from simgap.runner.sweep import run_sweep
 
@@ -69,7 +80,7 @@ def _run(stage: "Stage[Any]", flags: argparse.Namespace, unknown: list[str]) -> 
     logging.getLogger("simgap").info("%s: wrote %s", stage.name, stage.run(values))
 
 
-def _warn_unread(stage: "Stage[Any]", overrides: Sequence[str], values: dict[str, Any]) -> None:
+def _warn_unread(stage: Stage[Any], overrides: Sequence[str], values: dict[str, Any]) -> None:
     """Warn that an override has no effect on this stage."""
     read = {field.name for field in fields(stage.config_class)}
     for override in overrides:

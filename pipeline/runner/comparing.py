@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from simgap.artifacts import staged_directory
 from simgap.comparison.comparison import Comparison, Job, Metrics
 from simgap.runner.completion import Note
+from simgap.runner.place import Place
 from simgap.runner.run import read_metrics
 from simgap.tracking import SweepTracker
 
@@ -20,23 +21,6 @@ FOLDER = "comparison"
 TABLES = "comparison.md"
 
 _log = logging.getLogger("simgap")
-
-
-@dataclass(frozen=True)
-class Place:
-    """The place of a job in its sweep.
-
-    Attributes:
-        sweep: identifier of the sweep.
-        folder: folder name of the sweep: its preset or the stage.
-        job: name of the job and of its directory.
-        values: swept values, by key.
-    """
-
-    sweep: str
-    folder: str
-    job: str
-    values: dict[str, Any]
 
 
 @dataclass(frozen=True)

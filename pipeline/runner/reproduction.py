@@ -13,7 +13,7 @@ from simgap.artifacts import PROJECT_ROOT
 from simgap.errors import InputError
 
 _LOCK_FILE = "dvc.lock"
-_STATE = Path(".dvc") / "tmp"
+_DVC_STATE = Path(".dvc") / "tmp"
 
 
 def reproduce_target(target: str, root: Path = PROJECT_ROOT) -> int:
@@ -39,7 +39,7 @@ def reproduce_target(target: str, root: Path = PROJECT_ROOT) -> int:
 @contextmanager
 def _alone(root: Path) -> Iterator[int]:
     """Hold the lock of reproductions; the system drops it with the last process that has it."""
-    path = root / _STATE / "reproduce.lock"
+    path = root / _DVC_STATE / "reproduce.lock"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
@@ -64,7 +64,7 @@ def _mend(root: Path) -> None:
     if lock_file.exists() and not _is_whole(lock_file):
         print(f"{_LOCK_FILE} was left half-written: starting from what is cached", flush=True)
         lock_file.unlink()
-    claims = root / _STATE / "rwlock"
+    claims = root / _DVC_STATE / "rwlock"
     if claims.exists() and not _is_held(claims):
         claims.unlink()
 

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from simgap.artifacts import hash_value
 from simgap.errors import InputError
-from simgap.runner.comparing import Done, Failed, Place, write_comparison
+from simgap.runner.comparing import Done, Failed, write_comparison
 from simgap.runner.compose import ROOT_CONFIG, open_hydra, plain, prepare_overrides, typed
 from simgap.runner.mistakes import configuration_mistakes
+from simgap.runner.place import Place
 from simgap.runner.threads import one_thread
 
 if TYPE_CHECKING:

@@ -1,24 +1,21 @@
 """The decorator that makes a function a stage: configuration, seed, tracking and atomic output around its call."""
 
 import importlib
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, NoReturn, TypeVar
+from typing import Any, Generic, TypeVar
 
 from simgap.artifacts import hash_value, staged_directory
 from simgap.comparison.comparison import Compared, flat, itself
 from simgap.runner.completion import Note
 from simgap.runner.compose import typed
 from simgap.runner.config import StageConfig
+from simgap.runner.place import Place
 from simgap.runner.run import StageRun, read_metrics
 from simgap.runner.seed import seed_everything
 from simgap.tracking import KeptTracker, Tracker
-
-if TYPE_CHECKING:
-    from simgap.runner.comparing import Place
 
 Config = TypeVar("Config", bound=StageConfig)
 
@@ -29,7 +26,7 @@ _PLACES = ("output", "tracking", "results")
 class Stage(Generic[Config]):
     """A function with a typed configuration that can be run from the command line.
 
-    Calling it calls the plain function; `main` is the command line.
+    Calling it calls the plain function; `run` does what surrounds a call; `simgap.runner.command` is the command line.
     """
 
     def __init__(
@@ -50,14 +47,7 @@ class Stage(Generic[Config]):
         """Do the work of the stage."""
         self.function(config, run)
 
-    def main(self, argv: list[str] | None = None) -> NoReturn:
-        """Run the stage as a command with these arguments, by default those of the process, and exit."""
-        from simgap.runner.command import run_command
-
-        arguments = sys.argv[1:] if argv is None else argv
-        sys.exit(run_command(self._importable(), arguments))
-
-    def run(self, values: dict[str, Any], place: "Place | None" = None) -> Path:
+    def run(self, values: dict[str, Any], place: Place | None = None) -> Path:
         """Run the stage with a composed configuration and return the directory it wrote.
 
         Args:
@@ -86,7 +76,7 @@ class Stage(Generic[Config]):
             tracker.finish(succeeded)
         return target
 
-    def completed(self, values: dict[str, Any], place: "Place") -> Path | None:
+    def completed(self, values: dict[str, Any], place: Place) -> Path | None:
         """Return the directory of a job that is done already, with the same configuration, inputs and code.
 
         Args:
@@ -105,13 +95,13 @@ class Stage(Generic[Config]):
         tracker.finish(True)
         return target
 
-    def _target(self, config: Config, place: "Place | None") -> Path:
+    def _target(self, config: Config, place: Place | None) -> Path:
         if place is None:
             return Path(config.output) if config.output else config.artifact(self.name, "")
         return (Path(config.output) if config.output else config.artifact("sweeps", place.folder)) / place.job
 
     def _tracker(
-        self, tracker: type[Tracker], config: Config, values: dict[str, Any], place: "Place | None"
+        self, tracker: type[Tracker], config: Config, values: dict[str, Any], place: Place | None
     ) -> Tracker:
         parameters = _without_places(asdict(config))
         if place is None:
@@ -122,14 +112,7 @@ class Stage(Generic[Config]):
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[str, str]]:
         """Travel to the workers of a sweep by name: there it stands for the stage, not for the function."""
-        return _import, (self.__module__, self.name)
-
-    def _importable(self) -> "Stage[Any]":
-        """Return the same stage out of its module, which `python -m simgap.stages.NAME` calls `__main__`."""
-        specification = getattr(sys.modules["__main__"], "__spec__", None)
-        if self.__module__ != "__main__" or specification is None:
-            return self
-        return _import(specification.name, self.name)
+        return import_stage, (self.__module__, self.name)
 
 
 def stage(
@@ -144,7 +127,8 @@ def stage(
     return lambda function: Stage(function, config_class, compared)
 
 
-def _import(module: str, name: str) -> Stage[Any]:
+def import_stage(module: str, name: str) -> Stage[Any]:
+    """Return the stage of this name out of its module."""
     return getattr(importlib.import_module(module), name)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 from torch import Tensor
 
 from simgap.effects import ActuatorEffect, CommandEffect
+from simgap.physics.shapes import Signal, Signals
 from simgap.simulation.simulator import FittedEffect, Simulator
 
 Memory = tuple[Any, ...]
@@ -25,11 +26,11 @@ def actuator_effects(simulator: Simulator) -> list[FittedEffect]:
 
 def held_through(
     simulator: Simulator,
-    signals: Mapping[str, Tensor],
+    signals: Signals,
     constants: Mapping[str, Any],
     memory: Memory,
     time_step: float,
-) -> tuple[list[dict[str, Tensor]], Memory]:
+) -> tuple[list[dict[str, Signal]], Memory]:
     """Run the effects that remember through one integration step.
 
     What such an effect puts out is its mean over the step. Held is what it changes, so that all else (a back-EMF) still
@@ -55,11 +56,11 @@ def held_through(
 
 def actuated(
     simulator: Simulator,
-    signals: Mapping[str, Tensor],
+    signals: Signals,
     constants: Mapping[str, Any],
-    held: list[dict[str, Tensor]],
+    held: list[dict[str, Signal]],
     time_step: float,
-) -> dict[str, Tensor]:
+) -> dict[str, Signal]:
     """Return the signals at one instant of a step, with what the effects that remember hold through it."""
     return _passed(simulator, signals, constants, partial(_as_held, constants, time_step, iter(held)))
 
@@ -114,6 +115,6 @@ def _as_held(
     return effect.actuate(now, fitted.values, constants, None, time_step)[0]
 
 
-def without(changed: dict[str, Tensor], given: str | None) -> dict[str, Tensor]:
+def without(changed: dict[str, Signal], given: str | None) -> dict[str, Signal]:
     """Leave out what was measured: no effect changes that."""
     return {name: value for name, value in changed.items() if name != given}

@@ -5,9 +5,11 @@ from functools import cached_property
 
 import pandas as pd
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor
 
 from simgap.errors import InputError
+from simgap.physics.shapes import Series, Signal
 from simgap.platforms import Platform
 from simgap.recordings.excerpt import evenly
 from simgap.recordings.recording import Recording
@@ -37,23 +39,23 @@ class Blocks:
         rates: which signals act with their mean, and are the integral of which other one, by name.
     """
 
-    signals: dict[str, Tensor]
-    run: Tensor
+    signals: dict[str, Signal]
+    run: Int[Tensor, " blocks"]
     runs: tuple[str, ...]
-    start: Tensor
+    start: Float[Tensor, " blocks"]
     time_step: float
     margin: int
     samples: int
     held: bool = True
-    held_commands: dict[str, Tensor] = field(default_factory=dict)
-    resolution: dict[str, Tensor] = field(default_factory=dict)
+    held_commands: dict[str, Signal] = field(default_factory=dict)
+    resolution: dict[str, Signal] = field(default_factory=dict)
     rates: dict[str, str] = field(default_factory=dict)
     noise_kept: float = 1.0
 
     def __len__(self) -> int:
         return len(self.run)
 
-    def take(self, index: Tensor) -> "Blocks":
+    def take(self, index: Int[Tensor, " kept"]) -> "Blocks":
         """Return some of the blocks."""
         signals, held, resolution = (
             {name: series[index] for name, series in part.items()}
@@ -73,7 +75,7 @@ class Blocks:
         wanted = torch.tensor([name in set(names) for name in self.runs])
         return self.take(torch.nonzero(wanted[self.run]).squeeze(1))
 
-    def inner(self, series: Tensor) -> Tensor:
+    def inner(self, series: Float[Tensor, "blocks long *rest"]) -> Series:
         """Return a series without its margins."""
         return series[:, self.margin : self.margin + self.samples]
 
@@ -83,7 +85,7 @@ class Blocks:
         return self.held and bool(self.held_commands)
 
     @cached_property
-    def acting(self) -> dict[str, Tensor]:
+    def acting(self) -> dict[str, Signal]:
         """What acts, by name, as long as `signals`: through each step where commands are held, else at each sample.
 
         Through the step that follows a sample its command is held, and all else has its mean until the next sample: of
@@ -97,24 +99,24 @@ class Blocks:
             means[position] = means[position] - self.time_step / 12.0 * change
         return means
 
-    def acting_after(self, part: float) -> dict[str, Tensor]:
+    def acting_after(self, part: float) -> dict[str, Signal]:
         """Return what acts when a part of each step is over, by name, where commands are known step by step."""
         known = self.signals | self.resolution
         states = {name: series for name, series in known.items() if name not in self.held_commands}
         moved = {name: (1.0 - part) * series + part * _next(series) for name, series in states.items()}
         return moved | self.held_commands
 
-    def acting_inside(self, series: Tensor) -> Tensor:
+    def acting_inside(self, series: Float[Tensor, "blocks long *rest"]) -> Series:
         """Return the part of a series of `acting` that the samples of the blocks lie in or between."""
         first = self.margin - 1 if self.on_steps else self.margin
         return series[:, first : self.margin + self.samples]
 
-    def at_samples(self, series: Tensor) -> Tensor:
+    def at_samples(self, series: Float[Tensor, "blocks steps *rest"]) -> Series:
         """Return what a series of `acting_inside` is around each sample: the mean of the steps before and after it."""
         return 0.5 * (series[:, :-1] + series[:, 1:]) if self.on_steps else series
 
     @property
-    def filled(self) -> Tensor:
+    def filled(self) -> Float[Tensor, "blocks samples"]:
         """1 where an input was made up by cleaning, (blocks, samples)."""
         if "filled" not in self.signals:
             return torch.zeros(len(self), self.samples, dtype=torch.float64)

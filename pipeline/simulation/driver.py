@@ -1,6 +1,5 @@
 """What drives an effect (a battery's voltage, a temperature) where nobody recorded it: in a flight yet to come."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +8,7 @@ from torch import Tensor
 
 from simgap.effects import ActuatorEffect, Effect
 from simgap.effects.effect import Parameter, Signals, Values
+from simgap.physics.shapes import Signal
 from simgap.simulation.simulator import FittedEffect, Simulator
 
 
@@ -46,7 +46,7 @@ class SimulatedDriver(ActuatorEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the driver, where it is not given."""
         if self.driven.driver in signals:
             return {}, None
@@ -56,7 +56,7 @@ class SimulatedDriver(ActuatorEffect):
         return {self.driven.driver: values["level"] - values["giving"] * load}, None
 
 
-def with_drivers(simulator: Simulator, signals: Mapping[str, Tensor]) -> Simulator:
+def with_drivers(simulator: Simulator, signals: Signals) -> Simulator:
     """Return a simulator that knows, without a recording, how the drivers of its effects were in one.
 
     Args:

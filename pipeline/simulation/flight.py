@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from simgap.platforms import Quadrotor
@@ -20,7 +21,7 @@ _RATE = QuadrotorMotion.parts["body_rate"]
 Memory = tuple[Any, Any]
 """Of the controller and of the simulator's effects."""
 
-Residual = Callable[[Tensor], Tensor]
+Residual = Callable[[Float[Tensor, "batch 7"]], Float[Tensor, "batch 6"]]
 """From `residual_features` to specific force, m/s², and torque, N·m, (batch, 6)."""
 
 
@@ -44,7 +45,9 @@ class Flight:
     integrator: str = "rk4"
     residual: Residual | None = None
 
-    def step(self, state: Tensor, action: Tensor, memory: Memory | None = None) -> tuple[Tensor, Memory]:
+    def step(
+        self, state: Float[Tensor, "batch 13"], action: Float[Tensor, "batch 4"], memory: Memory | None = None
+    ) -> tuple[Float[Tensor, "batch 13"], Memory]:
         """Advance a batch by one action.
 
         Args:
@@ -61,7 +64,9 @@ class Flight:
         assert memory is not None
         return state, memory
 
-    def acting(self, state: Tensor, action: Tensor) -> Tensor:
+    def acting(
+        self, state: Float[Tensor, "batch 13"], action: Float[Tensor, "batch 4"]
+    ) -> Float[Tensor, "batch acting"]:
         """Return the action, followed by the residual force and torque where there is a residual, (batch, 4 or 10)."""
         if self.residual is None:
             return action
@@ -69,7 +74,9 @@ class Flight:
         features = residual_features(signals["velocity"], signals["body_rate"], action)
         return torch.cat([action, self.residual(features)], dim=-1)
 
-    def inner_step(self, state: Tensor, acting: Tensor, memory: Memory | None) -> tuple[Tensor, Memory]:
+    def inner_step(
+        self, state: Float[Tensor, "batch 13"], acting: Float[Tensor, "batch acting"], memory: Memory | None
+    ) -> tuple[Float[Tensor, "batch 13"], Memory]:
         """Advance a batch by one inner step with what `acting` returned at the start of the period."""
         regulating, effects = memory or (None, ())
         inner = self.period / self.substeps

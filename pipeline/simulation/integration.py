@@ -8,32 +8,32 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import torch
-from torch import Tensor
 
 from simgap.physics import integrators
+from simgap.physics.shapes import Real, State
 from simgap.simulation.motion import Motion
 
-Wrench = Callable[[Tensor], Mapping[str, Tensor]]
-Rule = Callable[[Motion, Wrench, Tensor, Mapping[str, Any], float], Tensor]
+Wrench = Callable[[State], Mapping[str, Real]]
+Rule = Callable[[Motion, Wrench, State, Mapping[str, Any], float], State]
 
 
 def euler(
-    motion: Motion, wrench: Wrench, state: Tensor, constants: Mapping[str, Any], time_step: float
-) -> Tensor:
+    motion: Motion, wrench: Wrench, state: State, constants: Mapping[str, Any], time_step: float
+) -> State:
     """Return the state a step later by the explicit rule of first order."""
     return integrators.euler(lambda now: motion.derivative(now, wrench(now), constants), state, time_step)
 
 
 def rk4(
-    motion: Motion, wrench: Wrench, state: Tensor, constants: Mapping[str, Any], time_step: float
-) -> Tensor:
+    motion: Motion, wrench: Wrench, state: State, constants: Mapping[str, Any], time_step: float
+) -> State:
     """Return the state a step later by the classical Runge–Kutta rule, of fourth order."""
     return integrators.rk4(lambda now: motion.derivative(now, wrench(now), constants), state, time_step)
 
 
 def semi_implicit(
-    motion: Motion, wrench: Wrench, state: Tensor, constants: Mapping[str, Any], time_step: float
-) -> Tensor:
+    motion: Motion, wrench: Wrench, state: State, constants: Mapping[str, Any], time_step: float
+) -> State:
     """Return the state a step later by the symplectic Euler rule, of first order: new velocities move the places."""
     acting = wrench(state)
     faster = state + time_step * motion.derivative(state, acting, constants)

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from simgap.effects import WrenchEffect
 from simgap.effects.effect import Signals, Values
 from simgap.errors import InputError
+from simgap.physics.shapes import Channels, Real, Vector
 from simgap.platforms import Quadrotor
 
 _AT_ONCE = 512  # queries whose distances to all samples stay in the cache of a processor
@@ -32,7 +34,7 @@ class HeldResidual(WrenchEffect):
     sentence = "What the physics leaves over is looked up among recorded residuals."
     excitation = "the flights that the policy will fly"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force, m/s², and torque, N·m."""
         residual = signals["residual"]
         names = [f"{group}_{axis}" for group in ("force", "torque") for axis in "xyz"]
@@ -63,19 +65,19 @@ class RecordedResidual(WrenchEffect):
     def __init__(self, neighbours: "NearestNeighbours", platform: Quadrotor) -> None:
         self.neighbours, self._platform = neighbours, platform
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force, m/s²."""
         thrust = commanded_thrust(signals, self._platform)[..., None]
         force = self(residual_features(signals["velocity"], signals["body_rate"], thrust))
         return {f"force_{axis}": force[..., index] for index, axis in enumerate("xyz")}
 
-    def __call__(self, features: Tensor) -> Tensor:
+    def __call__(self, features: Float[Tensor, "*#batch 7"]) -> Vector:
         """Return specific force, (..., 3) m/s², by `residual_features` (..., 7)."""
         flat = features.reshape(-1, features.shape[-1]).to(self.neighbours.inputs)
         return self.neighbours(flat).to(features).unflatten(0, features.shape[:-1])
 
 
-def commanded_thrust(signals: Signals, platform: Quadrotor) -> Tensor:
+def commanded_thrust(signals: Signals, platform: Quadrotor) -> Real:
     """Return the thrust over mass that the platform makes of what is commanded, (...,) m/s².
 
     Args:
@@ -97,8 +99,8 @@ class NearestNeighbours:
         count: of neighbours.
     """
 
-    inputs: Tensor
-    outputs: Tensor
+    inputs: Float[Tensor, "samples features"]
+    outputs: Float[Tensor, "samples channels"]
     count: int = 5
 
     def __post_init__(self) -> None:
@@ -124,7 +126,7 @@ class NearestNeighbours:
         scaled = (self.inputs - middle) / size
         return -0.5 * scaled.square().sum(1), scaled.T.contiguous()
 
-    def __call__(self, queries: Tensor) -> Tensor:
+    def __call__(self, queries: Float[Tensor, "batch features"]) -> Float[Tensor, "batch channels"]:
         """Return the mean outputs at the nearest samples, (batch, channels).
 
         Args:
@@ -142,7 +144,9 @@ class NearestNeighbours:
         return self.outputs[nearest].mean(1)
 
 
-def residual_features(velocity: Tensor, body_rate: Tensor, action: Tensor) -> Tensor:
+def residual_features(
+    velocity: Vector, body_rate: Vector, action: Float[Tensor, "*#batch 4"]
+) -> Float[Tensor, "*#batch 7"]:
     """Return what the residual of a quadrotor is looked up by, (..., 7).
 
     Args:

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from simgap.physics import rigid_body, rotations
+from simgap.physics.shapes import Real, Signal, Signals, State
 from simgap.platforms import Platform, Swerve
 from simgap.platforms.swerve_kinematics import rolling_speed
 from simgap.platforms.swerve_mechanism import SwerveMechanism, wheel_angle
-
-Signals = Mapping[str, Tensor]
 
 
 class Motion(ABC):
@@ -26,18 +26,18 @@ class Motion(ABC):
     velocities: ClassVar[tuple[str, ...]]
 
     @abstractmethod
-    def pack(self, signals: Signals) -> Tensor:
+    def pack(self, signals: Signals) -> State:
         """Return the state tensor (..., n) that these signals describe."""
 
     @abstractmethod
-    def signals(self, state: Tensor, constants: Mapping[str, Any] | None = None) -> dict[str, Tensor]:
+    def signals(self, state: State, constants: Mapping[str, Any] | None = None) -> dict[str, Signal]:
         """Return the signals that effects and mechanism read from a state; without constants, the platform's own."""
 
     @abstractmethod
-    def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
+    def derivative(self, state: State, wrench: Mapping[str, Real], constants: Mapping[str, Any]) -> State:
         """Return the rate of change of the state under a wrench."""
 
-    def normalise(self, state: Tensor) -> Tensor:
+    def normalise(self, state: State) -> State:
         """Return the state with what integration let drift put right."""
         return state
 
@@ -53,17 +53,21 @@ class QuadrotorMotion(Motion):
     }
     velocities = ("velocity", "body_rate")
 
-    def pack(self, signals: Signals) -> Tensor:
+    def pack(self, signals: Signals) -> Float[Tensor, "*batch 13"]:
         """Return (..., 13); the velocity among the signals is in the body frame."""
         velocity = rotations.rotate(signals["attitude"], signals["velocity"])
         return torch.cat([signals["position"], signals["attitude"], velocity, signals["body_rate"]], dim=-1)
 
-    def signals(self, state: Tensor, constants: Mapping[str, Any] | None = None) -> dict[str, Tensor]:
+    def signals(
+        self, state: Float[Tensor, "*batch 13"], constants: Mapping[str, Any] | None = None
+    ) -> dict[str, Signal]:
         """Return the parts, with velocity in the body frame."""
         parts = {name: state[..., where] for name, where in self.parts.items()}
         return parts | {"velocity": rotations.rotate_inverse(parts["attitude"], parts["velocity"])}
 
-    def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
+    def derivative(
+        self, state: Float[Tensor, "*batch 13"], wrench: Mapping[str, Real], constants: Mapping[str, Any]
+    ) -> Float[Tensor, "*batch 13"]:
         """Newton and Euler; specific force and torque in the body frame."""
         attitude, velocity, rate = (state[..., self.parts[n]] for n in ("attitude", "velocity", "body_rate"))
         force = torch.stack([wrench[f"force_{axis}"] for axis in "xyz"], dim=-1)
@@ -79,7 +83,7 @@ class QuadrotorMotion(Motion):
             dim=-1,
         )
 
-    def normalise(self, state: Tensor) -> Tensor:
+    def normalise(self, state: Float[Tensor, "*batch 13"]) -> Float[Tensor, "*batch 13"]:
         """Return the state with a unit quaternion."""
         attitude = rotations.normalize(state[..., self.parts["attitude"]])
         return torch.cat([state[..., :3], attitude, state[..., 7:]], dim=-1)
@@ -91,15 +95,19 @@ class JointMotion(Motion):
     parts: ClassVar = {"position": slice(0, 1), "velocity": slice(1, 2)}
     velocities = ("velocity",)
 
-    def pack(self, signals: Signals) -> Tensor:
+    def pack(self, signals: Signals) -> Float[Tensor, "*batch 2"]:
         """Return (..., 2)."""
         return torch.stack([signals["position"], signals["velocity"]], dim=-1)
 
-    def signals(self, state: Tensor, constants: Mapping[str, Any] | None = None) -> dict[str, Tensor]:
+    def signals(
+        self, state: Float[Tensor, "*batch 2"], constants: Mapping[str, Any] | None = None
+    ) -> dict[str, Signal]:
         """Return position and velocity."""
         return {"position": state[..., 0], "velocity": state[..., 1]}
 
-    def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
+    def derivative(
+        self, state: Float[Tensor, "*batch 2"], wrench: Mapping[str, Real], constants: Mapping[str, Any]
+    ) -> Float[Tensor, "*batch 2"]:
         """Velocity, and wrench over inertia."""
         acceleration = wrench[constants["channel"]] / constants["inertia"]
         return torch.stack([state[..., 1], acceleration], dim=-1)
@@ -119,7 +127,7 @@ class SwerveMotion(Motion):
     def __init__(self, platform: Swerve) -> None:
         self.mechanism = SwerveMechanism(platform)
 
-    def pack(self, signals: Signals) -> Tensor:
+    def pack(self, signals: Signals) -> Float[Tensor, "*batch 12"]:
         """Return (..., 12); the heading is zero where none is given."""
         angle = signals["steer_angle"]
         heading = signals.get("heading", torch.zeros_like(angle[..., 0]))
@@ -127,13 +135,17 @@ class SwerveMotion(Motion):
             [signals["chassis_velocity"], angle, signals["steer_velocity"], heading[..., None]], dim=-1
         )
 
-    def signals(self, state: Tensor, constants: Mapping[str, Any] | None = None) -> dict[str, Tensor]:
+    def signals(
+        self, state: Float[Tensor, "*batch 12"], constants: Mapping[str, Any] | None = None
+    ) -> dict[str, Signal]:
         """Return the parts and the drive motors' speeds, which follow from rolling without slip."""
         parts = {name: state[..., where] for name, where in self.parts.items()}
         parts["heading"] = parts["heading"][..., 0]
         return parts | {"drive_velocity": _motor_speed(parts, constants or self.mechanism.constants())}
 
-    def derivative(self, state: Tensor, wrench: Mapping[str, Tensor], constants: Mapping[str, Any]) -> Tensor:
+    def derivative(
+        self, state: Float[Tensor, "*batch 12"], wrench: Mapping[str, Real], constants: Mapping[str, Any]
+    ) -> Float[Tensor, "*batch 12"]:
         """Chassis and modules as rigid bodies, seen from the turning robot frame; wheels do not slide sideways."""
         parts = {name: state[..., where] for name, where in self.parts.items()}
         parts |= self.mechanism.derived(parts, constants)

@@ -10,6 +10,7 @@ from simgap.effects.effect import Signals, Values
 from simgap.effects.lag import lag_step
 from simgap.physics import batteries, rotors
 from simgap.physics.motors import first_order_lag
+from simgap.physics.shapes import Signal
 from simgap.physics.speed_controllers import SpeedMap, calibrated_speed_map, steady_speed
 from simgap.platforms import Quadrotor
 
@@ -54,7 +55,7 @@ class Powertrain(ActuatorEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the mean rotor speed over the step and the voltage it had; the memory holds what is at its end."""
         throttle = signals["motor_command"]
         before = _rested(throttle, values) if memory is None else memory

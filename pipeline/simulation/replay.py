@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from simgap.effects import ActuatorEffect, CommandEffect, MeasurementEffect
@@ -17,7 +18,13 @@ _FEW = 12  # blocks that tell how fine the steps have to be
 _MOST_SUBSTEPS = 16
 
 
-def replay(simulator: Simulator, blocks: Blocks, initial: Tensor, steps: int, substeps: int = 1) -> Tensor:
+def replay(
+    simulator: Simulator,
+    blocks: Blocks,
+    initial: Float[Tensor, "blocks components"],
+    steps: int,
+    substeps: int = 1,
+) -> Float[Tensor, "blocks samples components"]:
     """Roll every block out with its recorded commands, and with what else acted from outside.
 
     Clocks are settled and delays applied on the whole block first, since the margin knows what was commanded before;
@@ -75,7 +82,9 @@ def _lived_through(simulator: Simulator, signals: Mapping[str, Tensor], blocks: 
     return memory
 
 
-def substeps_for(simulator: Simulator, blocks: Blocks, steps: int, tolerance: Tensor) -> int:
+def substeps_for(
+    simulator: Simulator, blocks: Blocks, steps: int, tolerance: Float[Tensor, " components"]
+) -> int:
     """Return how many integration steps between two samples change nothing that a sensor would notice.
 
     Friction that holds and stiff contacts need more than one. The number is doubled until twice as many move no

@@ -1,29 +1,28 @@
 """Running a simulator forward in time."""
 
-from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
+from simgap.physics.shapes import Signal, Signals, State
 from simgap.simulation.actuation import Memory, actuated, held_through
 from simgap.simulation.integration import INTEGRATORS
 from simgap.simulation.motion import Motion, motion_of
 from simgap.simulation.simulator import Simulator
 
-Signals = Mapping[str, Tensor]
-
 
 def step(
     simulator: Simulator,
-    state: Tensor,
+    state: State,
     command: Signals,
     time_step: float,
     memory: Memory = (),
     substeps: int = 1,
     integrator: str = "rk4",
-) -> tuple[Tensor, Memory]:
+) -> tuple[State, Memory]:
     """Advance a batch of simulated machines by one step with the command held.
 
     Args:
@@ -46,7 +45,7 @@ def step(
     return motion.normalise(state), memory
 
 
-def constants_like(simulator: Simulator, state: Tensor) -> dict[str, Any]:
+def constants_like(simulator: Simulator, state: Signal) -> dict[str, Any]:
     """Return the simulator's constants on the device and in the precision of a state."""
     constants = simulator.constants()
     return {n: value.to(state) if isinstance(value, Tensor) else value for n, value in constants.items()}
@@ -84,13 +83,13 @@ def _wrench(
 
 def rollout(
     simulator: Simulator,
-    initial: Tensor,
+    initial: Float[Tensor, "batch components"],
     commands: Signals,
     time_step: float,
     substeps: int = 1,
     integrator: str = "rk4",
     memory: Memory = (),
-) -> Tensor:
+) -> Float[Tensor, "batch samples components"]:
     """Run a batch open loop.
 
     Args:

@@ -7,6 +7,7 @@ from torch import Tensor
 
 from simgap.errors import InputError
 from simgap.physics import rotations
+from simgap.physics.shapes import Signal
 from simgap.platforms import Joint, Platform, Swerve
 from simgap.platforms.swerve_kinematics import heading_of
 from simgap.platforms.swerve_mechanism import MEASURED, chassis_velocity_from_wheels
@@ -26,7 +27,7 @@ def rates_of(platform: Platform) -> dict[str, str]:
     return {"position": "velocity"} if isinstance(platform, Joint) else {}
 
 
-def recorded_signals(frame: pd.DataFrame, platform: Platform, held: bool = True) -> dict[str, Tensor]:
+def recorded_signals(frame: pd.DataFrame, platform: Platform, held: bool = True) -> dict[str, Signal]:
     """Return the signals of one uniformly sampled stretch, each (samples, ...) float64.
 
     A signal with a missing value is left out.

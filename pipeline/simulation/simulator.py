@@ -16,12 +16,10 @@ from simgap.effects import (
     MeasurementEffect,
     WrenchEffect,
 )
+from simgap.physics.shapes import Channels, Signal, Signals
 from simgap.platforms import Platform
 from simgap.platforms.mechanism import Mechanism
 from simgap.platforms.mechanisms import mechanism_of
-
-Signals = Mapping[str, Tensor]
-
 
 _LAST_OF_THE_ACTUATOR = 2  # order of an effect; those behind it do not change what the actuator puts out
 
@@ -53,9 +51,9 @@ class Balance:
         rate: the wrench, gravity and the terms of a turning frame.
     """
 
-    momentum: dict[str, Tensor]
-    wrench: dict[str, Tensor]
-    rate: dict[str, Tensor]
+    momentum: Channels
+    wrench: Channels
+    rate: Channels
 
 
 @dataclass(frozen=True)
@@ -109,7 +107,7 @@ class Simulator:
             constants = fitted.effect.adjust(constants, fitted.values)  # type: ignore[attr-defined]
         return constants
 
-    def along_time(self, signals: Signals, time_step: float) -> dict[str, Tensor]:
+    def along_time(self, signals: Signals, time_step: float) -> dict[str, Signal]:
         """Return recorded blocks (blocks, samples, ...) with everything up to the actuator applied.
 
         Clock offsets are undone, commands delayed, the nominal actuator and the actuator effects run. Where the
@@ -140,7 +138,7 @@ class Simulator:
                 out = {**changed, given: out[given]} if given else changed
         return out
 
-    def wrench(self, signals: Signals, constants: Mapping[str, Any]) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, constants: Mapping[str, Any]) -> Channels:
         """Return what acts, per channel, before constraints answer it, for signals that went through the actuator."""
         wrench = self.mechanism.wrench(signals, constants)
         for fitted in self.of_type(WrenchEffect):

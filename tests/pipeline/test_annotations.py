@@ -21,7 +21,7 @@ def test_a_wrong_type_of_a_field_is_refused(arguments):
 
 
 def test_a_wrong_type_is_refused_by_a_method():
-    blocks = Blocks({}, torch.zeros(1), ("run",), torch.zeros(1), 0.01, 1, 10)
+    blocks = Blocks({}, torch.zeros(1, dtype=torch.long), ("run",), torch.zeros(1), 0.01, 1, 10)
     with pytest.raises(TypeCheckError, match="Type-check error"):
         blocks.inner([1.0])
 

@@ -8,6 +8,7 @@ from simgap.errors import InputError
 from simgap.recordings import read_recording, write_recording
 from simgap.recordings.split import Split
 from simgap.runner import StageRun
+from simgap.runner.command import main
 from simgap.stages.clean import CleanStage, clean
 from tests.pipeline.recordings.cleaning.conftest import joint_frame, recording_of
 
@@ -49,7 +50,7 @@ def test_the_command_writes_the_same_bytes_twice(recorded, tmp_path, monkeypatch
     contents = []
     for name in ("first", "second"):
         with pytest.raises(SystemExit) as ended:
-            clean.main([f"recording={recorded}", f"output={tmp_path / name}", "tracking.enabled=false"])
+            main(clean, [f"recording={recorded}", f"output={tmp_path / name}", "tracking.enabled=false"])
         assert ended.value.code in (0, None)
         contents.append({path.name: path.read_bytes() for path in sorted((tmp_path / name).iterdir())})
     assert contents[0] == contents[1]

@@ -13,7 +13,7 @@ import pytest
 from simgap.artifacts import PROJECT_ROOT
 from simgap.artifacts.project import STAGES
 from simgap.runner.project import commands, described
-from stages.__main__ import ORDER, main
+from simgap.stages.__main__ import ORDER, main
 
 NO_STAGES = {"reproduce", "results", "effects"}
 
@@ -55,7 +55,7 @@ def test_help_names_the_stages_in_their_order() -> None:
 )
 def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
     code = (
-        f"import sys\nfrom stages.__main__ import main\ntry:\n    main({arguments})\n"
+        f"import sys\nfrom simgap.stages.__main__ import main\ntry:\n    main({arguments})\n"
         "except SystemExit as end:\n    assert not end.code\n"
         "heavy = {'numpy', 'pandas', 'torch', 'mlflow', 'hydra', 'omegaconf'} & set(sys.modules)\n"
         "sys.exit(bool(heavy))"
@@ -93,3 +93,27 @@ def test_a_mistake_ends_with_exit_code_2_and_one_line(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "simgap configure: branch: there is no 'flywheels'; did you mean 'flywheel'?\n"
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("module", "said"), [("simgap", "usage: simgap COMMAND"), ("simgap.stages.clean", "usage: simgap clean")]
+)
+def test_the_package_and_each_stage_run_as_modules(module: str, said: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", module, "--help"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert said in done.stdout
+
+
+def test_a_mistake_is_one_line_when_a_stage_runs_as_a_module(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "simgap.stages.clean", "recording=missing.parquet", "output=out"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith("simgap clean: ")
+    assert done.stderr.count("\n") == 1

@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from simgap.recordings.recording import Recording, write_recording
+from simgap.runner.command import main
 from simgap.simulation import read_simulator
 from simgap.stages.diagnose import _say_what_closed, diagnose
 from tests.contract_checker import read_diagnosis
@@ -49,7 +50,7 @@ def _arguments(folder: Path, recording: Path, *more: str) -> list[str]:
 
 def _ends(arguments: list[str]) -> int:
     with pytest.raises(SystemExit) as ended:
-        diagnose.main(arguments)
+        main(diagnose, arguments)
     return int(ended.value.code or 0)
 
 

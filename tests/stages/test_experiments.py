@@ -5,7 +5,7 @@ import re
 import pytest
 
 from simgap.artifacts.project import CONFIGURATION
-from simgap.models.layout import layout_of
+from simgap.models.layouts import layout_of
 from simgap.models.registry import model_class, model_settings
 from simgap.runner.compose import compose, typed
 from simgap.stages.train import TrainStage

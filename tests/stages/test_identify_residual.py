@@ -7,6 +7,7 @@ import pytest
 from simgap.plants.case import PlantCase
 from simgap.plants.fly import fly
 from simgap.recordings.recording import write_recording
+from simgap.runner.command import main
 from simgap.simulation import read_simulator
 from simgap.stages.identify_residual import identify_residual
 from tests.pipeline.policies.racing.machines import racer
@@ -71,13 +72,14 @@ def test_a_residual_takes_the_place_of_one_that_was_found_before(recording, tmp_
 
 def test_flights_that_are_named_and_not_there_are_an_error(tmp_path, capsys):
     with pytest.raises(SystemExit) as ended:
-        identify_residual.main(
+        main(
+            identify_residual,
             [
                 "platform=racer",
                 f"residual.recording={tmp_path}/flights.parquet",
                 f"artifacts={tmp_path}",
                 "tracking.enabled=false",
-            ]
+            ],
         )
     assert ended.value.code == 2
     assert "flights.parquet: does not exist" in capsys.readouterr().err
@@ -85,14 +87,15 @@ def test_flights_that_are_named_and_not_there_are_an_error(tmp_path, capsys):
 
 def test_a_simulator_that_is_not_there_is_refused_in_one_line(recording, tmp_path, capsys):
     with pytest.raises(SystemExit) as ended:
-        identify_residual.main(
+        main(
+            identify_residual,
             [
                 "platform=racer",
                 f"residual.recording={recording}",
                 "residual.simulator=diagnose",
                 f"artifacts={tmp_path}",
                 "tracking.enabled=false",
-            ]
+            ],
         )
     assert ended.value.code == 2
     assert "does not exist" in capsys.readouterr().err

@@ -10,6 +10,7 @@ from simgap.policies.profile.storage import FILE, read_motions
 from simgap.policies.settings import Deployment, Learning
 from simgap.policies.storage import load_policy
 from simgap.runner import StageRun
+from simgap.runner.command import main
 from simgap.runner.compose import compose
 from simgap.stages.deploy import DeployStage, deploy
 from simgap.stages.profile import ProfileStage, compared, profile
@@ -129,7 +130,7 @@ def test_a_mistake_on_the_command_line_is_one_line(planned, capsys):
     folder, _ = planned
     command = ["+experiment=motion_profile", f"artifacts={folder}", f"output={folder / 'typed'}"]
     with pytest.raises(SystemExit) as ended:
-        deploy.main([*command, "deploy.motion=bang_bang"])
+        main(deploy, [*command, "deploy.motion=bang_bang"])
     assert ended.value.code == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "there is no motion 'bang_bang'" in line
@@ -140,6 +141,6 @@ def test_the_command_line_drives_what_was_planned(planned, capsys):
     folder, _ = planned
     command = ["+experiment=motion_profile", f"artifacts={folder}", f"output={folder / 'driven'}"]
     with pytest.raises(SystemExit) as ended:
-        deploy.main([*command, f"deploy.plan={folder / 'profile'}", "deploy.motion=fastest_s_curve"])
+        main(deploy, [*command, f"deploy.plan={folder / 'profile'}", "deploy.motion=fastest_s_curve"])
     assert ended.value.code == 0
     assert json.loads((folder / "driven" / "metrics.json").read_text())["trials/inside"] == 5

@@ -11,7 +11,8 @@ from simgap.errors import InputError
 from simgap.runner import StageRun
 from simgap.runner.command import run_command
 from simgap.runner.compose import compose, typed
-from simgap.stages._benchmark_case import Concealed, ProveStage, examine
+from simgap.stages._benchmark_case import Concealed, examine
+from simgap.stages._prove_settings import ProveStage
 from simgap.stages._strengths import energy_over_noise, settled
 from simgap.stages.calibrate import calibrate
 from simgap.stages.prove import prove

@@ -18,6 +18,7 @@ from simgap.models.storage import load_model
 from simgap.platforms import platform_to_config
 from simgap.recordings import write_recording
 from simgap.runner import StageRun
+from simgap.runner.command import main
 from simgap.stages.train import TrainStage, compared, train
 from tests.pipeline.models import learnable
 from tests.pipeline.models.rig import rig
@@ -157,7 +158,7 @@ def test_where_training_is_disabled_nothing_is_read_and_the_metrics_are_empty(tm
 
 def test_the_branch_of_one_run_trains_nothing_and_succeeds(tmp_path, capsys):
     with pytest.raises(SystemExit) as ended:
-        train.main(["branch=flywheel", f"artifacts={tmp_path}", "tracking.enabled=false"])
+        main(train, ["branch=flywheel", f"artifacts={tmp_path}", "tracking.enabled=false"])
     assert ended.value.code == 0
     assert "nothing is trained" in "".join(capsys.readouterr())
     assert [path.name for path in (tmp_path / "train").iterdir()] == ["metrics.json"]
@@ -234,5 +235,5 @@ def arguments(tmp_path, *overrides):
 def trained(tmp_path, *overrides):
     """Run the command in this process, which has paid for its imports."""
     with pytest.raises(SystemExit) as ended:
-        train.main(arguments(tmp_path, *overrides)[3:])
+        main(train, arguments(tmp_path, *overrides)[3:])
     assert ended.value.code == 0

@@ -5,11 +5,11 @@ Coulomb friction, does the same, in motion and at rest, where friction holds the
 """
 
 import torch
-from torch import Tensor
 
 from simgap.effects.dry_friction import dry_friction, sliding_of
 from simgap.effects.effect import Parameter, Signals, Values
 from simgap.effects.joint.common import AxisFriction, applied
+from simgap.physics.shapes import Real
 
 
 class AsymmetricFriction(AxisFriction):
@@ -33,7 +33,7 @@ class AsymmetricFriction(AxisFriction):
         """Start on either side of none: which direction it is slowed in has no slope at zero."""
         return [{"difference": -1e-3}, {"difference": 1e-3}]
 
-    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Real:
         """Return the friction on the axis, N·m or N."""
         velocity, load = signals["velocity"], applied(signals, constants)
         difference = torch.as_tensor(values["difference"], dtype=velocity.dtype)

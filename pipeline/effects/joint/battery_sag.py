@@ -6,10 +6,9 @@ voltage, which no platform file of a joint holds, the motor gets what is command
 
 from typing import Any
 
-from torch import Tensor
-
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.scan import scan
+from simgap.physics.shapes import Real, Signal
 
 
 class BatterySag(ActuatorEffect):
@@ -33,7 +32,7 @@ class BatterySag(ActuatorEffect):
     )
     excitation = "the same motion with a full and with an empty battery, or under heavy load and light"
 
-    def load(self, signals: Signals, constants: Values) -> Tensor:
+    def load(self, signals: Signals, constants: Values) -> Real:
         """Return what the motor draws, in proportion to its power: a battery gives way to it."""
         return signals["voltage"] * signals["effort"]
 
@@ -43,7 +42,7 @@ class BatterySag(ActuatorEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the voltage at the motor, and the effort that it makes."""
         relative = signals["battery_voltage"] / values["nominal_voltage"] - 1.0
         change = signals["voltage"] * values["share"] * relative

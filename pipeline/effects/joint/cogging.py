@@ -3,10 +3,10 @@
 import math
 
 import torch
-from torch import Tensor
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
+from simgap.physics.shapes import Channels
 
 _LEAST_CYCLES = (
     2  # of a turn: a magnet has two poles, and one wave in a turn is a weight that hangs off the axis
@@ -64,7 +64,7 @@ class Cogging(WrenchEffect):
             for angle in angles
         ]
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the ripple on the axis, N·m or N."""
         angle = values["cycles"] * signals["position"]
         wave = values["sine"] * torch.sin(angle) + values["cosine"] * torch.cos(angle)

@@ -1,10 +1,10 @@
 """Quantities that several effects of a joint share."""
 
 import torch
-from torch import Tensor
 
 from simgap.effects.dry_friction import DryFriction
 from simgap.effects.effect import Signals, Values
+from simgap.physics.shapes import Channels, Real
 
 
 class AxisFriction(DryFriction):
@@ -14,12 +14,12 @@ class AxisFriction(DryFriction):
     acts_on = "torque"
     holds = "axis_load"
 
-    def on_channels(self, friction: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:
+    def on_channels(self, friction: Real, signals: Signals, constants: Values) -> Channels:
         """Return the friction on the axis, N·m or N."""
         return on_axis(constants, friction)
 
 
-def applied(signals: Signals, constants: Values) -> Tensor:
+def applied(signals: Signals, constants: Values) -> Real:
     """What friction holds against at standstill (...,), N·m or N: what is left to hold, else effort less its load."""
     if AxisFriction.holds in signals:
         return signals[AxisFriction.holds]
@@ -31,6 +31,6 @@ def applied(signals: Signals, constants: Values) -> Tensor:
     )
 
 
-def on_axis(constants: Values, wrench: Tensor) -> dict[str, Tensor]:
+def on_axis(constants: Values, wrench: Real) -> Channels:
     """Name the joint's only channel."""
     return {constants["channel"]: wrench}

@@ -1,10 +1,10 @@
 """A load on a joint that is the same everywhere."""
 
 import torch
-from torch import Tensor
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
+from simgap.physics.shapes import Channels
 
 
 class ConstantLoad(WrenchEffect):
@@ -25,6 +25,6 @@ class ConstantLoad(WrenchEffect):
     )
     excitation = "the same motion in both directions, and rests without a command"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the load on the axis, N·m or N."""
         return on_axis(constants, values["load"] * torch.ones_like(signals["position"]))

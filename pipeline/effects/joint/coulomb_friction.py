@@ -1,10 +1,9 @@
 """Dry friction of a joint."""
 
-from torch import Tensor
-
 from simgap.effects.dry_friction import dry_friction, sliding_of
 from simgap.effects.effect import Parameter, Signals, Values
 from simgap.effects.joint.common import AxisFriction, applied
+from simgap.physics.shapes import Real
 
 
 class CoulombFriction(AxisFriction):
@@ -19,7 +18,7 @@ class CoulombFriction(AxisFriction):
     sentence = "Dry friction holds the axis back with {level} {level_unit} either way; add Coulomb friction."
     excitation = "slow ramps in both directions, through standstill"
 
-    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Real:
         """Return the friction on the axis, N·m or N."""
         load = applied(signals, constants)
         return dry_friction(values["level"], signals["velocity"], load, sliding_of(signals, constants))

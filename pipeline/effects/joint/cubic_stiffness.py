@@ -1,9 +1,8 @@
 """A spring on a joint that stiffens with its deflection."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
+from simgap.physics.shapes import Channels
 
 
 class CubicStiffness(WrenchEffect):
@@ -19,6 +18,6 @@ class CubicStiffness(WrenchEffect):
     sentence = "A spring stiffens with the cube of its deflection by {stiffness} {stiffness_unit}; add cubic stiffness."
     excitation = "free swings of several amplitudes up to the ends of the travel"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the spring's pull on the axis, N·m or N."""
         return on_axis(constants, -values["stiffness"] * signals["position"].pow(3))

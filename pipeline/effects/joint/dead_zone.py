@@ -6,9 +6,8 @@ at standstill.
 
 from typing import Any
 
-from torch import Tensor
-
 from simgap.effects.effect import CommandEffect, Parameter, Signals, Values
+from simgap.physics.shapes import Signal
 
 
 class DeadZone(CommandEffect):
@@ -34,7 +33,7 @@ class DeadZone(CommandEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the command less what the dead zone takes of it."""
         name = "voltage" if "voltage" in signals else "effort"
         command, width = signals[name], values["width"] / _gain(name, constants)

@@ -5,10 +5,10 @@ there gravity is a constant load.
 """
 
 import torch
-from torch import Tensor
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
+from simgap.physics.shapes import Channels
 
 
 class GravityLoad(WrenchEffect):
@@ -30,7 +30,7 @@ class GravityLoad(WrenchEffect):
     )
     excitation = "slow motion through the whole turn, or rests at many angles"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the weight's torque, N·m."""
         position = signals["position"]
         if constants["channel"] != "torque":

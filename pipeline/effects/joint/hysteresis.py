@@ -13,6 +13,7 @@ from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, Wr
 from simgap.effects.joint.common import on_axis
 from simgap.effects.recurrence import accumulated
 from simgap.effects.scan import scan
+from simgap.physics.shapes import Channels, Signal
 
 
 class Hysteresis(ActuatorEffect, WrenchEffect):
@@ -51,7 +52,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the relative deflection and where it is reached; it starts relaxed."""
         position = signals["position"]
         deflection, place = (torch.zeros_like(position), position) if memory is None else memory
@@ -61,7 +62,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
-    ) -> dict[str, Tensor]:
+    ) -> dict[str, Signal]:
         """Return blocks with the deflection, which from sample to sample is linear in the one before."""
         position, displacement = signals["position"], values["displacement"]
         way = torch.diff(position, dim=1, prepend=position[:, :1])
@@ -70,7 +71,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         deflection = accumulated(left, towards * (1.0 - left)).clamp(-1.0, 1.0)
         return {**signals, "hysteresis_deflection": deflection, "hysteresis_position": position}
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the resistance on the axis, N·m or N."""
         moved = signals["position"] - signals["hysteresis_position"]
         deflection = _moved(signals["hysteresis_deflection"], moved, values["displacement"])

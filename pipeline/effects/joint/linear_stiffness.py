@@ -1,9 +1,8 @@
 """A spring on a joint."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
+from simgap.physics.shapes import Channels
 
 
 class LinearStiffness(WrenchEffect):
@@ -19,6 +18,6 @@ class LinearStiffness(WrenchEffect):
     sentence = "A spring of {stiffness} {stiffness_unit} pulls the axis to zero; add it to the simulator."
     excitation = "slow motion over the whole travel, and free swings of several amplitudes"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the spring's pull on the axis, N·m or N."""
         return on_axis(constants, -values["stiffness"] * signals["position"])

@@ -1,10 +1,9 @@
 """Dry friction of a joint in proportion to the load that its gear transmits."""
 
-from torch import Tensor
-
 from simgap.effects.dry_friction import dry_friction, sliding_of
 from simgap.effects.effect import Parameter, Signals, Values
 from simgap.effects.joint.common import AxisFriction, applied
+from simgap.physics.shapes import Real
 
 _GREATEST_RATIO = (
     0.9  # a gear that loses all that it transmits does not turn; what fits best there is another law
@@ -28,7 +27,7 @@ class LoadDependentFriction(AxisFriction):
     )
     excitation = "the same slow motion under several loads, lifting and lowering"
 
-    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Real:
         """Return the friction on the axis, N·m or N."""
         level = values["ratio"] * signals["effort"].abs()
         load = applied(signals, constants)

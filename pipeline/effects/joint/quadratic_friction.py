@@ -1,9 +1,8 @@
 """Friction of a joint in proportion to the square of its velocity."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
+from simgap.physics.shapes import Channels
 
 
 class QuadraticFriction(WrenchEffect):
@@ -21,7 +20,7 @@ class QuadraticFriction(WrenchEffect):
     )
     excitation = "constant speeds up to the highest, in both directions"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction on the axis, N·m or N."""
         velocity = signals["velocity"]
         return on_axis(constants, -values["coefficient"] * velocity * velocity.abs())

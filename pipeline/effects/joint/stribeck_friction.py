@@ -1,12 +1,12 @@
 """Dry friction of a joint that is greater the slower it moves."""
 
 import torch
-from torch import Tensor
 
 from simgap.effects.dry_friction import dry_friction, fades, sliding_of
 from simgap.effects.effect import Parameter, Signals, Values
 from simgap.effects.joint.common import AxisFriction, applied
 from simgap.effects.scan import scan
+from simgap.physics.shapes import Real
 
 
 class StribeckFriction(AxisFriction):
@@ -38,7 +38,7 @@ class StribeckFriction(AxisFriction):
         slides = sliding_of(signals, constants)
         return "" if fades(signals["velocity"], values["velocity"], slides) else "coulomb_friction"
 
-    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> Real:
         """Return the friction on the axis, N·m or N."""
         velocity = signals["velocity"]
         level = values["extra_level"] * torch.exp(-(velocity / values["velocity"]).square())

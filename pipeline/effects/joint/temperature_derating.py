@@ -2,9 +2,8 @@
 
 from typing import Any
 
-from torch import Tensor
-
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.physics.shapes import Signal
 
 
 class TemperatureDerating(ActuatorEffect):
@@ -30,7 +29,7 @@ class TemperatureDerating(ActuatorEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the effort of the warm motor."""
         warmer = signals["temperature"] - values["reference"]
         return {"effort": signals["effort"] * (1.0 - values["coefficient"] * warmer)}, None

@@ -1,9 +1,8 @@
 """Friction of a joint in proportion to its velocity."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
+from simgap.physics.shapes import Channels
 
 
 class ViscousFriction(WrenchEffect):
@@ -20,6 +19,6 @@ class ViscousFriction(WrenchEffect):
     sentence = "Friction grows with speed by {coefficient} {coefficient_unit}; add viscous friction."
     excitation = "constant speeds over the whole range, in both directions"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction on the axis, N·m or N."""
         return on_axis(constants, -values["coefficient"] * signals["velocity"])

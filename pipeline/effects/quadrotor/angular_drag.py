@@ -1,9 +1,8 @@
 """Air that resists turning."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import along_axes
+from simgap.physics.shapes import Channels
 
 
 class AngularDrag(WrenchEffect):
@@ -19,6 +18,6 @@ class AngularDrag(WrenchEffect):
     sentence = "The air resists turning with {coefficient} N·m per rad/s of body rate; add angular drag."
     excitation = "roll, pitch and yaw at several constant rates"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the torque, N·m."""
         return along_axes("torque", -values["coefficient"] * signals["body_rate"])

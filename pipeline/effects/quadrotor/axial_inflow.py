@@ -1,9 +1,8 @@
 """Thrust that a rotor loses when it climbs into its own air."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import rotor_speed_ratio
+from simgap.physics.shapes import Channels
 
 
 class AxialInflow(WrenchEffect):
@@ -24,7 +23,7 @@ class AxialInflow(WrenchEffect):
     )
     excitation = "climb and descend at several speeds with little lateral motion"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force along body z, m/s²."""
         gain = -values["coefficient"] * rotor_speed_ratio(signals, constants)
         return {"force_z": gain * signals["velocity"][..., 2]}

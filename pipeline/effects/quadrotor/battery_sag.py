@@ -2,9 +2,8 @@
 
 from typing import Any
 
-from torch import Tensor
-
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.physics.shapes import Real, Signal
 
 
 class BatterySag(ActuatorEffect):
@@ -25,13 +24,13 @@ class BatterySag(ActuatorEffect):
     )
     excitation = "fly the same manoeuvre on a full and on an empty battery, and punch the throttle"
 
-    def load(self, signals: Signals, constants: Values) -> Tensor:
+    def load(self, signals: Signals, constants: Values) -> Real:
         """Return what the rotors draw, in proportion to their shafts' power."""
         return (signals["rotor_speed"] ** 3).sum(-1)
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the rotor speed at the battery's voltage."""
         sag = signals["battery_voltage"] / constants["nominal_voltage"] - 1.0
         return {"rotor_speed": signals["rotor_speed"] * (1.0 + values["sensitivity"] * sag)[..., None]}, None

@@ -1,9 +1,8 @@
 """The moment of rotors whose discs tilt back in forward flight."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import rotor_speed_ratio
+from simgap.physics.shapes import Channels
 
 
 class BladeFlappingMoment(WrenchEffect):
@@ -24,7 +23,7 @@ class BladeFlappingMoment(WrenchEffect):
     )
     excitation = "fly straight lines forward and sideways at several speeds, holding the attitude at each"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return roll and pitch torque, N·m."""
         gain = values["coefficient"] * rotor_speed_ratio(signals, constants)
         velocity = signals["velocity"]

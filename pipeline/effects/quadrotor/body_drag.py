@@ -1,9 +1,8 @@
 """Parasitic drag of the airframe."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import along_axes
+from simgap.physics.shapes import Channels
 
 
 class BodyDrag(WrenchEffect):
@@ -24,7 +23,7 @@ class BodyDrag(WrenchEffect):
         "fly straight lines at speeds at least a factor of three apart, and coast down from the fastest"
     )
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force along the airflow, m/s²."""
         velocity = signals["velocity"]
         speed = velocity.square().sum(-1, keepdim=True).clamp_min(1e-12).sqrt()

@@ -1,8 +1,7 @@
 """A centre of mass that is not where the rotors' lever arms are measured from."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.physics.shapes import Channels
 
 
 class CenterOfMassOffset(WrenchEffect):
@@ -24,7 +23,7 @@ class CenterOfMassOffset(WrenchEffect):
     )
     excitation = "climb and descend hard without turning, so that thrust changes while torque should not"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the torque of the total thrust about the displaced centre, N·m."""
         thrust = constants["thrust_coefficient"] * signals["rotor_speed"].square().sum(-1)
         return {"torque_x": -values["offset_y"] * thrust, "torque_y": values["offset_x"] * thrust}

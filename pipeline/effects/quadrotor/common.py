@@ -1,27 +1,26 @@
 """Quantities that several effects of the quadrotor share."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Signals, Values
+from simgap.physics.shapes import Channels, PerModule, Real, Value, Vector
 
 
-def rotor_speed_ratio(signals: Signals, constants: Values) -> Tensor:
+def rotor_speed_ratio(signals: Signals, constants: Values) -> Real:
     """Mean rotor speed over the rotor speed that carries the weight (...,)."""
     return signals["rotor_speed"].mean(-1) / hover_rotor_speed(constants)
 
 
-def hover_rotor_speed(constants: Values) -> float | Tensor:
+def hover_rotor_speed(constants: Values) -> Value:
     """Rotor speed at which four rotors carry the weight, rad/s."""
     weight = constants["mass"] * constants["gravity"]
     return (weight / (4.0 * constants["thrust_coefficient"])) ** 0.5
 
 
-def along_axes(stem: str, vector: Tensor) -> dict[str, Tensor]:
+def along_axes(stem: str, vector: Vector) -> Channels:
     """Name the three components of a (..., 3) vector as channels."""
     return {f"{stem}_{axis}": vector[..., index] for index, axis in enumerate("xyz")}
 
 
-def spin_momentum(speed: Tensor, constants: Values) -> Tensor:
+def spin_momentum(speed: PerModule, constants: Values) -> Real:
     """Return the rotors' angular momentum about +z relative to the body, over the inertia of one (...,) rad/s.
 
     Air brakes a rotor against its spin and the motor hands that to the body: the spin is opposite to the reaction

@@ -7,6 +7,7 @@ from torch import Tensor
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import hover_rotor_speed
+from simgap.physics.shapes import Channels
 
 # (name, unit, default, bound on the size); in the order of the terms that `_terms` returns.
 _LATERAL = (
@@ -79,7 +80,7 @@ class GreyBoxAerodynamics(WrenchEffect):
     )
     excitation = "race: every direction, every speed and every thrust that the policy will meet"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force, m/s², and torque, N·m."""
         terms = _terms(signals, constants)
         return {

@@ -1,8 +1,7 @@
 """Thrust that rotors gain over a near floor."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.physics.shapes import Channels
 
 _LEAST_HEIGHT = 0.02  # m; on the ground no rotor is nearer to it than its landing gear lets it be
 
@@ -25,7 +24,7 @@ class GroundEffect(WrenchEffect):
     )
     excitation = "hover at several heights from one rotor diameter down to landing"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force along body z, m/s²."""
         height = signals["position"][..., 2].clamp_min(_LEAST_HEIGHT)
         thrust = constants["thrust_coefficient"] * signals["rotor_speed"].square().sum(-1)

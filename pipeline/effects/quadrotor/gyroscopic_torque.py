@@ -1,11 +1,11 @@
 """Rotors that do not like to be turned."""
 
 import torch
-from torch import Tensor
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import along_axes, spin_momentum
 from simgap.physics.rigid_body import gyroscopic_torque
+from simgap.physics.shapes import Channels
 
 
 class GyroscopicTorque(WrenchEffect):
@@ -24,7 +24,7 @@ class GyroscopicTorque(WrenchEffect):
     )
     excitation = "roll and pitch quickly while yawing hard, so that one pair of rotors outruns the other"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the torque, N·m."""
         spin = values["inertia"] * spin_momentum(signals["rotor_speed"], constants)
         still = torch.zeros_like(spin)

@@ -11,6 +11,7 @@ from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import hover_rotor_speed
 from simgap.effects.scan import scan
 from simgap.physics.rotors import hub_velocity, wrench
+from simgap.physics.shapes import Channels
 
 _ITERATIONS = 20
 _STILL = 1e-6  # m/s, below which air does not move
@@ -48,7 +49,7 @@ class InflowRatio(WrenchEffect):
         """Start from a scan: without sensitivity the induced velocity leaves no slope to follow."""
         return scan(sensitivity=(0.5, 2.0), induced_velocity=(2.0, 5.0, 12.0))
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force along body z, m/s², and what the discs' differences twist, N·m."""
         speed = signals["rotor_speed"]
         positions = constants["rotor_positions"].to(speed)

@@ -2,10 +2,9 @@
 
 from typing import Any
 
-from torch import Tensor
-
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.lag import lag_along_time, lag_step
+from simgap.physics.shapes import Signal
 
 
 class MotorLag(ActuatorEffect):
@@ -37,7 +36,7 @@ class MotorLag(ActuatorEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the mean rotor speed over the step; the memory holds the speed at its end."""
         target = signals["rotor_speed"]
         start = target if memory is None else memory
@@ -46,7 +45,7 @@ class MotorLag(ActuatorEffect):
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
-    ) -> dict[str, Tensor]:
+    ) -> dict[str, Signal]:
         """Lag whole blocks at once: the same as sample by sample."""
         lagged = lag_along_time(signals["rotor_speed"], values["time_constant"], time_step)
         return {**signals, "rotor_speed": lagged}

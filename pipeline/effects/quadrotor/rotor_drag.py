@@ -1,9 +1,8 @@
 """Drag that spinning rotors feel when air moves through their plane."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import rotor_speed_ratio
+from simgap.physics.shapes import Channels
 
 
 class RotorDrag(WrenchEffect):
@@ -22,7 +21,7 @@ class RotorDrag(WrenchEffect):
     )
     excitation = "fly straight lines forward and sideways at several speeds, holding the attitude at each"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return lateral specific force, m/s²."""
         gain = -values["coefficient"] * rotor_speed_ratio(signals, constants)
         velocity = signals["velocity"]

@@ -3,10 +3,10 @@
 from typing import Any
 
 import torch
-from torch import Tensor
 
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import spin_momentum
+from simgap.physics.shapes import Channels, Signal
 
 
 class RotorInertiaTorque(ActuatorEffect, WrenchEffect):
@@ -29,7 +29,7 @@ class RotorInertiaTorque(ActuatorEffect, WrenchEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the rotors' acceleration since the sample before, none at the first; the memory holds the speed."""
         speed = signals["rotor_speed"]
         before = speed if memory is None else memory
@@ -37,11 +37,11 @@ class RotorInertiaTorque(ActuatorEffect, WrenchEffect):
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
-    ) -> dict[str, Tensor]:
+    ) -> dict[str, Signal]:
         """Return recorded blocks with the rotors' acceleration by central differences."""
         (acceleration,) = torch.gradient(signals["rotor_speed"], spacing=time_step, dim=1)
         return {**signals, "rotor_acceleration": acceleration}
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the yaw torque, N·m."""
         return {"torque_z": -values["inertia"] * spin_momentum(signals["rotor_acceleration"], constants)}

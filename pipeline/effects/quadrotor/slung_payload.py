@@ -12,6 +12,7 @@ from simgap.effects.quadrotor.common import along_axes
 from simgap.effects.scan import scan
 from simgap.physics import rotations
 from simgap.physics.cable import Cable, along, pull, swing
+from simgap.physics.shapes import Channels, Signal
 
 _TOGETHER = 4  # stretches through which a swing is followed: what is felt is no more precise than that
 
@@ -50,7 +51,7 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the cable's pull per mass of the load; hanging straight at the first sample.
 
         The memory holds direction and rate of the cable, the machine's velocity and the pull, all in the world frame.
@@ -73,7 +74,7 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
-    ) -> dict[str, Tensor]:
+    ) -> dict[str, Signal]:
         """Return recorded blocks with the pull that follows from how the machine was seen to accelerate.
 
         An accelerometer reads it where there is one, else velocities give it by central differences. Nothing stops a
@@ -91,7 +92,7 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
         direction, rate = (chains.parted(series) for series in cable.swings(*start, joined))
         return {**signals, "payload_pull": pull(direction, rate, apparent, values["length"])}
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the cable's pull on the machine in the body frame, m/s²."""
         pulled = rotations.rotate_inverse(signals["attitude"], signals["payload_pull"])
         return along_axes("force", values["mass_ratio"] * pulled)

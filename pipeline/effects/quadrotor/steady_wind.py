@@ -1,10 +1,10 @@
 """Wind that does not change."""
 
 import torch
-from torch import Tensor
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.physics import rotations
+from simgap.physics.shapes import Channels
 
 
 class SteadyWind(WrenchEffect):
@@ -38,7 +38,7 @@ class SteadyWind(WrenchEffect):
         """Start from a frame's drag, and from that of rotors alone."""
         return [{**self.neutral(), "axial_share": share} for share in (1.0, 0.0)]
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the push in the body frame, m/s²."""
         attitude = signals["attitude"]
         one = torch.ones_like(attitude[..., 0])

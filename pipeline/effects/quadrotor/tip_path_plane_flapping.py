@@ -13,6 +13,7 @@ from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, Wr
 from simgap.effects.lag import lag_along_time, lag_step
 from simgap.effects.quadrotor.common import rotor_speed_ratio
 from simgap.effects.scan import scan
+from simgap.physics.shapes import Channels, Signal
 
 _SLOWEST = 0.1  # of the hover rotor speed; slower, a rotor lifts a hundredth of the weight and its tilt hardly counts
 
@@ -53,7 +54,7 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the mean tilt over the step, settled at the first; the memory holds the tilt at its end."""
         target, time_constant = _steady_tilt(signals, values, constants)
         start = target if memory is None else memory
@@ -62,12 +63,12 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
-    ) -> dict[str, Tensor]:
+    ) -> dict[str, Signal]:
         """Tilt the discs along whole blocks at once: the same as sample by sample."""
         target, time_constant = _steady_tilt(signals, values, constants)
         return {**signals, "disc_tilt": lag_along_time(target, time_constant, time_step)}
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force, m/s², and torque, N·m."""
         thrust = constants["thrust_coefficient"] * signals["rotor_speed"].square()
         back, side = signals["disc_tilt"].unbind(-1)

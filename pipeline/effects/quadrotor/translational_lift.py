@@ -1,8 +1,7 @@
 """Thrust that a rotor gains when air moves through its plane."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.physics.shapes import Channels
 
 
 class TranslationalLift(WrenchEffect):
@@ -21,7 +20,7 @@ class TranslationalLift(WrenchEffect):
     )
     excitation = "fly level straight lines at several speeds and compare the thrust needed to hold height"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force along body z, m/s²."""
         in_plane = signals["velocity"][..., :2].square().sum(-1)
         return {"force_z": values["coefficient"] * in_plane}

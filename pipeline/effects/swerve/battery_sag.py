@@ -6,9 +6,8 @@ the motors' nominal voltage they get what is commanded.
 
 from typing import Any
 
-from torch import Tensor
-
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.physics.shapes import Real, Signal
 
 
 class _SwerveBatterySag(ActuatorEffect):
@@ -22,7 +21,7 @@ class _SwerveBatterySag(ActuatorEffect):
     source = "Mohan 2003, Electric drives, §4: the mean voltage of a pulse-width-modulated converter"
     excitation = "the same motion with a full and with an empty battery, or under heavy load and light"
 
-    def load(self, signals: Signals, constants: Values) -> Tensor:
+    def load(self, signals: Signals, constants: Values) -> Real:
         """Return what all motors draw from the battery that they share, W at nominal torque constants."""
         power = [
             (signals[f"{group}_voltage"] * signals[f"{group}_torque"]).sum(-1)
@@ -33,7 +32,7 @@ class _SwerveBatterySag(ActuatorEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the voltages at the motors, and the torques that they make."""
         group = self.acts_on
         relative = signals["battery_voltage"] / constants[f"{group}_nominal_voltage"] - 1.0

@@ -1,9 +1,8 @@
 """Friction of the wheels and modules of a swerve drive, shared by its effects."""
 
-from torch import Tensor
-
 from simgap.effects.dry_friction import DryFriction
 from simgap.effects.effect import Signals, Values
+from simgap.physics.shapes import Channels, PerModule
 from simgap.platforms.swerve_mechanism import (
     on_chassis,
     per_module,
@@ -33,7 +32,7 @@ class WheelFriction(DryFriction):
     acts_on = "drive"
     holds = "wheel_load"
 
-    def on_channels(self, friction: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:
+    def on_channels(self, friction: PerModule, signals: Signals, constants: Values) -> Channels:
         """Return the friction summed on the chassis."""
         return on_wheels(friction, signals, constants)
 
@@ -45,34 +44,34 @@ class ModuleFriction(DryFriction):
     acts_on = "steer"
     holds = "module_load"
 
-    def on_channels(self, friction: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:
+    def on_channels(self, friction: PerModule, signals: Signals, constants: Values) -> Channels:
         """Return the friction on each module, N·m."""
         return on_modules(friction)
 
 
-def wheel_load(signals: Signals) -> Tensor:
+def wheel_load(signals: Signals) -> PerModule:
     """What friction holds at each standing wheel, (..., 4) N·m: what is left to hold, else the motor's torque."""
     return signals.get(WheelFriction.holds, signals["drive_torque"])
 
 
-def module_load(signals: Signals, constants: Values) -> Tensor:
+def module_load(signals: Signals, constants: Values) -> PerModule:
     """What friction holds at each standing module, (..., 4) N·m: what is left to hold, else the motor's torque."""
     if ModuleFriction.holds in signals:
         return signals[ModuleFriction.holds]
     return steering_torque(signals, constants)
 
 
-def wheel_speed(signals: Signals, constants: Values) -> Tensor:
+def wheel_speed(signals: Signals, constants: Values) -> PerModule:
     """Speed of each wheel about its axle, (..., 4) rad/s; what turning the module adds to the motor's is taken out."""
     driven = signals["drive_velocity"] - constants["coupling_ratio"] * signals["steer_velocity"]
     return driven / constants["drive_gear_ratio"]
 
 
-def on_wheels(torque: Tensor, signals: Signals, constants: Values) -> dict[str, Tensor]:
+def on_wheels(torque: PerModule, signals: Signals, constants: Values) -> Channels:
     """Sum a torque about each wheel's axle (..., 4) N·m on the chassis."""
     return sum_on_chassis(torque, signals["steer_angle"], constants)
 
 
-def on_modules(torque: Tensor) -> dict[str, Tensor]:
+def on_modules(torque: PerModule) -> Channels:
     """Name a torque about each module's axis (..., 4) N·m as the steering channels."""
     return per_module(torque)

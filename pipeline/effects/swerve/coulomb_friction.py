@@ -1,10 +1,9 @@
 """Dry friction in a swerve drive's wheels and in its steering."""
 
-from torch import Tensor
-
 from simgap.effects.dry_friction import dry_friction, sliding_of
 from simgap.effects.effect import Parameter, Signals, Values
 from simgap.effects.swerve.common import ModuleFriction, WheelFriction, module_load, wheel_load, wheel_speed
+from simgap.physics.shapes import PerModule
 
 
 class DriveCoulombFriction(WheelFriction):
@@ -19,7 +18,7 @@ class DriveCoulombFriction(WheelFriction):
     )
     excitation = "slow voltage ramps forward and backward, through standstill"
 
-    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> PerModule:
         """Return the friction about each axle, (..., 4) N·m."""
         speed, sliding = wheel_speed(signals, constants), sliding_of(signals, constants, "drive_")
         return dry_friction(values["level"], speed, wheel_load(signals), sliding)
@@ -37,7 +36,7 @@ class SteerCoulombFriction(ModuleFriction):
     )
     excitation = "turn the modules slowly to and fro, through standstill"
 
-    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> PerModule:
         """Return the friction on each module, (..., 4) N·m."""
         speed, sliding = signals["steer_velocity"], sliding_of(signals, constants, "steer_")
         return dry_friction(values["level"], speed, module_load(signals, constants), sliding)

@@ -7,6 +7,7 @@ from torch import Tensor
 
 from simgap.effects.effect import ConstantEffect, Parameter, Signals, Values, WrenchEffect
 from simgap.effects.swerve.common import on_chassis
+from simgap.physics.shapes import Channels
 from simgap.platforms.swerve_constraint import along_the_wheels
 from simgap.platforms.swerve_kinematics import lateral_matrix, rolling_speed
 
@@ -45,7 +46,7 @@ class ModuleMisalignment(ConstantEffect, WrenchEffect):
         offsets = [torch.as_tensor(values[name], dtype=torch.float64) for name in _OFFSETS]
         return {**constants, "module_offset": torch.stack(offsets)}
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return what the wheels' side forces do to the chassis beyond what they do where every zero is right."""
         angle = signals["steer_angle"]
         stiffness = values["cornering_stiffness"] * 0.25 * constants["mass"] * constants["gravity"]

@@ -1,12 +1,12 @@
 """The ground's resistance against turning a wheel about the vertical."""
 
 import torch
-from torch import Tensor
 
 from simgap.effects.dry_friction import dry_friction, sliding_of
 from simgap.effects.effect import Parameter, Signals, Values
 from simgap.effects.scan import scan
 from simgap.effects.swerve.common import ModuleFriction, module_load, wheel_speed
+from simgap.physics.shapes import PerModule
 
 
 class ScrubTorque(ModuleFriction):
@@ -32,7 +32,7 @@ class ScrubTorque(ModuleFriction):
         """Start from a scan: the radius has no slope where nothing rubs."""
         return scan(level=(0.1, 1.0, 10.0), patch_radius=(0.005, 0.02, 0.1))
 
-    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> PerModule:
         """Return the torque on each module, (..., 4) N·m."""
         turning, sliding = signals["steer_velocity"], sliding_of(signals, constants, "steer_")
         rolling = wheel_speed(signals, constants) * constants["wheel_radius"]

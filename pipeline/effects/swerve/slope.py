@@ -1,9 +1,9 @@
 """A floor that is not level."""
 
 import torch
-from torch import Tensor
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.physics.shapes import Channels
 
 
 class Slope(WrenchEffect):
@@ -25,7 +25,7 @@ class Slope(WrenchEffect):
     )
     excitation = "drive the same line to and fro in two directions, always from the same first heading"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the downhill pull in the robot's frame, N."""
         cosine, sine = torch.cos(signals["heading"]), torch.sin(signals["heading"])
         weight = constants["mass"] * constants["gravity"]

@@ -9,6 +9,7 @@ from simgap.effects.dry_friction import DryFriction, Sliding, dry_friction, fade
 from simgap.effects.effect import Parameter, Signals, Values
 from simgap.effects.scan import scan
 from simgap.effects.swerve.common import ModuleFriction, WheelFriction, module_load, wheel_load, wheel_speed
+from simgap.physics.shapes import PerModule
 
 
 class _SwerveStribeckFriction(DryFriction):
@@ -27,7 +28,7 @@ class _SwerveStribeckFriction(DryFriction):
         return scan(extra_level=(0.03, 0.3, 3.0), velocity=(0.1, 1.0, 10.0))
 
     @abstractmethod
-    def speed(self, signals: Signals, constants: Values) -> Tensor:
+    def speed(self, signals: Signals, constants: Values) -> PerModule:
         """Return the speed at which it slides, (..., 4) rad/s."""
 
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
@@ -51,11 +52,11 @@ class DriveStribeckFriction(_SwerveStribeckFriction, WheelFriction):
         "very slow voltage ramps through standstill, and constant crawling speeds forward and backward"
     )
 
-    def speed(self, signals: Signals, constants: Values) -> Tensor:
+    def speed(self, signals: Signals, constants: Values) -> PerModule:
         """Return the speed of each wheel about its axle, (..., 4) rad/s."""
         return wheel_speed(signals, constants)
 
-    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> PerModule:
         """Return the friction about each axle, (..., 4) N·m."""
         sliding = sliding_of(signals, constants, "drive_")
         return _friction(self.speed(signals, constants), wheel_load(signals), values, sliding)
@@ -74,11 +75,11 @@ class SteerStribeckFriction(_SwerveStribeckFriction, ModuleFriction):
     )
     excitation = "turn the modules very slowly to and fro, and crawl at constant rates"
 
-    def speed(self, signals: Signals, constants: Values) -> Tensor:
+    def speed(self, signals: Signals, constants: Values) -> PerModule:
         """Return the speed of each module about its axis, (..., 4) rad/s."""
         return signals["steer_velocity"]
 
-    def friction(self, signals: Signals, values: Values, constants: Values) -> Tensor:
+    def friction(self, signals: Signals, values: Values, constants: Values) -> PerModule:
         """Return the friction on each module, (..., 4) N·m."""
         sliding = sliding_of(signals, constants, "steer_")
         return _friction(self.speed(signals, constants), module_load(signals, constants), values, sliding)

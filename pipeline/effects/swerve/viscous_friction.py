@@ -1,9 +1,8 @@
 """Friction in proportion to speed in a swerve drive's wheels and in its steering."""
 
-from torch import Tensor
-
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.swerve.common import on_modules, on_wheels, wheel_speed
+from simgap.physics.shapes import Channels
 
 
 class DriveViscousFriction(WrenchEffect):
@@ -18,7 +17,7 @@ class DriveViscousFriction(WrenchEffect):
     sentence = "Friction in each driven wheel grows by {coefficient} N·m per rad/s; add viscous friction to the drive."
     excitation = "hold constant speeds over the whole range, forward and backward"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction summed on the chassis."""
         return on_wheels(-values["coefficient"] * wheel_speed(signals, constants), signals, constants)
 
@@ -37,6 +36,6 @@ class SteerViscousFriction(WrenchEffect):
     )
     excitation = "turn the modules at several constant speeds"
 
-    def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
+    def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction on each module, N·m."""
         return on_modules(-values["coefficient"] * signals["steer_velocity"])

@@ -7,6 +7,7 @@ from torch import Tensor
 
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.swerve.common import wheel_angle
+from simgap.physics.shapes import Signal
 from simgap.platforms.swerve_mechanism import LEAST_SLIP, SLIDING
 
 # Of a wheel's share of the weight: accelerations shift load, a light wheel slides first and a heavy one last.
@@ -39,7 +40,7 @@ class WheelSlip(ActuatorEffect):
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
-    ) -> tuple[dict[str, Tensor], Any]:
+    ) -> tuple[dict[str, Signal], Any]:
         """Return the torques that the ground can answer, and whether a wheel may slide, and has to."""
         load = 0.25 * constants["mass"] * constants["gravity"]
         pull = signals["drive_torque"] / constants["wheel_radius"]

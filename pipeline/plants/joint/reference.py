@@ -9,9 +9,9 @@ from simgap.plants.joint.case import JointCase
 from simgap.plants.rotation import Array
 
 _LINES = 12
-_LOWEST = 0.15  # Hz
-_ROUNDING = 0.025  # s, standard deviation of the kernel that rounds corners
-_CREEP = 0.04  # share of the greatest velocity
+_LOWEST_FREQUENCY = 0.15  # Hz
+_CORNER_KERNEL = 0.025  # s, standard deviation of the kernel that rounds corners
+_CREEP_SHARE = 0.04  # share of the greatest velocity
 _GOLDEN = (5**0.5 - 1) / 2  # spreads sizes evenly over the kinds of reference
 
 
@@ -32,7 +32,7 @@ def references(case: JointCase, times: Array, random: np.random.Generator) -> tu
         shape = SHAPES[name](case, times, random)
         velocity = np.gradient(shape, step)
         reach = np.abs(shape).max() if name != "one_way" else 0.0
-        fastest = case.velocity * (_CREEP if name == "creep" else 1.0)
+        fastest = case.velocity * (_CREEP_SHARE if name == "creep" else 1.0)
         limits = (reach / case.amplitude, np.abs(velocity).max() / fastest)
         push = np.abs(np.gradient(velocity, step)).max() / case.acceleration
         columns.append(sizes[run] / max(*limits, push) * shape)
@@ -57,14 +57,16 @@ def _turning(case: JointCase) -> float:
 
 
 def _multisine(case: JointCase, times: Array, random: np.random.Generator) -> Array:
-    frequency = np.geomspace(_LOWEST, 1.5 * _highest(case), _LINES) * random.uniform(0.93, 1.07, _LINES)
+    frequency = np.geomspace(_LOWEST_FREQUENCY, 1.5 * _highest(case), _LINES) * random.uniform(
+        0.93, 1.07, _LINES
+    )
     phase = random.uniform(0.0, 2.0 * np.pi, _LINES)
     amplitude = 1.0 / np.maximum(frequency, _turning(case))
     return (amplitude * np.sin(2.0 * np.pi * frequency * times[:, None] + phase)).sum(axis=1)
 
 
 def _chirp(case: JointCase, times: Array, random: np.random.Generator) -> Array:
-    low, high = 0.6 * _LOWEST, 1.5 * _highest(case) * random.uniform(0.9, 1.1)
+    low, high = 0.6 * _LOWEST_FREQUENCY, 1.5 * _highest(case) * random.uniform(0.9, 1.1)
     progress = np.clip(times / case.duration, 0.0, 1.0)
     rate = np.log(high / low)
     frequency = low * np.exp(rate * progress)
@@ -79,7 +81,7 @@ def _steps(case: JointCase, times: Array, random: np.random.Generator) -> Array:
     hold = random.uniform(0.5, 1.4, 4 + int((times[-1] - times[0]) / 0.5))
     edges = times[0] + np.cumsum(hold)
     levels = random.uniform(0.3, 1.0, len(hold) + 1) * np.resize([1.0, -1.0], len(hold) + 1)
-    rounding = max(_ROUNDING, 0.4 * case.velocity / case.acceleration) / (times[1] - times[0])
+    rounding = max(_CORNER_KERNEL, 0.4 * case.velocity / case.acceleration) / (times[1] - times[0])
     return gaussian_filter1d(levels[np.searchsorted(edges, times)], rounding, mode="nearest")
 
 
@@ -96,7 +98,7 @@ def _creep(case: JointCase, times: Array, random: np.random.Generator) -> Array:
 def _rounded_triangle(period: float, times: Array, random: np.random.Generator) -> Array:
     turn = times / period + random.uniform(0.0, 1.0)
     wave = 4.0 * np.abs(turn - np.floor(turn + 0.5)) - 1.0
-    return gaussian_filter1d(wave, _ROUNDING / (times[1] - times[0]), mode="nearest")
+    return gaussian_filter1d(wave, _CORNER_KERNEL / (times[1] - times[0]), mode="nearest")
 
 
 def _sine(case: JointCase, times: Array, random: np.random.Generator) -> Array:

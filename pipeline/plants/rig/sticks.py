@@ -6,7 +6,7 @@ from simgap.plants.rig.case import RigCase
 from simgap.plants.rotation import Array
 
 _LINES = 6
-_SLOWEST, _FASTEST = 0.05, 0.5  # Hz, of the attitude that the pilot keeps
+_LOWEST_FREQUENCY, _HIGHEST_FREQUENCY = 0.05, 0.5  # Hz, of the attitude that the pilot keeps
 
 
 class Sticks:
@@ -15,7 +15,7 @@ class Sticks:
     def __init__(self, case: RigCase, samples: int, random: np.random.Generator) -> None:
         """Draw what is wanted of each of `samples` samples."""
         shape = (case.runs, 3, _LINES)
-        frequency = 2.0 * np.pi * random.uniform(_SLOWEST, _FASTEST, shape)
+        frequency = 2.0 * np.pi * random.uniform(_LOWEST_FREQUENCY, _HIGHEST_FREQUENCY, shape)
         phase = random.uniform(0.0, 2.0 * np.pi, shape)
         time = np.arange(samples)[:, None, None, None] / case.rate
         size = case.pilot.wander * np.sqrt(2.0 / _LINES)

@@ -14,7 +14,7 @@ from simgap.plants.swerve.motion import SETTLING, STEP, move
 from simgap.plants.swerve.reference import Reference
 from simgap.platforms import Swerve
 
-_REST = 0.5  # s that the robot is watched after the last voltage
+_WATCHED_AFTER = 0.5  # s that the robot is watched after the last voltage
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def _drive(
     effects, outside = (_scattered(entry, scatter, random) for entry in (effects, outside))
     told = replace(case, runs=1, rate=1.0 / period, held=True)
     begun = round(SETTLING / STEP)
-    steps = begun + round((len(voltage) * period + _REST) / STEP) + 1
+    steps = begun + round((len(voltage) * period + _WATCHED_AFTER) / STEP) + 1
     still = np.zeros((steps, 1, 4))
     reference = Reference(still, still, still, still, still)
     controller = _Told(platform, told, reference, voltage, begun, round(period / STEP))

@@ -12,7 +12,7 @@ from simgap.platforms import Swerve
 
 _GOLDEN = (5**0.5 - 1) / 2  # spreads sizes evenly over the manoeuvres
 _LINES = 5
-_ROUNDING = 0.1  # s, standard deviation of the kernel that rounds changes of speed
+_CORNER_KERNEL = 0.1  # s, standard deviation of the kernel that rounds changes of speed
 _YAW_SHARE = 0.6  # of a module's speed that comes from yaw where the robot translates
 _SHIFT_SHARE = 0.5  # of a module's speed that comes from translation where the robot spins
 
@@ -95,7 +95,7 @@ def _direction(
     if name == "spin":
         share, turning = _SHIFT_SHARE, np.full_like(times, 1.0 / reach)
     direction = np.stack((share * np.cos(heading), share * np.sin(heading), turning), axis=1)
-    return gaussian_filter1d(direction, _ROUNDING / (times[1] - times[0]), axis=0, mode="nearest")
+    return gaussian_filter1d(direction, _CORNER_KERNEL / (times[1] - times[0]), axis=0, mode="nearest")
 
 
 def _waves(times: Array, random: np.random.Generator, slope: float) -> Array:
@@ -117,6 +117,6 @@ def _swing(name: str, case: SwerveCase, times: Array, random: np.random.Generato
     edges = times[0] + np.cumsum(random.uniform(0.6, 1.6, 4 + int((times[-1] - times[0]) / 0.6)))
     levels = random.uniform(-1.0, 1.0, len(edges) + 1)
     steps = gaussian_filter1d(
-        levels[np.searchsorted(edges, times)], _ROUNDING / (times[1] - times[0]), mode="nearest"
+        levels[np.searchsorted(edges, times)], _CORNER_KERNEL / (times[1] - times[0]), mode="nearest"
     )
     return wave / np.abs(wave).max() + 0.7 * steps

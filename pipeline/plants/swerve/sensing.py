@@ -9,7 +9,7 @@ from simgap.plants.swerve.case import SwerveCase
 from simgap.plants.swerve.motion import SETTLING, STEP, Log
 
 _COMMANDED = ("drive_voltage", "steer_voltage")
-_LATE = ("drive_velocity", "steer_velocity", "steer_angle", "twist")
+_DELAYED = ("drive_velocity", "steer_velocity", "steer_angle", "twist")
 
 
 def record(
@@ -32,7 +32,7 @@ def record(
         clock, noise, extra = (np.random.default_rng([*seed, run, part]) for part in range(3))
         times = instants(samples, case.rate, case.jitter, clock)
         truth = {
-            key: at(getattr(log, key)[:, run], times - (offset if key in _LATE else 0.0), STEP, SETTLING)
+            key: at(getattr(log, key)[:, run], times - (offset if key in _DELAYED else 0.0), STEP, SETTLING)
             for key in Log.__dataclass_fields__
         }
         if case.held:  # its controllers log a command at their own tick

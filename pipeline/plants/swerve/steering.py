@@ -41,13 +41,13 @@ class Scrub:
             rolling: of the wheel, m/s.
             step: s.
         """
-        rubbing = (self.patch * turning) ** 2 + _STILL**2
+        rubbing = (self.patch * turning) ** 2 + _STANDSTILL_SPEED**2
         level = np.maximum(self.level * np.sqrt(rubbing / (rubbing + rolling**2)), self.bristles.least)
         self.deflection = self.bristles.bend(self.deflection, turning, level, step)
         return self.bristles.dry_force(self.deflection, turning, level)
 
 
-_STILL = 1e-4  # m/s, below which a wheel and its patch stand
+_STANDSTILL_SPEED = 1e-4  # m/s, below which a wheel and its patch stand
 
 
 def steering_of(

@@ -9,7 +9,7 @@ from simgap.plants.rotation import Array
 # Where no slip is concealed, none that a sensor sees. Along the wheel it may be as stiff as arithmetic likes; across,
 # wheels that disagree by a thousandth of a rad must not fight each other harder than real ones do.
 _ALONG, _ACROSS = 2e3, 4e2  # N of force per m/s of slip and per N of load
-_CREEP = 0.15  # m/s, below which stiffness no longer grows as speed falls
+_CREEP_SPEED = 0.15  # m/s, below which stiffness no longer grows as speed falls
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Tyres:
         """
         if not self.stiffness:
             return _ALONG * loads, self._side_stiffness(rolling) * loads
-        linear = self.stiffness / (np.abs(rolling) + _CREEP)
+        linear = self.stiffness / (np.abs(rolling) + _CREEP_SPEED)
         sliding = np.sqrt((slip * slip).sum(axis=0))
         grip = loads * linear / np.sqrt(1.0 + (linear * sliding / self.friction) ** 2)
         return grip, grip
@@ -64,4 +64,4 @@ class Tyres:
         """Return side force over load per slip speed across wheels that roll at a speed (runs, 4) m/s."""
         if not self.cornering:
             return np.full_like(rolling, _ACROSS)
-        return np.minimum(self.cornering / (np.abs(rolling) + _CREEP), _ACROSS)
+        return np.minimum(self.cornering / (np.abs(rolling) + _CREEP_SPEED), _ACROSS)

@@ -9,7 +9,7 @@ from scipy.optimize import brentq, brute, minimize
 from simgap.policies.profile.drive import Drive
 from simgap.policies.profile.reference import Array, Reference, s_curve, trapezoid
 
-_SAMPLES = 400
+_PROFILE_SAMPLES = 400
 _GRID = 16
 _SPAN = 30.0  # factor between the gentlest and the wildest limits that are tried
 
@@ -38,7 +38,7 @@ def peak_voltage(drive: Drive, reference: Reference) -> float:
     """Return the greatest voltage, V, that a profile asks of any wheel."""
     ends = reference.acceleration.x
     # Accelerations jump at the ends of pieces: both sides count.
-    times = np.concatenate([np.linspace(0.0, ends[-1], _SAMPLES), ends[1:] - 1e-9])
+    times = np.concatenate([np.linspace(0.0, ends[-1], _PROFILE_SAMPLES), ends[1:] - 1e-9])
     velocity, acceleration = reference.velocity(times), reference.acceleration(times)
     asked = _constants(drive) @ np.stack([np.ones_like(times), velocity, acceleration])
     return float(np.abs(asked).max())

@@ -12,7 +12,7 @@ PRIVILEGED_SIZE = 18
 # Units in which the numbers are of the order of one.
 _LENGTH = 10.0  # m
 _SPEED = 10.0  # m/s
-_RATE = 10.0  # rad/s
+_BODY_RATE = 10.0  # rad/s
 _ANGULAR_ACCELERATION = 100.0  # rad/s²
 
 
@@ -48,7 +48,7 @@ def racing_observation(
     ]
     following = (target + 1) % len(track)
     exact = [
-        true["body_rate"] / _RATE,
+        true["body_rate"] / _BODY_RATE,
         acceleration / _ANGULAR_ACCELERATION,
         _corners(track, true["position"], rotations.to_matrix(true["attitude"]), following),
     ]

@@ -16,7 +16,7 @@ from simgap.policies.racing.starts import drawn_start, first_starts, keep
 from simgap.policies.racing.track import Track
 from simgap.simulation.flight import Flight
 
-_COUNTS = ("gates", "crashes", "steps")
+_COUNTED = ("gates", "crashes", "steps")
 
 
 @runtime_checkable
@@ -120,7 +120,7 @@ class Racing(Environment):
             "previous": torch.zeros(batch, 4, device=self.device),
             "drawn": torch.zeros(batch, DRAWN, device=self.device),
             "misjudged": torch.zeros(batch, dtype=torch.int64, device=self.device),
-            "counts": torch.zeros(len(_COUNTS), dtype=torch.float64, device=self.device),
+            "counts": torch.zeros(len(_COUNTED), dtype=torch.float64, device=self.device),
         }
 
     def advance(self, action: Tensor) -> tuple[Tensor, Tensor]:

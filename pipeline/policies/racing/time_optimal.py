@@ -16,10 +16,10 @@ from simgap.errors import InputError
 from simgap.policies.racing.settings import Flying
 from simgap.policies.racing.track import Track
 
-_STATE, _INPUT = 13, 4
+_STATE_SIZE, _INPUT_SIZE = 13, 4
 _GUESSED_SPEED = 6.0  # m/s
 _LEAST_SPEED = 0.1  # m/s, through a gate
-_CALM = 1e-5  # s per (rad/s²)²·s: settles what the time leaves open
+_SMOOTHNESS_WEIGHT = 1e-5  # s per (rad/s²)²·s: settles what the time leaves open
 
 
 @dataclass(frozen=True)
@@ -89,8 +89,8 @@ def optimal_lap(
     """
     gates = len(track)
     problem = casadi.Opti()
-    state = problem.variable(_STATE, gates * nodes + 1)
-    command = problem.variable(_INPUT, gates * nodes)
+    state = problem.variable(_STATE_SIZE, gates * nodes + 1)
+    command = problem.variable(_INPUT_SIZE, gates * nodes)
     duration = problem.variable(1, gates)
     step = casadi.kron(duration / nodes, casadi.DM.ones(1, nodes))
     problem.subject_to(state[:, 1:] == _motion(gravity).map(gates * nodes)(state[:, :-1], command, step))
@@ -100,7 +100,7 @@ def optimal_lap(
     for gate in range(gates):
         _pass(problem, state[:, (gate + 1) * nodes], track, gate, limits)
     effort = casadi.sum2(casadi.sum1(command[1:, :] ** 2) * step)
-    problem.minimize(casadi.sum2(duration) + _CALM * effort)
+    problem.minimize(casadi.sum2(duration) + _SMOOTHNESS_WEIGHT * effort)
     _guess(problem, state, command, duration, track, nodes, gravity)
     problem.solver("ipopt", {"print_time": False}, {"print_level": 0, "sb": "yes", "max_iter": 1000})
     try:
@@ -121,7 +121,7 @@ def optimal_lap(
 def _motion(gravity: float) -> Any:
     """Return a step of Runge and Kutta's rule of a rigid body without air: (13), (4), s → (13)."""
     state, command, step = (
-        casadi.MX.sym(name, size) for name, size in (("x", _STATE), ("u", _INPUT), ("h", 1))
+        casadi.MX.sym(name, size) for name, size in (("x", _STATE_SIZE), ("u", _INPUT_SIZE), ("h", 1))
     )
 
     def rate(x: Any) -> Any:

@@ -19,7 +19,7 @@ RESIDUALS = tuple(f"{name}_{axis}" for name in ("position", "velocity", "tilt") 
 """Estimate less truth: m, m/s (world frame), and the rotation from true to estimated attitude about body axes, rad."""
 
 _ESTIMATED = {"position": "xyz", "attitude": "wxyz", "velocity": "xyz"}
-_STATE = {**_ESTIMATED, "body_rate": "xyz"}
+_STATE_AXES = {**_ESTIMATED, "body_rate": "xyz"}
 
 
 def state_features(state: dict[str, Tensor]) -> Tensor:
@@ -84,7 +84,7 @@ def recorded_beliefs(frame: pd.DataFrame, samples: int) -> Beliefs:
     Raises:
         InputError: when the recording has no estimates, or hardly any.
     """
-    own, believed = _columns("", _STATE), _columns("estimate_", _ESTIMATED)
+    own, believed = _columns("", _STATE_AXES), _columns("estimate_", _ESTIMATED)
     missing = [column for column in believed if column not in frame]
     if missing:
         raise InputError(
@@ -96,7 +96,7 @@ def recorded_beliefs(frame: pd.DataFrame, samples: int) -> Beliefs:
     if len(complete) < FEATURES:
         raise InputError(f"has {len(complete)} samples with an estimate", "recording", "record more")
     chosen = complete.iloc[evenly(len(complete), samples)]
-    truth, belief = _state(chosen[own], _STATE), _state(chosen[believed], _ESTIMATED)
+    truth, belief = _state(chosen[own], _STATE_AXES), _state(chosen[believed], _ESTIMATED)
     return Beliefs(state_features(truth), misjudged(truth, belief), _course(chosen))
 
 

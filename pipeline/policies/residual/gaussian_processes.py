@@ -21,7 +21,7 @@ from simgap.recordings.excerpt import evenly
 # Of scaled features and outputs: beyond these a process only looks more certain than a thousand samples can be, and
 # takes what was never flown for worse than all that was.
 _LENGTHS, _VARIANCES, _NOISES = (0.1, 30.0), (0.01, 1.0), (1e-3, 1.5)
-_STARTS = {"lengths": 3.0, "variance": 0.5, "noise": 0.1}
+_START_VALUES = {"lengths": 3.0, "variance": 0.5, "noise": 0.1}
 _JITTER = 1e-6  # of a process's variance, for the factorisation
 
 
@@ -171,8 +171,8 @@ class _Model(gpytorch.models.ExactGP):  # type: ignore[misc]
         self.covariance = gpytorch.kernels.ScaleKernel(
             base, batch_shape=shape, outputscale_constraint=within(*_VARIANCES)
         )
-        base.lengthscale, self.covariance.outputscale = _STARTS["lengths"], _STARTS["variance"]
-        likelihood.noise = _STARTS["noise"]
+        base.lengthscale, self.covariance.outputscale = _START_VALUES["lengths"], _START_VALUES["variance"]
+        likelihood.noise = _START_VALUES["noise"]
 
     def forward(self, inputs: Tensor) -> "gpytorch.distributions.MultivariateNormal":
         return gpytorch.distributions.MultivariateNormal(self.average(inputs), self.covariance(inputs))

@@ -16,7 +16,7 @@ from simgap.policies.residual.gaussian_processes import GaussianProcesses
 from simgap.policies.residual.wander import Wander
 from simgap.recordings.excerpt import evenly
 
-_PACES = 16  # frequencies of the waves in time, a cosine and a sine of each
+_FREQUENCIES = 16  # frequencies of the waves in time, a cosine and a sine of each
 
 
 @dataclass(frozen=True)
@@ -122,9 +122,9 @@ def draw(processes: GaussianProcesses, count: int, waves: int, anchors: int, see
 
 def _wanderings(wander: Wander, count: int, random: torch.Generator) -> tuple[Tensor, Tensor]:
     """Return frequencies (processes, paces) and weights (draws, processes, 2·paces) of waves in time."""
-    paces = torch.stack([_frequencies(time[None], _PACES, random)[0] for time in wander.time])
-    weights = torch.randn(count, len(paces), 2 * _PACES, generator=random, dtype=torch.float64)
-    return paces, weights * (wander.variance / _PACES).sqrt()[:, None]
+    paces = torch.stack([_frequencies(time[None], _FREQUENCIES, random)[0] for time in wander.time])
+    weights = torch.randn(count, len(paces), 2 * _FREQUENCIES, generator=random, dtype=torch.float64)
+    return paces, weights * (wander.variance / _FREQUENCIES).sqrt()[:, None]
 
 
 def _frequencies(lengths: Tensor, count: int, random: torch.Generator) -> Tensor:

@@ -75,9 +75,9 @@ def clean_with_coverage(
     split = split or Split()
     if recording.cleaned:
         parts = split_runs(recording.runs, split, seed, distances_of(recording.frame))
-        runs = [_begin(recording, name, rows) for name, rows in _by_run(recording)]
+        runs = [_take_up(recording, name, rows) for name, rows in _by_run(recording)]
         return Cleaned(dataclasses.replace(recording, split=parts), changes_table([]), coverage(runs))
-    runs = [_begin(recording, name, rows) for name, rows in _by_run(recording)]
+    runs = [_take_up(recording, name, rows) for name, rows in _by_run(recording)]
     steps = [run.time_step for run in runs if (run.dropped == "").any()]
     time_step = settings.time_step or (float(np.median(steps)) if steps else 0.0)
     runs = [_clean_run(run, time_step, settings) if (run.dropped == "").any() else run for run in runs]
@@ -101,7 +101,7 @@ def _by_run(recording: Recording) -> list[tuple[str, pd.DataFrame]]:
     return [(str(name), rows) for name, rows in recording.frame.groupby("run", sort=False)]
 
 
-def _begin(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCleaning:
+def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCleaning:
     """Begin with one run; an unusable run is dropped as a whole."""
     reason = lacking(rows, recording.kind)
     lost: dict[str, int] = {}

@@ -18,7 +18,7 @@ from simgap.recordings.cleaning.work import RunUnderCleaning
 
 _BAND = (1.0, 20.0)  # Hz; below lies drag and sag, above noise
 _EDGE = 0.2  # s at either end of a stretch in which the filters ring
-_LEAST = 5.0  # s of flight
+_SHORTEST_FLIGHT = 5.0  # s of flight
 _SOUND = 0.4  # explained share of variance from which on the estimate is believed; at a third, coincidences were seen
 _LARGEST_ERROR = 0.5  # of a time step: a larger standard error is no estimate
 _BLOCK = 1.0  # s; residuals farther apart than this are taken as independent
@@ -98,7 +98,7 @@ def _offset(
             if differentiate:
                 measured = np.gradient(measured, run.time_step, axis=0)
             pieces.append((sosfiltfilt(band, motors, axis=0), sosfiltfilt(band, measured, axis=0)))
-    if sum(len(motors) - 2 * edge for motors, _ in pieces) * run.time_step < _LEAST:
+    if sum(len(motors) - 2 * edge for motors, _ in pieces) * run.time_step < _SHORTEST_FLIGHT:
         return None
     return compare_clocks(pieces, run.time_step, largest, edge)
 

@@ -7,11 +7,11 @@ from scipy.spatial.transform import Rotation
 from simgap.recordings.cleaning.channels import ATTITUDE, COMMANDS, RATES, SPECIFIC_FORCE, telegrams
 from simgap.recordings.cleaning.work import RunUnderCleaning, stretches_of
 
-_CHANCE = 0.01  # a repetition likelier than this may be a coincidence
-_AROUND = 11  # changes over which the usual step is taken
+_COINCIDENCE_LEVEL = 0.01  # a repetition likelier than this may be a coincidence
+_CHANGES_AROUND = 11  # changes over which the usual step is taken
 _LOW_RATE = 0.5  # share of repetitions above which the channel is simply logged less often
-_REST = 1e-3  # of a channel's largest value: below, it stands still
-_SAME = 1e-9
+_STANDSTILL_SHARE = 1e-3  # of a channel's largest value: below, it stands still
+_EQUAL_SHARE = 1e-9
 
 
 def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
@@ -25,7 +25,7 @@ def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
     for columns in telegrams(run.kind, run.columns):
         values = run.channel(*columns)
         known = np.isfinite(values).all(axis=1)
-        if known.sum() < 3 * _AROUND:
+        if known.sum() < 3 * _CHANGES_AROUND:
             continue
         repeated = _repeated(values, run.stretch)
         if columns == SPECIFIC_FORCE and run.has(ATTITUDE):
@@ -69,7 +69,7 @@ def _repeated_in_world(force: np.ndarray, attitude: np.ndarray, stretch: np.ndar
     known = np.flatnonzero(np.isfinite(force).all(axis=1) & np.isfinite(attitude).all(axis=1))
     if len(known) > 1:
         world = Rotation.from_quat(attitude[known], scalar_first=True).apply(force[known])
-        close = np.abs(np.diff(world, axis=0)).max(axis=1) <= _SAME * np.abs(world[1:]).max(axis=1)
+        close = np.abs(np.diff(world, axis=0)).max(axis=1) <= _EQUAL_SHARE * np.abs(world[1:]).max(axis=1)
         neighbours = (np.diff(known) == 1) & (stretch[known[1:]] == stretch[known[:-1]])
         result[known[1:][close & neighbours]] = True
     return result
@@ -83,14 +83,14 @@ def _unlikely(values: np.ndarray, repeated: np.ndarray) -> np.ndarray:
     step = np.abs(np.diff(values[fresh], axis=0))
     step[np.isnan(step)] = 0.0
     quantum = np.min(step, axis=0, where=step > 0, initial=np.inf)
-    usual = median_filter(step, size=(_AROUND, 1), mode="nearest")
+    usual = median_filter(step, size=(_CHANGES_AROUND, 1), mode="nearest")
     with np.errstate(divide="ignore", invalid="ignore"):
         chance = np.where(usual > 0, np.minimum(1.0, 0.5 * quantum / usual), 1.0)
     chance = chance.prod(axis=1)  # of the step from one fresh sample to the next
     before = np.searchsorted(fresh, np.arange(len(values)), side="right") - 1  # the sample that is repeated
     last = len(chance) - 1
     likelier = np.maximum(chance[np.clip(before - 1, 0, last)], chance[np.clip(before, 0, last)])
-    return repeated & (likelier < _CHANCE)
+    return repeated & (likelier < _COINCIDENCE_LEVEL)
 
 
 def _at_rest(run: RunUnderCleaning, columns: list[str], values: np.ndarray) -> np.ndarray:
@@ -102,4 +102,4 @@ def _at_rest(run: RunUnderCleaning, columns: list[str], values: np.ndarray) -> n
     if not rates:
         return np.zeros(len(values), dtype=bool)
     size = np.abs(values[:, rates])
-    return (size <= _REST * np.nanmax(size, axis=0)).all(axis=1)
+    return (size <= _STANDSTILL_SHARE * np.nanmax(size, axis=0)).all(axis=1)

@@ -32,7 +32,7 @@ def drop_idle(run: RunUnderCleaning, min_idle: float) -> None:
         return
     inputs = [column for column in INPUTS[run.kind] if column in run.columns]
     rates = [column for column in RATES[run.kind] if column in run.columns]
-    still = _quiet(run.channel(*inputs), _NO_INPUT) & _quiet(run.channel(*rates), _NO_MOTION)
+    still = _below_share(run.channel(*inputs), _NO_INPUT) & _below_share(run.channel(*rates), _NO_MOTION)
     _drop(run, still, min_idle, still, "no input on any motor and no motion")
 
 
@@ -45,7 +45,7 @@ def _drop(run: RunUnderCleaning, rest: np.ndarray, least: float, wanted: np.ndar
     run.drop(rows & wanted, "idle", reason)
 
 
-def _quiet(values: np.ndarray, share: float) -> np.ndarray:
+def _below_share(values: np.ndarray, share: float) -> np.ndarray:
     """Return where every channel is below a share of its largest size; a channel that is missing does not
     speak."""
     size = np.abs(values)

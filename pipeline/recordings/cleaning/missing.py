@@ -5,13 +5,13 @@ import pandas as pd
 
 from simgap.recordings.contract import ANY_OF, REQUIRED
 
-_LEAST = 2  # samples that make a channel
+_FEWEST_SAMPLES = 2  # samples that make a channel
 _USABLE = 0.5  # share of samples from which on a group counts as recorded
 
 
 def lacking(frame: pd.DataFrame, kind: str) -> str:
     """Return the reason why a run cannot be used; empty if it can."""
-    empty = [column for column in REQUIRED[kind] if frame[column].count() < _LEAST]
+    empty = [column for column in REQUIRED[kind] if frame[column].count() < _FEWEST_SAMPLES]
     if empty:
         return f"no values in {', '.join(empty)}"
     if ANY_OF[kind] and not needed_groups(frame, kind):
@@ -31,7 +31,7 @@ def needed_groups(frame: pd.DataFrame, kind: str) -> list[str]:
         if set(group) <= set(frame.columns)
     }
     best = max(shares.values(), default=0.0)
-    if best * len(frame) < _LEAST:
+    if best * len(frame) < _FEWEST_SAMPLES:
         return []
     return [column for group, share in shares.items() if share >= _USABLE * best for column in group]
 

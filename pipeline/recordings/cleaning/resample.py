@@ -17,10 +17,10 @@ _LEAST_KEPT = (
     1.0 / 12.0
 )  # of a mean of two; on a grid finer than the recording there is nothing to tell it by
 _EQUAL = 1e-4  # of a time step: recorded times this close to the grid are taken as they are
-_ROUNDING = 1.0 + 1e-6
-_NEAR = 0.5 * _ROUNDING  # time steps: a value this close to a measured one is as good as measured
+_ROUNDING_FACTOR = 1.0 + 1e-6
+_NEAR = 0.5 * _ROUNDING_FACTOR  # time steps: a value this close to a measured one is as good as measured
 _SAME_STEP = 1e-3  # relative
-_FEW = 10  # samples, of which nobody can say whether they follow a clock
+_FEW_SAMPLES = 10  # samples, of which nobody can say whether they follow a clock
 _WANDERING = 0.5  # of the ratio that independent deviations from a clock's ticks have
 _LONG_LOSS = 20.0  # samples: beyond it nobody knows how many were lost
 _DIGITS = 10  # of the time step, so that 0.0099999999 is 0.01
@@ -51,7 +51,7 @@ def split_at_gaps(run: RunUnderCleaning, max_gap: float) -> None:
     """Divide the stretches of a run at gaps wider than `max_gap` s."""
     step = np.diff(run.time)
     same = np.diff(run.stretch) == 0
-    wide = same & (step > max_gap * _ROUNDING)
+    wide = same & (step > max_gap * _ROUNDING_FACTOR)
     for first in np.flatnonzero(wide):
         detail = f"at t = {run.time[first]:.6g} s"
         reason = "gap too wide to interpolate, run split"
@@ -174,7 +174,7 @@ def _is_ticking(time: np.ndarray, own_step: float) -> bool:
     add up, by far less. Source: von Neumann 1941, Distribution of the ratio of the mean square successive difference
     to the variance (Annals of Mathematical Statistics 12).
     """
-    if len(time) < _FEW:
+    if len(time) < _FEW_SAMPLES:
         return True
     ticks = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(np.diff(time) / own_step), 1.0))])
     late = Polynomial.fit(ticks, time, 1)(ticks) - time
@@ -229,7 +229,7 @@ def _fill(
     between &= (stretch[left] == grid.stretch) & (apart <= limit + tolerance) & ~exact
     share = (grid.time - times[left])[between] / apart[between]
     if columns[0] in INPUTS[run.kind]:
-        share = _acting(share, (times[right] - grid.time)[between], run.time_step)
+        share = _next_acts(share, (times[right] - grid.time)[between], run.time_step)
     new = np.full((len(grid.time), len(places)), np.nan)
     new[exact] = values[left[exact]]
     new[between] = _between(run.kind, columns, values[left[between]], values[right[between]], share)
@@ -241,7 +241,7 @@ def _fill(
     _note_filled(run, result, grid, columns, between & (distance > _NEAR * run.time_step))
 
 
-def _acting(share: np.ndarray, ahead: np.ndarray, own_step: float) -> np.ndarray:
+def _next_acts(share: np.ndarray, ahead: np.ndarray, own_step: float) -> np.ndarray:
     """Return 1 where the next command acts for most of the coming step, else 0: the earlier one does.
 
     Args:

@@ -4,7 +4,7 @@ import numpy as np
 
 from simgap.recordings.cleaning.work import RunUnderCleaning
 
-_ROUNDING = 1.0 - 1e-9
+_GAP_ROUNDING = 1.0 - 1e-9
 
 
 def drop_incomplete(run: RunUnderCleaning) -> None:
@@ -25,7 +25,7 @@ def drop_incomplete(run: RunUnderCleaning) -> None:
 def drop_short(run: RunUnderCleaning, min_duration: float) -> None:
     """Drop unbroken stretches shorter than `min_duration` s, and single samples."""
     rows = np.zeros(len(run.time), dtype=bool)
-    least = max(2, int(np.ceil(min_duration * _ROUNDING / run.time_step)))
+    least = max(2, int(np.ceil(min_duration * _GAP_ROUNDING / run.time_step)))
     short = [piece for piece in unbroken(run) if np.diff(piece)[0] < least]
     for first, past in short:
         rows[first:past] = True

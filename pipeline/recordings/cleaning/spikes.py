@@ -16,7 +16,7 @@ from simgap.recordings.cleaning.channels import (
 from simgap.recordings.cleaning.work import RunUnderCleaning
 
 _WIDEST = 3  # samples
-_CALM = 4.0  # times the largest step just before and after
+_TIMES_STEPS_BESIDE = 4.0  # times the largest step just before and after
 _NOISE = 10.0  # times the noise of the whole run
 _LOCAL = 5.0  # times the roughness around, which rules out bursts
 _QUANTA = 6.0
@@ -24,16 +24,16 @@ _OF_RANGE = 0.5  # of the range that the channel covers in the run
 _OF_SPEED = 3.0  # times as fast as the rate of change that is measured beside the channel
 _SHOCK = dict.fromkeys(BODY_RATE, 40.0) | dict.fromkeys(SPECIFIC_FORCE, 200.0)  # rad/s, m/s²; shocks are true
 _GROSS = 4.0  # times all of these: impossible even where samples close by are missing
-_AROUND = 15  # samples on either side that make the roughness
-_FEWEST = 2 * _AROUND  # samples of a channel that can be judged
+_SAMPLES_AROUND = 15  # samples on either side that make the roughness
+_FEWEST_SAMPLES = 2 * _SAMPLES_AROUND  # samples of a channel that can be judged
 
-_RATE = {"position": ["velocity"]}
-_RATE |= {f"steer_angle_{module}": [f"steer_velocity_{module}"] for module in "1234"}
-_RATE |= {
+_RATE_COLUMNS = {"position": ["velocity"]}
+_RATE_COLUMNS |= {f"steer_angle_{module}": [f"steer_velocity_{module}"] for module in "1234"}
+_RATE_COLUMNS |= {
     f"{name}position_{axis}": [f"{name}velocity_{axis}"] for name in ("", "estimate_") for axis in "xyz"
 }
-_RATE |= dict.fromkeys([*ATTITUDE, *ESTIMATED_ATTITUDE], BODY_RATE)
-_INTEGRAL = {rates[0]: column for column, rates in _RATE.items() if len(rates) == 1}
+_RATE_COLUMNS |= dict.fromkeys([*ATTITUDE, *ESTIMATED_ATTITUDE], BODY_RATE)
+_INTEGRAL = {rates[0]: column for column, rates in _RATE_COLUMNS.items() if len(rates) == 1}
 
 
 def erase_spikes(run: RunUnderCleaning) -> None:
@@ -47,7 +47,7 @@ def erase_spikes(run: RunUnderCleaning) -> None:
         if column in COMMANDS | SLOW or column in INPUTS[run.kind]:
             continue
         values = run.channel(column)[:, 0]
-        if np.isfinite(values).sum() < _FEWEST:
+        if np.isfinite(values).sum() < _FEWEST_SAMPLES:
             continue
         rows = find_spikes(values, run.time, _least(run, column), _integral(run, column))
         if rows.any():
@@ -60,7 +60,7 @@ def _least(run: RunUnderCleaning, column: str) -> float:
     """Return the smallest excursion that counts as a spike."""
     if column in _SHOCK:
         return _SHOCK[column]
-    rates = [rate for rate in _RATE.get(column, []) if rate in run.columns]
+    rates = [rate for rate in _RATE_COLUMNS.get(column, []) if rate in run.columns]
     if rates:
         speeds = np.abs(run.channel(*rates))
         usual = np.quantile(speeds[np.isfinite(speeds)], 0.99) if np.isfinite(speeds).any() else np.inf
@@ -87,7 +87,7 @@ def find_spikes(
     """
     result = np.zeros(len(values), dtype=bool)
     known = np.flatnonzero(np.isfinite(values))
-    if len(known) < _FEWEST:
+    if len(known) < _FEWEST_SAMPLES:
         return result
     present = values[known]
     roughness = np.abs(present - median_filter(present, size=5, mode="nearest"))
@@ -95,7 +95,7 @@ def find_spikes(
     quantum = np.min(step, where=step > 0, initial=np.inf)
     floor = max(_NOISE * 1.4826 * float(np.median(roughness)), _QUANTA * quantum, least)
     for width in range(1, _WIDEST + 1):
-        for first in _candidates(present, width, floor):
+        for first in _excursions(present, width, floor):
             inside = slice(first, first + width)
             rows = known[inside]
             alone = known[first + width + 1] - known[first - 2] == width + 3  # nothing missing close by
@@ -109,7 +109,7 @@ def find_spikes(
     return result
 
 
-def _candidates(values: np.ndarray, width: int, floor: float) -> np.ndarray:
+def _excursions(values: np.ndarray, width: int, floor: float) -> np.ndarray:
     """Return the starts of excursions of `width` samples that exceed the signal on either side."""
     before, after = values[1 : -width - 2], values[width + 2 : -1]
     calm = np.maximum(np.abs(np.diff(values[: -width - 2])), np.abs(np.diff(values[width + 2 :])))
@@ -124,7 +124,7 @@ def _candidates(values: np.ndarray, width: int, floor: float) -> np.ndarray:
         least = np.minimum(least, np.abs(excursion))
         sign[offset] = np.sign(excursion)
     alike = np.abs(sign.sum(axis=0)) == width
-    return 2 + np.flatnonzero(alike & (least > _CALM * calm) & (least > floor))
+    return 2 + np.flatnonzero(alike & (least > _TIMES_STEPS_BESIDE * calm) & (least > floor))
 
 
 def _height(values: np.ndarray, inside: slice) -> float:
@@ -135,8 +135,8 @@ def _height(values: np.ndarray, inside: slice) -> float:
 def _rough_around(roughness: np.ndarray, inside: slice, height: float) -> bool:
     around = np.concatenate(
         [
-            roughness[max(0, inside.start - _AROUND) : max(0, inside.start - 2)],
-            roughness[inside.stop + 2 : inside.stop + _AROUND],
+            roughness[max(0, inside.start - _SAMPLES_AROUND) : max(0, inside.start - 2)],
+            roughness[inside.stop + 2 : inside.stop + _SAMPLES_AROUND],
         ]
     )
     return height < _LOCAL * float(np.quantile(around, 0.9))

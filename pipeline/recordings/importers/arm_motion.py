@@ -13,8 +13,8 @@ from simgap.recordings.importers.columns import Column, check_options, take
 from simgap.recordings.recording import Recording, recording_from_frame
 from simgap.recordings.storage import read_table
 
-_OPTIONS = ("joint", "supply", "gain")
-_STATE, _CONTROL = "state_motor.csv", "control.csv"
+_OPTION_KEYS = ("joint", "supply", "gain")
+_STATE_FILE, _CONTROL_FILE = "state_motor.csv", "control.csv"
 _MOST_DUTY = 0.97  # what the servo's firmware lets through
 _COLUMNS = {
     "t": Column("timestamp", "us"),
@@ -38,8 +38,8 @@ def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
     Raises:
         InputError: when a file or an option is missing, or is not of this format.
     """
-    check_options(options, _OPTIONS, "arm_motion")
-    joint, supply, gain = (_number(options, key) for key in _OPTIONS)
+    check_options(options, _OPTION_KEYS, "arm_motion")
+    joint, supply, gain = (_number(options, key) for key in _OPTION_KEYS)
     folders = sorted({path.parent for path in paths})
     frames = [_frame(folder, paths, int(joint), supply, gain) for folder in folders]
     law = f"the servo's proportional law at {supply:g} V, {gain:g} of full duty per rad"
@@ -55,15 +55,15 @@ def _number(options: Mapping[str, Any], key: str) -> float:
 
 
 def _frame(folder: Path, paths: Sequence[Path], joint: int, supply: float, gain: float) -> pd.DataFrame:
-    for name in (_STATE, _CONTROL):
+    for name in (_STATE_FILE, _CONTROL_FILE):
         if folder / name not in paths:
             raise InputError(f"{name!r} is missing", str(paths[0]), "add it to dataset.files")
-    state, control = (read_table(folder / name).frame for name in (_STATE, _CONTROL))
-    where = str(folder / _STATE)
+    state, control = (read_table(folder / name).frame for name in (_STATE_FILE, _CONTROL_FILE))
+    where = str(folder / _STATE_FILE)
     table = pd.DataFrame({"timestamp": _column(state, "timestamp", where)})
     for column in ("positions", "velocities"):
         table[column] = _of_joint(_column(state, column, where), joint, where)
-    commanded = str(folder / _CONTROL)
+    commanded = str(folder / _CONTROL_FILE)
     if (
         len(control) != len(state)
         or not (_column(control, "timestamp", commanded) == table["timestamp"]).all()

@@ -21,7 +21,7 @@ _MEASURED = (
     | vector("body_rate", (f"gyro.{axis}" for axis in "xyz"), "deg/s")
     | vector("motor_command", (f"motor.m{rotor}" for rotor in "1234"), "1", "1234", 1 / _FULL_COMMAND)
 )
-_STATE = {"position": "xyz", "velocity": "xyz", "attitude": "wxyz"}
+_STATE_AXES = {"position": "xyz", "velocity": "xyz", "attitude": "wxyz"}
 
 
 def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
@@ -80,7 +80,7 @@ def _with_state(flight: pd.DataFrame) -> pd.DataFrame:
     state = {"position": position, "velocity": velocity, "attitude": attitude}
     columns = {
         f"{name}_{axis}": state[name][:, place]
-        for name, axes in _STATE.items()
+        for name, axes in _STATE_AXES.items()
         for place, axis in enumerate(axes)
     }
     return flight.assign(**columns)

@@ -14,7 +14,10 @@ from simgap.recordings.importers.columns import check_options
 from simgap.recordings.recording import Recording, recording_from_frame
 
 _TESTS = ("slow-forward", "slow-backward", "fast-forward", "fast-backward")
-_SIDES = {"left": (1, 3, 5), "right": (2, 4, 6)}  # columns of voltage, position, velocity; 0 is time in s
+_SIDE_COLUMNS = {
+    "left": (1, 3, 5),
+    "right": (2, 4, 6),
+}  # columns of voltage, position, velocity; 0 is time in s
 _AXIS = {"": (1, 2, 3)}
 _UNITS = {
     "Meters": ("m", 1.0),
@@ -102,7 +105,7 @@ def _frames(content: Mapping[str, Any], scales: Sequence[float], path: Path) -> 
             ) from None
         if rows.ndim != 2 or rows.shape[1] not in (4, 9):
             raise InputError("rows have neither 4 nor 9 numbers", f"{path}, {test}", "record the test again")
-        for side, (voltage, position, velocity) in (_SIDES if rows.shape[1] == 9 else _AXIS).items():
+        for side, (voltage, position, velocity) in (_SIDE_COLUMNS if rows.shape[1] == 9 else _AXIS).items():
             yield pd.DataFrame(
                 {
                     "run": f"{test}-{side}" if side else test,

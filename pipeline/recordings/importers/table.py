@@ -16,7 +16,7 @@ from simgap.recordings.recording import Recording, recording_from_frame
 from simgap.recordings.storage import read_table
 from simgap.recordings.units import conversion
 
-_OPTIONS = ("kind", "columns", "run_column", "integrate")
+_OPTION_KEYS = ("kind", "columns", "run_column", "integrate")
 
 
 def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
@@ -31,7 +31,7 @@ def read(paths: Sequence[Path], options: Mapping[str, Any]) -> Recording:
     Raises:
         InputError: when a file, a column or an option cannot be used.
     """
-    check_options(options, _OPTIONS, "table")
+    check_options(options, _OPTION_KEYS, "table")
     kind = options.get("kind")
     if kind not in KINDS:
         raise InputError(

@@ -16,8 +16,8 @@ from simgap.recordings.importers.columns import check_options
 from simgap.recordings.recording import Recording, recording_from_frame
 
 _WHEELS = 4
-_NUMBERS = 10  # of a row: four encoders, four duty cycles, the clock's ticks, the gyroscope
-_TICK = 256 / 18.432e6  # s
+_NUMBERS_PER_ROW = 10  # of a row: four encoders, four duty cycles, the clock's ticks, the gyroscope
+_TICK_DURATION = 256 / 18.432e6  # s
 _COUNT = 2 * math.pi / (3 * 2048)  # rad of a wheel
 _FULL_DUTY = 512
 _SUPPLY = 19.0  # V, "average" as the authors say; it was not recorded
@@ -58,9 +58,9 @@ def _rows(path: Path) -> np.ndarray:
             values = [float(entry) for entry in line.split(",")]
         except ValueError:
             values = []
-        if len(values) != _NUMBERS or values[2 * _WHEELS] <= 0:
+        if len(values) != _NUMBERS_PER_ROW or values[2 * _WHEELS] <= 0:
             raise InputError(
-                f"is not {_NUMBERS} numbers with a positive time",
+                f"is not {_NUMBERS_PER_ROW} numbers with a positive time",
                 f"{path}, row {number}",
                 "leave the row's file out",
             )
@@ -71,7 +71,7 @@ def _rows(path: Path) -> np.ndarray:
 
 
 def _frames(rows: np.ndarray, name: str) -> Iterator[pd.DataFrame]:
-    time = np.cumsum(rows[:, 2 * _WHEELS]) * _TICK
+    time = np.cumsum(rows[:, 2 * _WHEELS]) * _TICK_DURATION
     for wheel in range(_WHEELS):
         angle = np.cumsum(rows[:, wheel]) * _COUNT
         yield pd.DataFrame(

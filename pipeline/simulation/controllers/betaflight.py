@@ -9,14 +9,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from simgap.errors import InputError
 from simgap.physics.motors import first_order_lag
+from simgap.physics.shapes import PerModule, Signal, Vector
 from simgap.platforms import Quadrotor
 from simgap.simulation.controllers.mixer import distribution, mix
 
-Memory = dict[str, Tensor] | None
+Memory = dict[str, Signal] | None
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,8 @@ class Betaflight:
         return distribution(self.platform)
 
     def command(
-        self, body_rate: Tensor, reference: Tensor, memory: Memory, time_step: float
-    ) -> tuple[Tensor, dict[str, Tensor]]:
+        self, body_rate: Vector, reference: Float[Tensor, "*#batch 4"], memory: Memory, time_step: float
+    ) -> tuple[PerModule, dict[str, Signal]]:
         """Return the throttles and what the controller remembers.
 
         Args:

@@ -1,13 +1,15 @@
 """From a wanted thrust and torque to the thrust of each rotor, for any rotor geometry."""
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from simgap.errors import InputError
+from simgap.physics.shapes import PerModule, Real, Vector
 from simgap.platforms import Quadrotor
 
 
-def allocation(platform: Quadrotor) -> Tensor:
+def allocation(platform: Quadrotor) -> Float[Tensor, "4 4"]:
     """Return the matrix from the thrusts of the rotors to [thrust, torque about x, y, z], (4, 4) float64.
 
     Source: Mahony, Kumar & Corke 2012, "Multirotor aerial vehicles", eq. 2.
@@ -18,7 +20,7 @@ def allocation(platform: Quadrotor) -> Tensor:
     return torch.stack([torch.ones(4).double(), positions[:, 1], -positions[:, 0], arm * directions])
 
 
-def distribution(platform: Quadrotor) -> Tensor:
+def distribution(platform: Quadrotor) -> Float[Tensor, "4 4"]:
     """Return the inverse of the allocation, (4, 4) float64: column 0 spreads a thrust that turns nothing.
 
     Raises:
@@ -34,7 +36,9 @@ def distribution(platform: Quadrotor) -> Tensor:
     return inverse
 
 
-def mix(thrust: Tensor, torque: Tensor, spread: Tensor, least: Tensor, most: float) -> Tensor:
+def mix(
+    thrust: Real, torque: Vector, spread: Float[Tensor, "4 4"], least: Float[Tensor, "4"], most: float
+) -> PerModule:
     """Return the thrust of each rotor, (..., 4) N; under saturation the direction of the torque is kept.
 
     A rotor that would fall below its least thrust raises the thrust of all (Betaflight's air mode); one that would

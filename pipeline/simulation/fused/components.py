@@ -13,6 +13,7 @@ from torch import Tensor, fx
 from torch._ops import OpOverload
 
 from simgap.errors import InputError
+from simgap.physics.shapes import Signal
 
 Element = fx.Node | float | bool
 """One entry of a tensor: a series over the batch, or a number that all share."""
@@ -52,11 +53,11 @@ class Components:
         """Return the tensor of a shape that holds these elements."""
         return Entries(torch.tensor([self._place(e) for e in elements], dtype=torch.long).reshape(shape))
 
-    def listed(self, value: "Entries | Tensor") -> list[Element]:
+    def listed(self, value: "Entries | Signal") -> list[Element]:
         """Return the elements of a tensor, row by row."""
         return [self.elements[index] for index in self.entries(value).places.flatten().tolist()]
 
-    def entries(self, value: "Entries | Tensor") -> "Entries":
+    def entries(self, value: "Entries | Signal") -> "Entries":
         """Return a tensor of numbers as one of elements."""
         if isinstance(value, Entries):
             return value

@@ -5,6 +5,7 @@ from typing import Any
 
 import torch
 import torch._inductor
+from jaxtyping import Float
 from torch import Tensor, fx
 from torch.fx.experimental.proxy_tensor import make_fx
 from torch.utils import _pytree as tree
@@ -12,7 +13,9 @@ from torch.utils import _pytree as tree
 from simgap.errors import InputError
 from simgap.simulation.fused.trace import component_graph
 
-Function = Callable[[Tensor, Tensor, Any], tuple[Tensor, Any]]
+Function = Callable[
+    [Float[Tensor, "batch n"], Float[Tensor, "batch k"], Any], tuple[Float[Tensor, "batch n"], Any]
+]
 """From state (batch, n), action (batch, k) and memory to state and memory."""
 
 # The whole step is one kernel: splitting it gains nothing, and intermediate results would leave the registers.
@@ -75,12 +78,12 @@ class FusedStep:
             torch.Tag.pointwise in getattr(node.target, "tags", ()) for node in self._graph.graph.nodes
         )
 
-    def pack(self, state: Tensor, memory: Any) -> Tensor:
+    def pack(self, state: Float[Tensor, "batch n"], memory: Any) -> Float[Tensor, "components batch"]:
         """Return state and memory as rows (components, batch)."""
         tensors = [state, *tree.tree_leaves(memory)]
         return torch.cat([tensor.reshape(len(state), -1).T for tensor in tensors]).contiguous()
 
-    def unpack(self, rows: Tensor) -> tuple[Tensor, Any]:
+    def unpack(self, rows: Float[Tensor, "components batch"]) -> tuple[Float[Tensor, "batch n"], Any]:
         """Return the state (batch, n) and the memory that rows hold."""
         parts = rows.split([torch.Size(shape).numel() for shape in self._shapes])
         state, *leaves = (
@@ -89,7 +92,9 @@ class FusedStep:
         return state, tree.tree_unflatten(leaves, self._tree)
 
     @torch.no_grad()
-    def __call__(self, rows: Tensor, action: Tensor) -> Tensor:
+    def __call__(
+        self, rows: Float[Tensor, "components batch"], action: Float[Tensor, "k batch"]
+    ) -> Float[Tensor, "components batch"]:
         """Return the rows after the step was taken `repeats` times.
 
         Args:

@@ -10,13 +10,14 @@ from torch.func import functionalize
 from torch.fx.experimental.proxy_tensor import make_fx
 
 from simgap.errors import InputError
+from simgap.physics.shapes import Signal
 from simgap.simulation.fused.components import Components, Entries
 
 _aten = torch.ops.aten
 
 
 def component_graph(
-    function: Callable[..., list[Tensor]], examples: list[list[Tensor]], dtype: torch.dtype
+    function: Callable[..., list[Signal]], examples: list[list[Signal]], dtype: torch.dtype
 ) -> fx.GraphModule:
     """Return a module that does over components what a function does to tensors of a batch of one.
 

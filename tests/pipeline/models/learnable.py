@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from simgap.models.layout import layout_of
+from simgap.models.layouts import layout_of
 from simgap.models.registry import MODELS, model_settings
 from simgap.models.settings import Training
 from simgap.models.windows import Series, series_of

@@ -4,7 +4,7 @@ import torch
 from simgap.errors import InputError
 from simgap.models.bias_correction import BiasCorrection
 from simgap.models.step_scores import step_scores
-from simgap.models.storage import DESCRIPTION_FILE, load_model
+from simgap.models.storage import DESCRIPTION_FILE, load_model, save_model
 from tests.pipeline.models import learnable
 from tests.pipeline.models.test_contract import change_description
 
@@ -53,14 +53,14 @@ def test_a_model_that_is_right_is_left_alone():
 def test_a_loaded_model_corrects_as_the_saved_one(tmp_path):
     model, validation, held = fitted()
     model.correct(validation)
-    model.save(tmp_path)
+    save_model(model, tmp_path)
     states, actions = held.states[None, :2], held.actions[None, :20]
     assert torch.equal(load_model(tmp_path).rollout(states, actions), model.rollout(states, actions))
 
 
 @pytest.mark.parametrize("values", [{"slope": [1.0]}, {"slope": [1.0, 1.0], "offset": [0.0, 0.0]}, "none"])
 def test_a_correction_that_does_not_fit_is_refused(values, tmp_path):
-    fitted()[0].save(tmp_path)
+    save_model(fitted()[0], tmp_path)
     change_description(tmp_path, lambda document: document.update(correction=values))
     with pytest.raises(InputError, match=DESCRIPTION_FILE):
         load_model(tmp_path)

@@ -14,7 +14,7 @@ from simgap.errors import InputError
 from simgap.models.contract import DynamicsModel, FitContext, Provenance
 from simgap.models.evaluation import rollout_errors
 from simgap.models.registry import MODELS
-from simgap.models.storage import DESCRIPTION_FILE, TENSOR_FILE, load_model
+from simgap.models.storage import DESCRIPTION_FILE, TENSOR_FILE, load_model, save_model
 from simgap.models.windows import gather
 from tests.pipeline.models import learnable
 
@@ -121,20 +121,20 @@ def test_twins_with_one_seed_are_identical(name):
 def test_what_is_loaded_predicts_the_same_bits(name, kind, tmp_path):
     model, _, held = fitted(name, kind)
     model.provenance = Provenance(data="abc", chosen_by="loss", value=0.5, training={"max_epochs": 4})
-    model.save(tmp_path / "one")
+    save_model(model, tmp_path / "one")
     loaded = load_model(tmp_path / "one")
     states, actions, _ = windows(model, held)
     assert torch.equal(loaded.rollout(states, actions), model.rollout(states, actions))
     assert loaded.provenance == model.provenance
     assert loaded.settings == model.settings
-    loaded.save(tmp_path / "two")
+    save_model(loaded, tmp_path / "two")
     for file in (DESCRIPTION_FILE, TENSOR_FILE):
         assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
 
 
 @every_model
 def test_a_changed_tensor_file_is_refused_in_one_line(name, tmp_path):
-    fitted(name)[0].save(tmp_path)
+    save_model(fitted(name)[0], tmp_path)
     content = bytearray((tmp_path / TENSOR_FILE).read_bytes())
     content[-1] ^= 1
     (tmp_path / TENSOR_FILE).write_bytes(bytes(content))
@@ -145,14 +145,14 @@ def test_a_changed_tensor_file_is_refused_in_one_line(name, tmp_path):
 
 @every_model
 def test_tensors_that_do_not_fit_the_settings_are_refused(name, tmp_path):
-    fitted(name)[0].save(tmp_path)
+    save_model(fitted(name)[0], tmp_path)
     change_description(tmp_path, lambda document: document["layout"].update(inputs=["effort", "voltage"]))
     with pytest.raises(InputError, match="has shape"):
         load_model(tmp_path)
 
 
 def test_loading_executes_nothing(tmp_path):
-    fitted("linear")[0].save(tmp_path / "model")
+    save_model(fitted("linear")[0], tmp_path / "model")
     trap = tmp_path / "sprung"
 
     class Trap:
@@ -184,7 +184,7 @@ def test_loading_executes_nothing(tmp_path):
     ],
 )
 def test_a_changed_description_is_refused_in_one_line(change, complaint, tmp_path):
-    fitted("linear")[0].save(tmp_path)
+    save_model(fitted("linear")[0], tmp_path)
     change_description(tmp_path, change)
     with pytest.raises(InputError, match=complaint) as caught:
         load_model(tmp_path)

@@ -82,7 +82,7 @@ def test_a_pattern_that_matches_nothing_is_refused(key):
 @pytest.mark.parametrize(
     ("motion", "complaint"),
     [
-        ({"name": "fnn"}, r"model\.motion\.name: 'fnn' is not a motion model"),
+        ({"name": "fnn"}, r"model\.motion\.name: there is no motion model 'fnn'"),
         ({"name": "linear", "sequence_length": 5}, r"model\.motion\.sequence_length"),
         ({"name": "whitebox"}, "did you mean 'white_box'"),
     ],

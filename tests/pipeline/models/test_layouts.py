@@ -2,7 +2,7 @@ import pytest
 import torch
 
 from simgap.errors import InputError
-from simgap.models.layout import layout_from_mapping, layout_of
+from simgap.models.layouts import layout_from_mapping, layout_of
 from simgap.models.windows import series_of
 from simgap.platforms import platform_to_config
 from tests.pipeline.models import learnable

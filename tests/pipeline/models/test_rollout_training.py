@@ -86,7 +86,7 @@ def test_networks_are_trained_in_single_precision(parts):
 def test_the_usual_change_is_that_of_the_recorded_states(parts):
     recorded, train, _, _ = parts
     model = learnable.new_model("linear", recorded)
-    usual = usual_changes(model, train, 3)
+    usual = usual_changes(model.layout, train, 3)
     first, last = train.bounds.T
     velocity = train.states[:, 1]
     starts = train.starts(4)

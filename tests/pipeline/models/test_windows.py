@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from simgap.errors import InputError
 from simgap.models.examples import Examples
-from simgap.models.layout import layout_of
+from simgap.models.layouts import layout_of
 from simgap.models.segments import segments
 from simgap.models.windows import gather, series_of
 from tests.pipeline.models.synthetic import recording

@@ -41,7 +41,7 @@ def world(tmp_path, monkeypatch):
         "folders": [{"here": "raw", "there": "logs", "sha256": {NAME: hashlib.sha256(CONTENT).hexdigest()}}],
     }
     (tables / "robot.yaml").write_text(yaml.safe_dump(table))
-    monkeypatch.setattr(registry, "_TABLES", tables)
+    monkeypatch.setattr(registry, "_PUBLISHED_TABLES", tables)
     monkeypatch.setattr(registry, "_ADDRESS", address + "{repository}/{commit}/{path}")
     monkeypatch.setenv("SIMGAP_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv("SIMGAP_DATA", str(tmp_path / "data"))

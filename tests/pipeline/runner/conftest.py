@@ -52,7 +52,9 @@ def tiny_stage(config: TinyStage, run: StageRun) -> None:
 
 
 if __name__ == "__main__":
-    tiny_stage.main()
+    from simgap.runner.command import main
+
+    main(tiny_stage)
 '''
 
 ROOT = """
