@@ -7,7 +7,7 @@ from torch import Tensor
 def shift_in_time(series: Tensor, delay: Tensor | float, time_step: float) -> Tensor:
     """Return series(t − delay), linear between samples; the ends hold their last value.
 
-    Differentiable in the delay, with the slope between the two samples that it falls between.
+    Differentiable in the delay. The gradient is the slope between the two neighbouring samples.
 
     Args:
         series: (blocks, samples, ...).

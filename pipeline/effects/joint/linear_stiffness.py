@@ -1,4 +1,4 @@
-"""A spring on a joint."""
+"""Linear spring on a joint."""
 
 from torch import Tensor
 
@@ -7,7 +7,7 @@ from simgap.effects.joint.common import on_axis
 
 
 class LinearStiffness(WrenchEffect):
-    """Stiffness beyond what the platform file has; negative where the file has too much."""
+    """A spring pulls the axis to zero beyond what the platform file says, or less if negative."""
 
     name = "linear_stiffness"
     kind = "joint"
@@ -17,7 +17,8 @@ class LinearStiffness(WrenchEffect):
     formula = "torque = −stiffness · position"
     source = "Hooke's law"
     sentence = "A spring of {stiffness} {stiffness_unit} pulls the axis to zero; add it to the simulator."
-    excitation = "slow motion over the whole travel, and free swings of several amplitudes"
+    excitation = "move slowly over the whole travel, and swing freely at several amplitudes"
+    symptom = "The effort at rest grows in proportion to the position."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the spring's pull on the axis, N·m or N."""

@@ -24,8 +24,8 @@ def along_axes(stem: str, vector: Tensor) -> dict[str, Tensor]:
 def spin_momentum(speed: Tensor, constants: Values) -> Tensor:
     """Return the rotors' angular momentum about +z relative to the body, over the inertia of one (...,) rad/s.
 
-    Air brakes a rotor against its spin and the motor hands that to the body: the spin is opposite to the reaction
-    torque, −direction. Given accelerations in place of speeds, the rate of that momentum.
+    The reaction torque of the air on the body is opposite to the rotor's spin, so the spin is −direction. Accelerations
+    in place of speeds give the rate of change of that momentum.
 
     Args:
         speed: of each rotor, never negative, (..., 4) rad/s.
