@@ -1,4 +1,4 @@
-"""Linear correction of what a model predicts: true = slope · predicted + offset, by target.
+"""Linear bias correction of predictions: true = slope · predicted + offset, for each target.
 
 A network that is trained with dropout and stopped early predicts increments that are too small, or off on average; a
 line through true over predicted increments of runs that it was not fitted on takes that away.

@@ -1,4 +1,4 @@
-"""What a learned model sees and predicts of each kind of platform, and what needs no learning.
+"""Layouts of learned models: state, input, features and predicted increments for each kind of platform.
 
 quadrotor
     state      position, attitude, velocity, body rate
@@ -138,7 +138,7 @@ class Layout(ABC):
 
 
 def layout_of(recording: Recording, name: str | None = None) -> Layout:
-    """Return the layout through which a recording is seen.
+    """Return the layout of a recording.
 
     Args:
         recording: cleaned.

@@ -1,4 +1,4 @@
-"""What a learned model of a quadrotor's motor commands sees and predicts: the dynamics the other way round."""
+"""Inputs and targets of a learned model of a quadrotor's motor commands (inverse dynamics)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""One motor's voltage and speed out of a recording, whatever its kind."""
+"""Voltage and speed of a single motor, from a recording of any kind."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ FEWEST_BLOCKS = 10
 
 @dataclass(frozen=True)
 class MotorSamples:
-    """What one motor did.
+    """Samples of one motor.
 
     Attributes:
         voltage: per segment (samples,), V.

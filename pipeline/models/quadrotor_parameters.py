@@ -1,4 +1,4 @@
-"""Rotor coefficients and inertia of a quadrotor, as far as its motion shows them.
+"""Identifiable rotor coefficients and inertia of a quadrotor.
 
 Motion shows forces over mass and torques over inertia only. The mass and the rotor positions are taken from
 the platform, which makes k_F, J_xx and J_yy observable; of k_M and J_zz the ratio alone is.

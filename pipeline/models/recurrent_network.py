@@ -1,4 +1,4 @@
-"""A recurrent network whose state is set by another one, from samples that are known, and then carried along.
+"""Recurrent network with an initial state from a second network that reads known samples.
 
 Source: Mohajerin & Waslander 2019, "Multistep prediction of dynamic systems with recurrent neural networks", IEEE
 Transactions on Neural Networks and Learning Systems 30(11), §III.
@@ -13,7 +13,7 @@ from simgap.errors import InputError
 
 
 class Memory(NamedTuple):
-    """What a recurrent network remembers.
+    """State of a recurrent network.
 
     Attributes:
         recent: the newest samples, (batch, delays, features).

@@ -1,4 +1,4 @@
-"""Least squares whose standard errors hold when neighbouring residuals resemble each other.
+"""Least squares with standard errors that hold for autocorrelated residuals.
 
 Residuals of a moving robot are coloured: what the model leaves out lasts. So the unit that is left out is not
 a sample but a block of time. Deleting one block after the other (Künsch 1989, Ann. Stat. 17(3), "The

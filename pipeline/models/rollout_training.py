@@ -1,4 +1,4 @@
-"""Training through open-loop predictions, so that those errors are kept small that grow from step to step.
+"""Training through open-loop predictions, which penalises errors that grow from step to step.
 
 Source: Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic model for multi-step prediction".
 """

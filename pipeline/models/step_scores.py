@@ -1,4 +1,4 @@
-"""How well a model predicts the next sample of runs it has not seen, target by target."""
+"""One-step scores of a model on held-out runs, for each target."""
 
 import math
 

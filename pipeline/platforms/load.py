@@ -1,4 +1,4 @@
-"""From a platform file to a platform, with every mistake said in one line."""
+"""Reading of a platform file, with one-line errors."""
 
 import dataclasses
 import difflib

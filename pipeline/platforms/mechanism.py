@@ -1,4 +1,4 @@
-"""What every platform's nominal mechanism answers, for the simulator and for the diagnosis alike."""
+"""Interface of nominal mechanisms, for the simulator and the diagnosis."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping

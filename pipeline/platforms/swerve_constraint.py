@@ -1,4 +1,4 @@
-"""What rolling without side slip leaves of the forces on a swerve drive's chassis.
+"""Nonholonomic constraint of a swerve drive: forces on the chassis under rolling without side slip.
 
 Each wheel rolls but does not slide across: L(angles)·twist = 0, one row per module. The side forces that see to it do
 no work, so in coordinates that make the mass a unit matrix they are at right angles to every motion that is allowed,
@@ -59,7 +59,7 @@ def rolling_projection(angle: Tensor, turning: Tensor, constants: Mapping[str, A
 
 
 def along_the_wheels(twist: Tensor, angle: Tensor, constants: Mapping[str, Any]) -> Tensor:
-    """Return the part of a twist that the wheels let pass most easily, (..., 3).
+    """Return the component of a twist with the least side slip, (..., 3).
 
     Wheels never agree quite. Of all motions, the one goes on across which they stand least: the eigenvector of the
     least eigenvalue of S, to which one step of inverse iteration takes a measured twist.

@@ -1,4 +1,4 @@
-"""The kinematics of a swerve drive: from the chassis to its modules and back, and the turn that a module needs least.
+"""Kinematics of a swerve drive, forward and inverse, with the shortest rotation of a module.
 
 Robot frame x forward, y left. A twist is [x m/s, y m/s, yaw rad/s].
 """

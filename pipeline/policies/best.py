@@ -1,4 +1,4 @@
-"""The best that a policy was while it learnt: chance moves it to the last, and not always for the better."""
+"""Best checkpoint of a training, because the last policy is not always the best."""
 
 import copy
 import math

@@ -1,4 +1,4 @@
-"""Acting in an environment and writing down what happened."""
+"""Collection of experience in an environment."""
 
 from dataclasses import dataclass
 

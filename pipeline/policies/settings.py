@@ -1,4 +1,4 @@
-"""What a person may change about policies."""
+"""Configuration of policies."""
 
 from dataclasses import dataclass, field
 

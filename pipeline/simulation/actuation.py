@@ -1,4 +1,4 @@
-"""From command to what acts: delays, the nominal actuator and what effects make of it, in their order."""
+"""Actuator chain: command delays, the nominal actuator and the actuator effects, in their order."""
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial

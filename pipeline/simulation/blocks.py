@@ -1,4 +1,4 @@
-"""A recording cut into blocks of equal length, which a simulator can replay side by side."""
+"""Blocks of equal length cut from a recording, which a simulator replays as one batch."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property

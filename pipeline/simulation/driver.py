@@ -1,4 +1,4 @@
-"""What drives an effect (a battery's voltage, a temperature) where nobody recorded it: in a flight yet to come."""
+"""Simulated driver signals of effects (battery voltage, temperature) for flights without a recording."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from simgap.simulation.simulator import FittedEffect, Simulator
 
 @dataclass(frozen=True)
 class SimulatedDriver(ActuatorEffect):
-    """A level, less what the load takes at once; a driver that is given stays as it is given.
+    """A constant level minus an immediate drop with the load; a given driver signal is kept.
 
     It is no entry of the catalogue: it says what a recording's driver was like, and nothing that was missing.
 
@@ -57,7 +57,7 @@ class SimulatedDriver(ActuatorEffect):
 
 
 def with_drivers(simulator: Simulator, signals: Mapping[str, Tensor]) -> Simulator:
-    """Return a simulator that knows, without a recording, how the drivers of its effects were in one.
+    """Return a simulator with the mean driver signals of a recording, for use without one.
 
     Args:
         simulator: after a diagnosis.
@@ -74,7 +74,7 @@ def with_drivers(simulator: Simulator, signals: Mapping[str, Tensor]) -> Simulat
 
 
 def without_driver(simulator: Simulator) -> tuple[FittedEffect, ...]:
-    """Return the effects that would do nothing in a flight of one's own: nothing says what drives them."""
+    """Return the effects without a driver signal, which therefore have no effect in a new simulation."""
     known = {f.effect.driven.driver for f in simulator.effects if isinstance(f.effect, SimulatedDriver)}
     return tuple(f for f in simulator.effects if f.effect.driver and f.effect.driver not in known)
 

@@ -1,4 +1,4 @@
-"""The rules by which a machine's state is advanced; each is tested for its order.
+"""Integrators of a machine's state, each tested for its order of convergence.
 
 Source: Hairer, Nørsett & Wanner 1993, Solving ODEs I, chapter II; Hairer, Lubich & Wanner 2006, Geometric numerical
 integration, section I.1.2 (the symplectic Euler rule).

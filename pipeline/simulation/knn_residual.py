@@ -1,4 +1,4 @@
-"""What is left of force and torque after the physics, looked up among recorded residuals.
+"""Nearest-neighbour model of the force and torque residuals of a simulator.
 
 Kaufmann et al. 2023, "Champion-level drone racing using deep reinforcement learning", Nature 620, Methods: the residual
 at a state is the mean of those at the k = 5 nearest of about a thousand recorded states.
@@ -19,7 +19,7 @@ _AT_ONCE = 512  # queries whose distances to all samples stay in the cache of a 
 
 
 class HeldResidual(WrenchEffect):
-    """A force and a torque that are held through a control period, as the simulator is given them."""
+    """A residual force and torque, constant over a control period."""
 
     linear = False
     name = "held_residual"
@@ -89,7 +89,7 @@ def commanded_thrust(signals: Signals, platform: Quadrotor) -> Tensor:
 
 @dataclass(frozen=True)
 class NearestNeighbours:
-    """The mean of what was recorded at the nearest samples.
+    """Mean of the recorded residuals at the nearest samples.
 
     Attributes:
         inputs: (samples, features); each feature is measured in its standard deviation over the samples.
@@ -143,7 +143,7 @@ class NearestNeighbours:
 
 
 def residual_features(velocity: Tensor, body_rate: Tensor, action: Tensor) -> Tensor:
-    """Return what the residual of a quadrotor is looked up by, (..., 7).
+    """Return the features of a quadrotor's residual, (..., 7).
 
     Args:
         velocity: body frame, (..., 3) m/s.

@@ -1,4 +1,4 @@
-"""How each kind of machine moves: its state as a tensor, its signals, and the state's rate of change."""
+"""State space of each platform kind: its state tensor, its signals, and its rate of change."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping

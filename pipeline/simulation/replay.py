@@ -1,4 +1,4 @@
-"""Replaying a recording: the recorded commands drive the simulator open loop, from a recorded state."""
+"""Replay of a recording: open-loop simulation with the recorded commands, from a recorded state."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -76,7 +76,7 @@ def _lived_through(simulator: Simulator, signals: Mapping[str, Tensor], blocks: 
 
 
 def substeps_for(simulator: Simulator, blocks: Blocks, steps: int, tolerance: Tensor) -> int:
-    """Return how many integration steps between two samples change nothing that a sensor would notice.
+    """Return the number of integration steps between two samples that makes the integration error negligible.
 
     Friction that holds and stiff contacts need more than one. The number is doubled until twice as many move no
     component of the state by more than a tolerance, as a root mean square over a few blocks.

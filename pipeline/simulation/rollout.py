@@ -1,4 +1,4 @@
-"""Running a simulator forward in time."""
+"""Open-loop simulation of a batch of machines."""
 
 from collections.abc import Mapping
 from functools import partial

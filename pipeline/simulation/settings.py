@@ -1,4 +1,4 @@
-"""What a person may change about the nominal simulator."""
+"""Configuration of the nominal simulator."""
 
 from dataclasses import dataclass, field
 

@@ -1,4 +1,4 @@
-"""From the columns of a recording to the physical signals that mechanisms and effects read."""
+"""Physical signals of mechanisms and effects, from the columns of a recording."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""Driving a straight way from rest to rest: the policy says which speed it desires, the feedforward does the rest."""
+"""Environment of a straight drive from rest to rest: the policy sets a speed for the feedforward."""
 
 import torch
 from torch import Tensor

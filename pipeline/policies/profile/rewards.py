@@ -1,4 +1,4 @@
-"""What a control step on the way is worth."""
+"""Rewards of a motion profile."""
 
 from torch import Tensor
 

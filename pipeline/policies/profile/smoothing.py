@@ -1,4 +1,4 @@
-"""Voltages without jumps, by a moving average."""
+"""Smoothing of voltages by a moving average."""
 
 import torch
 from torch import Tensor

@@ -1,4 +1,4 @@
-"""Model-predictive control along a lap: what a time-optimal plan is flown with.
+"""Model-predictive control that tracks a time-optimal lap.
 
 At each step the motion over a horizon is predicted by the rigid body's motion linearised about the lap, and the
 commands that keep closest to it within the machine's limits are found: a quadratic programme with bounds, condensed to

@@ -1,4 +1,4 @@
-"""What a person may change about racing."""
+"""Configuration of racing."""
 
 from dataclasses import dataclass, field
 

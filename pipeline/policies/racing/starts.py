@@ -1,4 +1,4 @@
-"""Where episodes start: states in which machines have passed the gates, perturbed within bounds.
+"""Initial states of episodes: states of passing a gate, perturbed within bounds.
 
 Those of each gate lie in this order: slow ones, planned ones of the time-optimal lap, and those that were seen.
 

@@ -1,4 +1,4 @@
-"""From a traced step to arithmetic on components: every entry of every small tensor becomes a series over the batch.
+"""Scalar form of a traced step: every entry of every small tensor becomes a series over the batch.
 
 A step works on tensors (1, ...) of a few entries each: vectors, quaternions, matrices. Entry by entry, what it does is
 plain arithmetic, and moving entries about costs nothing. Written so, a whole control step is one loop over the batch,

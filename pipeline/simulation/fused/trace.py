@@ -1,4 +1,4 @@
-"""Writing down what a step does, once, and writing it anew over components."""
+"""Tracing of a step, and its rewriting in scalar components."""
 
 import itertools
 from collections.abc import Callable
