@@ -26,7 +26,7 @@ _REQUESTS = (*(f"specific_force_{axis}" for axis in "xyz"), "battery_voltage")
 class MotorCommandLayout(Layout):
     """State: the motor commands. Inputs: the motion at their sample and up to `REACTION` after it.
 
-    Where a pilot's sticks and set-points are not recorded, the motion that was reached tells what was asked for.
+    Without recorded stick inputs and setpoints, the achieved motion stands for the commanded one.
 
     Attributes:
         rotor_x: forward places of the rotors in the body frame, m.

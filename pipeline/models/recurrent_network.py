@@ -78,6 +78,6 @@ def dense(inputs: int, units: int, outputs: int) -> nn.Sequential:
 
 
 def silence(network: nn.Sequential) -> None:
-    """Let a dense network give nothing, whatever it is given, until it is trained."""
+    """Set the last layer of a dense network to zero, so that its output is zero until it is trained."""
     for parameter in network[-1].parameters():
         nn.init.zeros_(parameter)

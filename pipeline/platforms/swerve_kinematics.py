@@ -96,8 +96,8 @@ def lateral_matrix_rate(angle: Tensor, turning: Tensor, positions: Tensor) -> Te
 def module_states(twist: Tensor, positions: Tensor, angle: Tensor) -> tuple[Tensor, Tensor]:
     """Return the angles (rad) and speeds (m/s) that give a twist with the shortest turn from the present angles.
 
-    A module never turns by more than a quarter: beyond it, it turns the other way and its wheel rolls backward. A
-    module that does not move keeps its angle.
+    A module never turns by more than a quarter turn. Beyond it, the module turns the other way and its wheel rolls
+    backward. A module at rest keeps its angle.
 
     Args:
         twist: wanted, (..., 3).

@@ -14,7 +14,7 @@ Judge = Callable[[Gaussian], float]
 
 
 class Best:
-    """The cheapest policy so far, the later one of two that cost the same.
+    """The policy with the lowest cost so far; of two equal ones, the later.
 
     Attributes:
         cost: of it; infinite while none was of use.

@@ -55,8 +55,8 @@ class Transition:
 class Environment(ABC):
     """A batch of machines. An environment implements `reset`, `advance` and `observe`; this class does the rest.
 
-    Whatever changes from step to step stands in `state`, tensors by name: with them an interrupted training goes on
-    as if nothing had happened. Whatever is drawn is drawn from `generator`.
+    All changing quantities are tensors in `state`, by name, so an interrupted training continues exactly. All random
+    draws come from `generator`.
 
     Attributes:
         observation_size: numbers that the policy sees.

@@ -16,10 +16,10 @@ from simgap.simulation.simulator import FittedEffect, Simulator
 class SimulatedDriver(ActuatorEffect):
     """A constant level minus an immediate drop with the load; a given driver signal is kept.
 
-    It is no entry of the catalogue: it says what a recording's driver was like, and nothing that was missing.
+    It is not in the catalogue, because it models a recorded signal and no missing physics.
 
     Attributes:
-        driven: the effect whose driver it simulates, and which knows what loads it.
+        driven: the effect whose driver it simulates; it also defines the load.
     """
 
     driven: Effect
@@ -41,13 +41,13 @@ class SimulatedDriver(ActuatorEffect):
 
     @property
     def key(self) -> str:
-        """The name of what it simulates: there is one of each driver."""
+        """The name, unique for each driver signal."""
         return f"simulated_{self.driven.driver}"
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Tensor], Any]:
-        """Return the driver, where it is not given."""
+        """Return the driver signal if it is not given."""
         if self.driven.driver in signals:
             return {}, None
         load = self.driven.load(signals, constants)
@@ -80,7 +80,7 @@ def without_driver(simulator: Simulator) -> tuple[FittedEffect, ...]:
 
 
 def _law(effect: Effect, driver: Tensor, load: Tensor | None) -> FittedEffect:
-    """Return the line of a driver against its load, by least squares; a load that lifts it takes nothing."""
+    """Return the least-squares line of a driver over its load, with a drop of at least zero."""
     giving = 0.0
     if load is not None:
         apart = load - load.mean()

@@ -34,7 +34,7 @@ def rk4(
 def semi_implicit(
     motion: Motion, wrench: Wrench, state: Tensor, constants: Mapping[str, Any], time_step: float
 ) -> Tensor:
-    """Return the state a step later by the symplectic Euler rule, of first order: new velocities move the places."""
+    """Return the state a step later by the symplectic Euler rule, of first order: new velocities move the positions."""
     acting = wrench(state)
     faster = state + time_step * motion.derivative(state, acting, constants)
     moving = torch.zeros(state.shape[-1], dtype=torch.bool, device=state.device)

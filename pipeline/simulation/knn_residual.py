@@ -42,7 +42,7 @@ class HeldResidual(WrenchEffect):
 class RecordedResidual(WrenchEffect):
     """The residual of a recording, as part of a simulator.
 
-    A flight of a policy looks it up once in a control period, see `HeldResidual`; anything else at every instant.
+    In a policy's flight it is evaluated once per control period, see `HeldResidual`; otherwise at every instant.
 
     Attributes:
         neighbours: from `residual_features` to specific force, m/s², (batch, 3).
@@ -76,11 +76,11 @@ class RecordedResidual(WrenchEffect):
 
 
 def commanded_thrust(signals: Signals, platform: Quadrotor) -> Tensor:
-    """Return the thrust over mass that the platform makes of what is commanded, (...,) m/s².
+    """Return the commanded thrust over mass by the platform's coefficients, (...,) m/s².
 
     Args:
         signals: `motor_command`, or `rotor_speed` where there is no command.
-        platform: whose coefficients are believed.
+        platform: the platform with these coefficients.
     """
     known = signals.get("motor_command")
     speed = signals["rotor_speed"] if known is None else platform.motor_speed_max * known
@@ -102,7 +102,7 @@ class NearestNeighbours:
     count: int = 5
 
     def __post_init__(self) -> None:
-        """Refuse what holds no neighbours.
+        """Check that there are enough samples and that every feature varies.
 
         Raises:
             InputError: when there are fewer samples than neighbours, or a feature that never changes.

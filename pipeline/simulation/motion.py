@@ -19,7 +19,7 @@ class Motion(ABC):
     """The state of one platform kind.
 
     `parts` names the slices of the state tensor (..., n); the same names, with recorded signals, make a state.
-    `velocities` names the parts that forces change at once; the others follow from them.
+    `velocities` names the parts that forces change directly; the others follow by integration.
     """
 
     parts: ClassVar[dict[str, slice]]

@@ -75,7 +75,7 @@ class Powertrain(ActuatorEffect):
 
 
 def powertrain_values(platform: Quadrotor, efficiency: float = 0.75, time_constant: float = 0.033) -> dict:
-    """Return the values of a powertrain that hovers and tops out as the platform says at its nominal voltage.
+    """Return powertrain values that give the platform's hover and maximum speed at nominal voltage.
 
     Args:
         platform: whose greatest speed, hover speed and nominal voltage the speed controllers meet.

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 @dataclass
 class SimulatorSettings:
-    """Settings of the simulator that is diagnosed."""
+    """Settings of the nominal simulator."""
 
     identified: bool = False  # take the parameters that sysid found in place of the platform file's
     effects: dict[str, dict[str, float]] = field(

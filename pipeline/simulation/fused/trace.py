@@ -18,7 +18,7 @@ _aten = torch.ops.aten
 def component_graph(
     function: Callable[..., list[Tensor]], examples: list[list[Tensor]], dtype: torch.dtype
 ) -> fx.GraphModule:
-    """Return a module that does over components what a function does to tensors of a batch of one.
+    """Return a module that applies a function of batch-one tensors to components over the batch.
 
     Args:
         function: takes all tensors of all groups in order, returns tensors.
