@@ -1,4 +1,4 @@
-"""The command that writes docs/results.md; not a stage of the pipeline."""
+"""The command that writes the page of results; not a stage of the pipeline."""
 
 import argparse
 import sys
@@ -14,7 +14,7 @@ SWEEPS = "artifacts/*/sweeps/*"
 
 
 def results(sweeps: Sequence[Path], docs: Path) -> None:
-    """Write the sections of docs/results.md for the sweeps that were run; other sections stay unchanged."""
+    """Write the sections of docs/results.md from finished sweeps; all other sections stay as they are."""
     from simgap.comparison.page import PAGE, write_section
     from simgap.runner.comparing import FOLDER
 
@@ -28,7 +28,7 @@ def results(sweeps: Sequence[Path], docs: Path) -> None:
 
 
 def _titled() -> list[Path]:
-    """Return the comparisons below the working directory that are meant for the documentation."""
+    """Return the comparisons below the working directory that have a title."""
     from simgap.comparison.comparison import FILE, Comparison
     from simgap.runner.comparing import FOLDER
 

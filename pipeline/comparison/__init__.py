@@ -1,4 +1,4 @@
-"""Floor 0: comparison of the jobs of a sweep: tables, a figure, a page."""
+"""Floor 0: the metrics of a sweep's jobs side by side, as tables, a figure and a page."""
 
 from simgap.comparison.settings import Results
 

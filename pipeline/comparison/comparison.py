@@ -1,4 +1,4 @@
-"""The results of a sweep, as stored in a file."""
+"""The metrics of a sweep's jobs, and the file that stores them."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -15,8 +15,8 @@ FILE = "comparison.json"
 Value = int | float | str | bool | None
 Metrics = dict[str, float | None]
 Compared = Callable[[Mapping[str, Any]], dict[str, Metrics]]
-"""From the metrics that a stage has written to those that are compared: the job's own under "", and under other names
-those of what every job is held against."""
+"""Selects the metrics to compare from those that a stage has written: the job's own under "", and those of references
+under other names."""
 
 
 @dataclass(frozen=True)
@@ -24,10 +24,10 @@ class Job:
     """One job of a sweep.
 
     Attributes:
-        values: what was swept, without the seed.
-        seed: of its random draws.
-        metrics: by name; None where one is not finite.
-        seconds: that it took.
+        values: swept values, without the seed.
+        seed: seed of the random draws.
+        metrics: metrics by name; None for one that is not finite.
+        seconds: duration, s.
     """
 
     values: dict[str, Value]
@@ -41,13 +41,13 @@ class Comparison:
     """The results of a sweep.
 
     Attributes:
-        name: of the sweep: its preset, or its stage.
-        command: that made it.
-        machine: on which it was made.
-        jobs: those that have ended well.
-        references: metrics of what all jobs are held against, by name.
-        failed: why the other jobs have not, a sentence each.
-        results: how they are laid out.
+        name: name of the sweep: its preset or its stage.
+        command: the command that ran it.
+        machine: the machine that ran it.
+        jobs: the successful jobs.
+        references: metrics of the references, such as persistence, by name.
+        failed: one sentence for each failed job.
+        results: layout of tables, figure and text.
     """
 
     name: str
@@ -88,7 +88,7 @@ class Comparison:
 
 
 def flat(metrics: Mapping[str, Any], prefix: str = "") -> Metrics:
-    """Return nested metrics by names like `position/h50`; what is neither a number nor null is left out."""
+    """Return nested metrics by names like `position/h50`, without entries that are neither a number nor null."""
     found: Metrics = {}
     for key, value in metrics.items():
         if isinstance(value, Mapping):

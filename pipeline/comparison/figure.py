@@ -1,4 +1,4 @@
-"""The figure of a comparison: curves over a swept number, bars otherwise."""
+"""The figure of a comparison: curves over a swept number, or bars."""
 
 import math
 from dataclasses import replace
@@ -18,10 +18,10 @@ _WIDE = 10.0
 
 
 def draw(comparison: Comparison, path: Path) -> bool:
-    """Draw one metric of all configurations as SVG; return whether there were several to be held against each other.
+    """Draw one metric of all configurations as SVG; return whether there were at least two configurations.
 
-    The first swept key that holds numbers alone is the abscissa; every combination of the others has a curve, with a
-    band of one standard deviation over the seeds. References are dashed lines.
+    The abscissa is the first swept key with only numbers. Every combination of the other keys has a curve, with a band
+    of one standard deviation over the seeds. References are dashed lines.
     """
     table = _chosen(comparison)
     if table is None or sum(not row.reference for row in table.rows) < 2:
@@ -48,7 +48,7 @@ def draw(comparison: Comparison, path: Path) -> bool:
 
 
 def _chosen(comparison: Comparison) -> Table | None:
-    """Return the table whose last column is drawn."""
+    """Return the table whose last column the figure shows."""
     wanted = comparison.results.figure
     if wanted is not None:
         comparison = replace(comparison, results=replace(comparison.results, tables=[wanted]))
@@ -56,9 +56,9 @@ def _chosen(comparison: Comparison) -> Table | None:
 
 
 def _is_wide(table: Table, column: str) -> bool:
-    """Whether the values span so many decades that a linear axis would hide the small ones.
+    """Whether the values need a logarithmic axis.
 
-    Where a spread reaches zero there is no other: a logarithmic axis has no room for it.
+    A band that reaches zero rules it out, because a logarithmic axis cannot show it.
     """
     entries = [row.entries[column] for row in table.rows]
     values = [entry.mean for entry in entries]
@@ -94,14 +94,14 @@ def _curves(axes: "Axes", table: Table, column: str, abscissa: str) -> None:
 def _bars(axes: "Axes", table: Table, column: str) -> None:
     rows = [row for row in table.rows if not row.reference]
     means = [row.entries[column].mean for row in rows]
-    spreads = [row.entries[column].std or math.nan for row in rows]  # of one seed nothing is drawn
+    spreads = [row.entries[column].std or math.nan for row in rows]  # one seed has no error bar
     places = range(len(rows))
     axes.bar(places, means, yerr=spreads, width=0.6, capsize=4)
     axes.set_xticks(places, [_named(row) for row in rows], rotation=20 if len(rows) > 4 else 0)
 
 
 def _named(row: Row, without: str = "") -> str:
-    """Return the label of a configuration; numbers and booleans get their key."""
+    """Return the label of a configuration. Numbers and flags carry their key."""
     return ", ".join(_labelled(key, value) for key, value in row.values.items() if key != without)
 
 

@@ -1,4 +1,4 @@
-"""The machine on which a measurement was made."""
+"""The machine that ran a measurement."""
 
 import os
 import platform
@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def processor() -> str:
-    """Return the cores that may be used and what they are called."""
+    """Return the number of usable cores and the name of the processor."""
     listed = Path("/proc/cpuinfo")
     lines = listed.read_text().splitlines() if listed.exists() else []
     names = (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))

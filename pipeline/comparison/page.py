@@ -1,4 +1,4 @@
-"""Comparisons in Markdown: tables, what was left out, and sections of `docs/results.md`."""
+"""Comparisons in Markdown: tables, failed jobs, and sections of `docs/results.md`."""
 
 import math
 import re
@@ -16,18 +16,17 @@ UNKNOWN = "–"
 
 _HEAD = """# Results
 
-Each section below was written by `simgap results` from one sweep. The command of the sweep stands under the title;
-each section can be made again alone. Scores are those of held-out runs. With several seeds, a score is mean ± standard
-deviation.
+`simgap results` writes each section from a sweep. The command in a section runs its sweep again. All scores are from
+held-out runs. With several seeds a table shows the mean ± the standard deviation.
 """
 _MARK = "<!-- sweep: {} -->"
 _SECTION = re.compile(r"^<!-- sweep: (\S+) -->$", re.MULTILINE)
 
-_WHOLE = 1e4  # from here on, a number is written without fraction
+_WHOLE = 1e4  # from here on, a number has no decimals
 
 
 def tables_text(comparison: Comparison) -> str:
-    """Return all tables of a comparison, and what was left out of it."""
+    """Return all tables of a comparison and the reasons for failed jobs."""
     parts = []
     for table in tables_of(comparison):
         parts += [f"**{table.title}**"] if table.title else []
@@ -37,7 +36,7 @@ def tables_text(comparison: Comparison) -> str:
 
 
 def write_section(sweep: Path, docs: Path) -> None:
-    """Write the section of one sweep into `results.md`, and its figure, if any, beside; the other sections stay.
+    """Write the section of one sweep into `results.md`, and its figure, if any. The other sections stay.
 
     Args:
         sweep: folder of the comparison.
@@ -71,8 +70,8 @@ def _section(comparison: Comparison, picture: str | None) -> str:
     seeds = sorted({job.seed for job in comparison.jobs})
     minutes = sum(job.seconds for job in comparison.jobs) / 60
     facts = (
-        f"`{comparison.command}`\n\nMade on {comparison.machine}: {len(comparison.jobs)} jobs, {minutes:.1f} minutes "
-        f"of computing in all; seed{'s' if len(seeds) > 1 else ''} {', '.join(map(str, seeds))}."
+        f"`{comparison.command}`\n\nMeasured on {comparison.machine}. The {len(comparison.jobs)} jobs took "
+        f"{minutes:.1f} minutes in sequence (seed{'s' if len(seeds) > 1 else ''} {', '.join(map(str, seeds))})."
     )
     parts = [f"## {title}", *filter(None, [comparison.results.text]), facts, tables_text(comparison).strip()]
     return "\n\n".join([*parts, *([f"![{title}]({picture})"] if picture else [])])

@@ -1,4 +1,4 @@
-"""A comparison as tables: one row per configuration (mean over seeds), one column per metric."""
+"""A comparison as tables: a row per configuration over all of its seeds, and a column per metric."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,7 +11,7 @@ from simgap.comparison.comparison import Comparison, Metrics, Value
 from simgap.comparison.settings import TableOf
 
 MEAN = "mean"
-UNSWEPT = "as configured"  # what the one row is called where nothing but seeds was swept
+UNSWEPT = "as configured"  # label of the single row of a sweep over seeds alone
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class Estimate:
     """A metric over seeds.
 
     Attributes:
-        mean: NaN where a job has none.
+        mean: NaN if a job lacks the metric.
         std: standard deviation; None for one seed.
     """
 
@@ -35,12 +35,12 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Row:
-    """One configuration or a reference.
+    """One configuration or one reference.
 
     Attributes:
-        values: what was swept, by key; empty for a reference.
-        entries: by column.
-        reference: its name, where it is one.
+        values: swept values by key; empty for a reference.
+        entries: estimates by column.
+        reference: name of the reference, if it is one.
     """
 
     values: Mapping[str, Value]
@@ -53,11 +53,11 @@ class Table:
     """Rows and columns.
 
     Attributes:
-        title: what the metrics are.
-        keys: that were swept.
+        title: name and unit of the metrics.
+        keys: swept keys.
         columns: headings of the metrics.
-        rows: configurations in the order in which they first came, then references.
-        baseline: the row that the others are held against, if any.
+        rows: configurations in the order of the sweep, then references.
+        baseline: the row that the others are compared with, if any.
     """
 
     title: str
@@ -67,7 +67,7 @@ class Table:
     baseline: Row | None = None
 
     def change(self, row: Row, column: str) -> float | None:
-        """Return the relative change against the baseline; None where it is undefined."""
+        """Return the relative change from the baseline; None if there is none to compare."""
         if self.baseline is None or row is self.baseline or row.reference:
             return None
         usual = self.baseline.entries[column].mean
@@ -76,7 +76,7 @@ class Table:
 
 
 def tables_of(comparison: Comparison) -> list[Table]:
-    """Return the tables that are wanted; where none are named, one for each group of metrics (`position/…`)."""
+    """Return the configured tables, or by default one for each group of metrics (`position/…`)."""
     names = list(dict.fromkeys(name for job in comparison.jobs for name in job.metrics))
     groups = dict.fromkeys(name.rpartition("/")[0] for name in names)
     wanted = comparison.results.tables or [TableOf(f"{group}/*" if group else "*", group) for group in groups]

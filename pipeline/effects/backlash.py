@@ -1,8 +1,9 @@
-"""Play between a motor and the axis that it drives, shared by joints and swerve drives.
+"""Backlash between a motor and the axis that it drives, for joints and swerve steering.
 
-The recorded motion is the load's. The motor's hidden place in the gap and its speed through it follow from its own
-inertia; the nominal inertia is that of both together. A face is left when the effort turns round, and met without
-rebound, so that the motor hands over the momentum that it gathered in the gap.
+The recorded motion is that of the load. The motor's position in the gap and its speed across it are hidden states.
+They follow from the motor's own inertia; the nominal inertia is that of motor and load together. The motor leaves a
+face when the effort reverses. It meets the other face without rebound and passes on the momentum that it gained in
+the gap.
 """
 
 from typing import Any, ClassVar
@@ -20,10 +21,10 @@ Array = NDArray[Any]
 
 
 class Backlash(ActuatorEffect):
-    """Two bodies with a gap between them: after each reversal the motor crosses it before the axis feels it."""
+    """The motor crosses a gap after each reversal before it drives the load."""
 
     group: ClassVar[str] = ""
-    """What the names of signals and constants begin with: a swerve's `steer_`."""
+    """Prefix of the names of signals and constants: `steer_` for a swerve drive."""
     transmitted: ClassVar[str]
     """The signal that crosses the gap: effort or torque."""
 
@@ -40,10 +41,11 @@ class Backlash(ActuatorEffect):
         "J·d(velocity + slip)/dt = effort; |∫ slip dt| ≤ gap / 2"
     )
     source = "Nordin & Gutman 2002, Controlling mechanical systems with backlash: a survey (Automatica 38)"
-    excitation = "reverse the effort often, gently and hard, with little else on the axis"
+    excitation = "reverse the effort often, gently and hard, with little other load on the axis"
+    symptom = "After each reversal of the effort the axis pauses for a moment, then moves with a jolt."
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a scan: the gap has to be about right before its crossings meet the recorded ones."""
+        """Start from a scan: a fit needs a gap whose crossings overlap the recorded ones."""
         return scan(gap=(0.002, 0.01, 0.03, 0.1), motor_inertia_share=(0.1, 0.4, 0.8))
 
     def actuate(
@@ -69,7 +71,7 @@ class Backlash(ActuatorEffect):
     ) -> dict[str, Signal]:
         """Return blocks with the effort that reaches the axis.
 
-        A gap can only be gone through sample by sample: a compiled loop does, on the processor and without gradients.
+        The gap needs a loop over samples. A compiled loop runs on the processor if no gradients are asked for.
         """
         effort, velocity = signals[self.transmitted], signals[f"{self.group}velocity"]
         half, inertia, braking = self._motor(signals, values, constants)
@@ -82,13 +84,13 @@ class Backlash(ActuatorEffect):
         return {**signals, self.transmitted: effort - kept}
 
     def _motor(self, signals: Signals, values: Values, constants: Values) -> tuple[Any, Any, Any]:
-        """Return half the gap, the motor's inertia at the axis and what brakes it in the gap."""
+        """Return half the gap, the motor's inertia at the axis and its damping in the gap."""
         inertia = values["motor_inertia_share"] * constants[f"{self.group}inertia"]
         braking = self._back_emf(constants) if f"{self.group}voltage" in signals else 0.0
         return 0.5 * values["gap"], inertia, braking
 
     def _back_emf(self, constants: Values) -> Any:
-        """Return what a motor that runs ahead of the axis loses in effort per speed, N·m·s/rad."""
+        """Return the back-EMF damping of the motor at the axis, N·m·s/rad."""
         torque_constant = constants[f"{self.group}torque_constant"]
         back_emf_constant = constants.get(f"{self.group}back_emf_constant", torque_constant)
         geared = constants[f"{self.group}gear_ratio"] ** 2
@@ -98,9 +100,9 @@ class Backlash(ActuatorEffect):
 def _crossed(
     place: Any, slip: Any, push: Any, turn: Any, half: Any, damped: Any, time_step: float
 ) -> tuple[Any, Any]:
-    """Return where in the gap the motor is a step later and how fast it runs ahead.
+    """Return the motor's position in the gap a step later and its speed relative to the axis.
 
-    On a face the motor goes with the axis; what the axis does (`turn`) counts only in the gap.
+    On a face the motor moves with the axis; the axis's own change (`turn`) counts only inside the gap.
     """
     alone = (slip + push - (abs(place) < half) * turn) * damped
     moved = (place + time_step * alone).clip(-half, half)
@@ -108,14 +110,14 @@ def _crossed(
 
 
 def _kept(now: Any, before: Any, inertia: Any, braking: Any, time_step: float) -> Any:
-    """Return the effort that the motor's own inertia and back-EMF keep while its slip changes."""
+    """Return the effort that the motor's own inertia and back-EMF absorb while its slip changes."""
     return braking * now + inertia * (now - before) / time_step
 
 
 def _slips(
     effort: Array, velocity: Array, half: float, inertia: float, braking: float, time_step: float
 ) -> Array:
-    """Return how fast the motor runs ahead of the axis, (blocks, samples, ...)."""
+    """Return the motor's speed relative to the axis, (blocks, samples, ...)."""
     from simgap.physics.play_steps import slips_in_play  # its import takes longer than all effects
 
     damped = 1.0 / (1.0 + time_step * braking / inertia)

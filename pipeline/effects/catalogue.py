@@ -1,4 +1,4 @@
-"""The catalogue is the listing of the folders: an effect is in it because its file is there."""
+"""Discovery of effects: every public class in the folder of a kind belongs to the catalogue."""
 
 import difflib
 import functools

@@ -1,4 +1,4 @@
-"""Stretches of a recording joined where one goes on in the next, for effects that remember longer than a margin."""
+"""Consecutive blocks of a recording joined into chains, for effects whose memory outlasts a block's margin."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -9,11 +9,11 @@ from torch import Tensor
 
 from simgap.effects.effect import Signals
 
-_CLOSE = 0.1  # samples, by which a stretch may start beside a sample of the one before
+_CLOSE = 0.1  # samples, greatest offset of a block's start from a sample of the block before
 
 
 class Part(NamedTuple):
-    """A stretch of a chain, and how many samples later than the one before it starts."""
+    """A block of a chain, and its start in samples after the start of the block before."""
 
     stretch: int
     later: int
@@ -21,15 +21,15 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True)
 class Chains:
-    """What was recorded without a break, out of the stretches that it was cut into.
+    """Chains of blocks that were recorded without a gap.
 
     Attributes:
-        stretch: that each sample of a chain is taken from, (chains, longest).
-        sample: of that stretch, (chains, longest); after its end a chain repeats its last one.
-        chain: that each stretch belongs to, (stretches,).
-        first: sample of the chain at which each stretch starts, (stretches,).
-        samples: of a stretch.
-        recorded: whether a sample does not only repeat the last one of its chain, (chains, longest).
+        stretch: block of each sample of a chain, (chains, longest).
+        sample: index in that block, (chains, longest); after its end a chain repeats its last sample.
+        chain: chain of each block, (stretches,).
+        first: sample of the chain at which each block starts, (stretches,).
+        samples: number of samples in a block.
+        recorded: False where a sample only repeats the last one of its chain, (chains, longest).
     """
 
     stretch: Int[Tensor, "chains longest"]
@@ -42,33 +42,33 @@ class Chains:
     def joined(
         self, series: Float[Tensor, "stretches samples *rest"]
     ) -> Float[Tensor, "chains longest *rest"]:
-        """Return a series of stretches (stretches, samples, ...) along the chains, (chains, longest, ...)."""
+        """Return a series of blocks (stretches, samples, ...) along the chains, (chains, longest, ...)."""
         return series[self.stretch, self.sample]
 
     def parted(
         self, series: Float[Tensor, "chains longest *rest"]
     ) -> Float[Tensor, "stretches samples *rest"]:
-        """Return a series along the chains (chains, longest, ...) by stretches, (stretches, samples, ...)."""
+        """Return a series along the chains (chains, longest, ...) as blocks, (stretches, samples, ...)."""
         return series[self.chain[:, None], self.first[:, None] + torch.arange(self.samples)]
 
 
 def chains_of(signals: Signals, time_step: float, most: int) -> Chains:
-    """Join stretches (stretches, samples, ...) of one run (`run_number`) that overlap in time (`elapsed`).
+    """Join blocks (stretches, samples, ...) of one run (`run_number`) that overlap in time (`elapsed`).
 
-    Where these signals are missing, every stretch is a chain of its own.
+    Without these signals every block is a chain of its own.
 
     Args:
-        signals: of the stretches.
+        signals: the signals of the blocks.
         time_step: s.
-        most: stretches that are joined.
+        most: greatest number of blocks in a chain.
     """
     count, samples = next(iter(signals.values())).shape[:2]
     parts: list[list[Part]] = []
     if "run_number" not in signals or "elapsed" not in signals:
         return _chains([[Part(stretch, 0)] for stretch in range(count)], count, samples)
     runs, elapsed = signals["run_number"][:, 0].tolist(), signals["elapsed"]
-    middle = elapsed[:, samples // 2]  # a stretch's ends may lie beyond the recording, its middle never does
-    last: dict[float, tuple[int, int]] = {}  # of each run: its last stretch, and the chain of that
+    middle = elapsed[:, samples // 2]  # a block's ends may lie outside the recording, its middle never does
+    last: dict[float, tuple[int, int]] = {}  # last block of each run, and its chain
     for stretch in torch.argsort(middle).tolist():
         before, chain = last.get(runs[stretch], (-1, -1))
         later = round(float(middle[stretch] - middle[before]) / time_step) if before >= 0 else samples
@@ -86,7 +86,7 @@ def chains_of(signals: Signals, time_step: float, most: int) -> Chains:
 
 
 def _is_same(elapsed: Tensor, stretch: int, before: int, later: int, time_step: float) -> bool:
-    """Whether a stretch begins where another is so many samples later; beyond a gap in time it does not."""
+    """Whether a block starts `later` samples after another one, without a gap in time."""
     return abs(float(elapsed[stretch, 0] - elapsed[before, later])) < _CLOSE * time_step
 
 

@@ -1,4 +1,4 @@
-"""A pure delay, shared by every platform's command delay."""
+"""Pure time delay between a command and its effect, for every kind of platform."""
 
 import math
 from typing import Any, ClassVar
@@ -14,7 +14,7 @@ class CommandDelay(CommandEffect):
     """Commands take effect a fixed time after they are recorded."""
 
     delayed: ClassVar[tuple[str, ...]]
-    """The signals that are delayed, those of them that are present."""
+    """The signals to delay, if present."""
 
     remembers = True
     name = "command_delay"
@@ -23,10 +23,11 @@ class CommandDelay(CommandEffect):
     formula = "command_effective(t) = command(t − delay)"
     source = "Hwangbo et al. 2019, Learning agile and dynamic motor skills, actuator latency"
     sentence = "Commands take effect {delay} s after they are recorded; delay them in the simulator."
-    excitation = "command steps or a fast chirp, so that the response's start can be told from its slope"
+    excitation = "command steps or a fast chirp, which separate a late start from a slow rise"
+    symptom = "The response to a command step starts late and then rises at the normal rate."
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from none, and from a scan: a periodic command has a valley at each period."""
+        """Start from none, and from a scan: a periodic command has a local minimum at each period."""
         return [{"delay": delay} for delay in (0.0, 0.01, 0.02, 0.04, 0.08, 0.16)]
 
     def lateness(self, values: Values, constants: Values) -> float:

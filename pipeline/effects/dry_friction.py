@@ -1,4 +1,4 @@
-"""Dry friction that also holds still, shared by joints, wheels and steered modules."""
+"""Dry friction with sticking, shared by joints, wheels and steered modules."""
 
 from abc import abstractmethod
 from typing import ClassVar, NamedTuple
@@ -9,22 +9,20 @@ from torch import Tensor
 from simgap.effects.effect import Signals, Values, WrenchEffect
 from simgap.physics.shapes import Channels, Real, Value
 
-_FASTEST = 0.99  # quantile of recorded speeds: the very greatest may be a spike
-_FADED = 0.5  # of the level at rest, beyond which nothing shows that friction fades at all
-_NOISY = (
-    8  # power of a share of the resolution: a third, which is the sensor's noise, must be none of a motion
-)
-_LEAST_KNOWN = 0.2  # of what fades, in motion one way: less is the sensor's noise, or how an axis turns round
+_FASTEST = 0.99  # quantile of the recorded speeds: the maximum may be a spike
+_FADED = 0.5  # share of the level at rest: above this the recording does not show that friction fades
+_NOISY = 8  # exponent on velocity over resolution: a third of the resolution is noise and must count as rest
+_LEAST_KNOWN = 0.2  # share of the fading friction that one-way motion must show: less is noise or reversals
 
 
 class DryFriction(WrenchEffect):
-    """Friction that at standstill holds whatever else acts on what it rubs, up to its level.
+    """Friction that balances the applied load at standstill, up to its level.
 
-    It comes after all else that acts. What one holds no other has to hold: of several, each is told what those before
-    it have left (`Mechanism.loads`).
+    It applies after all other effects. With several dry frictions, each receives the load that the ones before it have
+    not balanced (`Mechanism.loads`).
 
     Attributes:
-        holds: the signal that says what is left to be held.
+        holds: the signal with the remaining load.
     """
 
     linear = False
@@ -36,7 +34,7 @@ class DryFriction(WrenchEffect):
 
     @abstractmethod
     def on_channels(self, friction: Real, signals: Signals, constants: Values) -> Channels:
-        """Return what a friction adds to each channel."""
+        """Return the contribution of a friction to each channel."""
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction on each channel, N·m or N."""
@@ -44,11 +42,11 @@ class DryFriction(WrenchEffect):
 
 
 class Sliding(NamedTuple):
-    """From which velocity on an axis slides one way only.
+    """The velocity above which an axis slides in one direction only.
 
     Attributes:
-        velocity: in the unit of the velocity: half of what it changes by within a sample, or what it is known to.
-        within_samples: whether what is slower passes through zero within a sample; at an instant it rests.
+        velocity: threshold in the unit of the velocity: half of its change within a sample, or its resolution.
+        within_samples: whether a slower axis passes through zero within a sample; otherwise it rests.
     """
 
     velocity: Value
@@ -56,22 +54,22 @@ class Sliding(NamedTuple):
 
 
 def sliding_of(signals: Signals, constants: Values, group: str = "") -> Sliding:
-    """Return from which velocity on an axis slides: as each sample shows it where that is known, else at large.
+    """Return the sliding threshold: of each sample if known, otherwise one value for the recording.
 
     Args:
-        signals: may have `sliding_velocity`, of the shape of the velocity.
-        constants: have the one that holds at large.
-        group: what both names begin with: a swerve's `drive_` or `steer_`.
+        signals: may hold `sliding_velocity`, of the shape of the velocity.
+        constants: hold the single value.
+        group: prefix of both names: `drive_` or `steer_` for a swerve drive.
     """
     name = f"{group}sliding_velocity"
     return Sliding(signals[name], True) if name in signals else Sliding(constants[name], False)
 
 
 def fades(velocity: Real, fading_velocity: Value, slides: Sliding) -> bool:
-    """Whether recorded velocities (...,) show friction of a level · exp(−(v / fading_velocity)²) fade.
+    """Whether recorded velocities (...,) show that friction of level · exp(−(v / fading_velocity)²) fades.
 
-    It has to be less at the fastest, and to be felt where samples tell the direction of motion, not only where an axis
-    turns round within a sample. While it rests it says nothing of either.
+    It must be smaller at the highest speeds. It must also act in samples with a known direction of motion, and not only
+    in reversals within a sample. Samples at rest count for neither.
     """
     fading = torch.exp(-((velocity / fading_velocity) ** 2))
     place = int(_FASTEST * (velocity.numel() - 1)) + 1
@@ -85,9 +83,9 @@ def fades(velocity: Real, fading_velocity: Value, slides: Sliding) -> bool:
 
 
 def _is_told(velocity: Tensor, fading: Tensor, resolution: Tensor) -> bool:
-    """Whether enough of what fades is felt in motion one way, beside what is where an axis turns round."""
+    """Whether enough of the fading friction acts in one-way motion, compared with reversals."""
     one_way = velocity.abs() > resolution
-    turning = ~one_way & (resolution > resolution.min())  # what the sensor alone leaves open rests
+    turning = ~one_way & (resolution > resolution.min())  # below the sensor's resolution the axis rests
     known = (fading * one_way).sum()
     return bool(known > _LEAST_KNOWN * (known + (fading * turning).sum()))
 
@@ -99,19 +97,18 @@ def dry_friction(
     slides: Sliding,
     backward_level: Value | None = None,
 ) -> Real:
-    """Friction that opposes motion at its level, and at standstill what is applied, up to its level (...,).
+    """Return friction that opposes motion at its level, and at standstill the applied load up to its level (...,).
 
-    An axis that passes through zero within a sample slides one way and then the other: of its level there remains the
-    share of time that the one exceeds the other by. The slower it is, and the less what is applied passes the level,
-    the longer it is held.
+    An axis that reverses within a sample slides in both directions. Its mean friction is the level times the difference
+    of the two shares of time. It sticks longer the slower it is, and the less the applied load exceeds the level.
     Source: Karnopp 1985, Computer simulation of stick-slip friction (ASME J. Dyn. Syst. 107).
 
     Args:
         level: N·m or N.
-        velocity: (...,) rad/s or m/s; its mean where samples are meant.
-        applied: what else acts, (...,) in the unit of the level.
-        slides: from which velocity on.
-        backward_level: against negative motion, where it is not the same as against positive.
+        velocity: (...,) rad/s or m/s; the mean over each sample.
+        applied: the applied load, (...,) in the unit of the level.
+        slides: the sliding threshold.
+        backward_level: level in negative motion, if it differs from that in positive motion.
     """
     level = torch.as_tensor(level, dtype=velocity.dtype)
     backward = level if backward_level is None else torch.as_tensor(backward_level, dtype=velocity.dtype)
@@ -123,14 +120,14 @@ def dry_friction(
 
 
 def _at_an_instant(forward: Tensor, backward: Tensor, speed: Tensor, held: Tensor) -> Tensor:
-    """Pass smoothly from what is held to what slides, as the speed (...,) in units of the sliding velocity grows."""
+    """Blend from sticking to sliding as the speed (...,), in units of the sliding velocity, grows."""
     slip = torch.tanh(speed)
     sliding = torch.where(slip > 0, forward, backward) * slip * slip.abs()
     return -sliding - (1.0 - slip.square()) * held
 
 
 def _over_samples(forward: Tensor, backward: Tensor, speed: Tensor, held: Tensor, applied: Tensor) -> Tensor:
-    """Return the mean of what slides one way and then the other, or rests for the share that it is held."""
+    """Return the mean friction over a sample with sliding in both directions and a share of sticking."""
     direction = speed.clamp(-1.0, 1.0)
     sliding = 0.5 * ((forward + backward) * direction + (forward - backward))
     share = held / torch.where(applied == 0.0, 1.0, applied)

@@ -1,8 +1,8 @@
-"""What an effect is: one piece of physics, written once, for simulator, diagnosis, report and documentation.
+"""Base classes of effects: one piece of physics, written once for simulator, diagnosis, report and documentation.
 
-An effect acts in one of the places along command → actuator → wrench → measurement, or it corrects a number of the
-platform. Its place is its type. All functions take tensors whose leading dimensions are free (a batch of simulated
-machines, or blocks of a recording), so that the simulator and the diagnosis run the same code.
+An effect acts at one place along command → actuator → wrench → measurement, or it corrects a number of the platform.
+Its class says at which place. All functions take tensors with free leading dimensions: a batch of simulated machines,
+or blocks of a recording. The simulator and the diagnosis therefore run the same code.
 """
 
 from abc import ABC, abstractmethod
@@ -21,14 +21,14 @@ Values = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of an effect.
+    """A parameter of an effect.
 
     Attributes:
         name: full word.
         unit: as written in the diagnosis.
         default: a realistic size, in `unit`.
         low: least value that physics allows.
-        high: greatest value that is believable.
+        high: greatest plausible value.
         neutral: the value at which the effect does nothing.
     """
 
@@ -47,15 +47,17 @@ class Effect(ABC):
         name: fixed by the contract.
         kind: the platform kind it belongs to.
         acts_on: what the diagnosis reports (`force`, `torque`, `actuator`, `command`, `measurement`, `drive`, ...).
-        parameters: what is to be identified.
-        needs: signals without which it can be neither simulated nor tested.
-        driver: a slow one among them, which may be estimated where it was not recorded.
-        driver_at_rest: the parameter, or constant of the platform, that is the driver's value where the effect does
-            nothing.
-        formula: as a person would write it.
-        source: where it comes from.
-        sentence: what a person can act on; `{name}` is replaced by the value of a parameter, `{name_unit}` by its unit.
-        excitation: the manoeuvre that shows it.
+        parameters: the numbers to identify.
+        needs: signals that the effect requires to be simulated and tested.
+        driver: the slow signal among them that may be estimated if it was not recorded.
+        driver_at_rest: the parameter, or the constant of the platform, that holds the driver's value at which the
+            effect does nothing.
+        formula: the law, as in a textbook.
+        source: the publication or principle behind the law.
+        sentence: the statement in a diagnosis, with `{name}` for a parameter's value and `{name_unit}` for its unit.
+        symptom: how the effect shows in a log, one sentence.
+        excitation: the manoeuvre that shows it and separates it from its look-alikes, in the imperative.
+        look_alikes: names of further effects that a poor recording cannot separate from this one.
     """
 
     name: ClassVar[str]
@@ -66,24 +68,26 @@ class Effect(ABC):
     driver: ClassVar[str] = ""
     driver_at_rest: ClassVar[str] = ""
     yields_to: ClassVar[tuple[str, ...]] = ()
-    """Names that are the likelier cause wherever a recording cannot tell this effect from them."""
+    """Names of likelier causes: one of them is named if a recording cannot separate it from this effect."""
     twins: ClassVar[tuple[str, ...]] = ()
-    """Names that say the same in other words beside what else is named, however well either predicts."""
+    """Names of effects that give the same model in combination with other named effects."""
     usual: ClassVar[bool] = False
-    """Whether any machine of the kind has it, so that a platform's wrong numbers may show only beside it."""
+    """Whether every machine of the kind has it, so that wrong platform numbers may only show together with it."""
     kinked: ClassVar[bool] = False
-    """Whether its law has a kink between the values that `starts` returns: a fit does not cross it by its slopes."""
+    """Whether the law has a kink between the values of `starts`, which a gradient-based fit cannot cross."""
     formula: ClassVar[str]
     source: ClassVar[str]
     sentence: ClassVar[str]
+    symptom: ClassVar[str]
     excitation: ClassVar[str]
+    look_alikes: ClassVar[tuple[str, ...]] = ()
     names_physics: ClassVar[bool] = True
-    """Whether a diagnosis may name it: not a bundle of terms that would absorb the others, nor a finer law of what
-    another effect names already."""
+    """Whether a diagnosis may name it. It may not name a sum of terms that would absorb other effects, nor a finer law
+    of an effect that has a name already."""
 
     @property
     def key(self) -> str:
-        """The name that is unique inside a kind: an effect in two groups of a swerve drive is two entries."""
+        """The unique name within a kind; a swerve drive's effects carry their group, as in `backlash@steer`."""
         return f"{self.name}@{self.acts_on}" if self.kind == "swerve" else self.name
 
     def defaults(self) -> dict[str, float]:
@@ -95,27 +99,27 @@ class Effect(ABC):
         return {parameter.name: parameter.neutral for parameter in self.parameters}
 
     def load(self, signals: Signals, constants: Values) -> Signal | None:
-        """Return what makes the effect's driver give way at once, in any unit, or None where nothing does."""
+        """Return the load that changes the effect's driver at once, in any unit, or None if there is none."""
         return None
 
     def starts(self) -> list[dict[str, float]]:
-        """Return values from which a fit may start; more than one where the cost has several valleys."""
+        """Return starting values of a fit: several if the cost has several local minima."""
         return [self.neutral()]
 
     def starts_in(self, signals: Signals) -> list[dict[str, float]]:
-        """Return the same for what was recorded, where that says how wide the valleys are."""
+        """Return starting values that depend on the recorded signals."""
         return self.starts()
 
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Return the name of the effect that this one comes down to at its values in what was recorded, or ""."""
+        """Return the name of the simpler effect that these values reduce to on the recorded signals, or ""."""
         return ""
 
     def unphysical(self, values: Values, constants: Values) -> str:
-        """Return why no machine of the kind has these values though each is within its bounds, or ""."""
+        """Return why the values are implausible in combination although each is within bounds, or ""."""
         return ""
 
     def lateness(self, values: Values, constants: Values) -> float:
-        """Return by how much the effect makes something late, s; 0 where it is not about time."""
+        """Return the delay that the effect causes, s; 0 if it has no timing."""
         return 0.0
 
     def units(self, position_unit: str = "rad") -> dict[str, str]:
@@ -126,7 +130,7 @@ class Effect(ABC):
         return {name: unit.replace("N·m", "N").replace("rad", "m") for name, unit in units.items()}
 
     def statement(self, values: Mapping[str, float], position_unit: str = "rad") -> str:
-        """Return the sentence for people; `{name}` becomes the value, `{name_unit}` its unit."""
+        """Return the sentence with the values and units filled in."""
         filled = {name: f"{value:.3g}" for name, value in values.items()}
         filled |= {f"{name}_unit": unit for name, unit in self.units(position_unit).items()}
         return self.sentence.format(**filled)
@@ -140,10 +144,10 @@ class WrenchEffect(Effect):
 
     @abstractmethod
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
-        """Return what is added to each channel of the platform's balance, in that channel's unit."""
+        """Return the contribution to each channel of the platform's equations of motion, in that channel's unit."""
 
     def regressors(self, signals: Signals, constants: Values) -> list[Channels]:
-        """Return, for each parameter of a linear effect, the wrench per unit of it."""
+        """Return the wrench per unit of each parameter of a linear effect."""
         names = [parameter.name for parameter in self.parameters]
         return [
             self.wrench(signals, {other: float(other == name) for other in names}, constants)
@@ -152,18 +156,18 @@ class WrenchEffect(Effect):
 
 
 class ActuatorEffect(Effect):
-    """A change in how a command becomes rotor speed, torque or voltage; may remember.
+    """A change in how a command becomes rotor speed, torque or voltage, with or without an internal state.
 
-    `memory` is None before the first sample; a memoryless effect returns None and may be given whole blocks of time.
-    An effect with a hidden state of its own that pushes on the body (a swinging payload) is an actuator effect that
-    adds its hidden signal and a wrench effect that reads it.
+    The state is called `memory` and is None before the first sample. An effect without a state returns None and accepts
+    whole blocks of time. An effect whose internal state acts on the body, such as a swinging payload, is two in one: an
+    actuator effect that adds a hidden signal, and a wrench effect that reads it.
     """
 
     remembers: ClassVar[bool] = False
     smooths_commands: ClassVar[bool] = False
-    """Whether it passes on less of a command that jumps."""
+    """Whether it smooths steps of the command."""
     order: ClassVar[int] = 0
-    """Place on the way from supply to load: 0 supply, 1 electrical, 2 mechanical, 3 what follows from the motion."""
+    """Order of application from supply to load: 0 supply, 1 electrical, 2 mechanical, 3 follows from the motion."""
 
     @abstractmethod
     def actuate(
@@ -176,7 +180,7 @@ class ActuatorEffect(Effect):
     ) -> dict[str, Signal]:
         """Return the signals of recorded blocks (blocks, samples, ...) as the effect changes them.
 
-        The default runs `actuate` sample by sample where the effect remembers, and at once where it does not.
+        The default runs `actuate` sample by sample if the effect has a state, and on whole blocks if it has none.
         """
         if not self.remembers:
             return {**signals, **self.actuate(signals, values, constants, None, time_step)[0]}
@@ -192,7 +196,7 @@ class MeasurementEffect(Effect):
 
     @abstractmethod
     def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Signal]:
-        """Return the signals as they would have been recorded without the effect; time is dimension 1."""
+        """Return the signals without the effect; time is dimension 1."""
 
 
 class ConstantEffect(Effect):
@@ -204,7 +208,7 @@ class ConstantEffect(Effect):
 
 
 class ParameterError(ConstantEffect):
-    """A number of the platform that is wrong; the parameter is the ratio of true over nominal."""
+    """A wrong number in the platform file; the parameter is the ratio of true to nominal."""
 
     acts_on: ClassVar[str] = "parameter"
     parameters = (Parameter("ratio", "1", 1.2, 1 / 3, 3.0, neutral=1.0),)

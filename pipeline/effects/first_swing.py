@@ -1,4 +1,4 @@
-"""How a slung load swings where a recording of it begins: from what is felt across the thrust."""
+"""Initial swing of a slung load, fitted to the accelerations across the thrust."""
 
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -11,24 +11,24 @@ from simgap.physics import rotations
 from simgap.physics.cable import Cable, across, along, pooled, pull, swing
 from simgap.physics.shapes import Value
 
-_COARSE = 0.15  # rad that a cable swings by in a step: an error of the start is no finer than what is felt
-_USUAL = 1.0  # rad, by which a cable may be off the apparent gravity at first
-_GROWING = (0.25, 0.5, 0.75, 1.0)  # of what was felt: the shorter, the fewer the valleys of a wild swing
-_CORRECTIONS = 3  # on each of them
-_DAMPING = 0.01  # of a correction, at first
-_EASED, _TIGHTENED = 0.25, 8.0  # what becomes of it where a correction helps, and where it does not
-_SLIGHT = 1e-3  # rad, by which it is turned to see what that changes
-_MEMORY = 0.2  # s, after which what is felt tells something new
+_COARSE = 0.15  # rad of swing in a coarse step: finer steps do not improve the start
+_USUAL = 1.0  # rad, prior deviation of the cable from the apparent gravity
+_GROWING = (0.25, 0.5, 0.75, 1.0)  # parts of the record: a shorter part has fewer local minima
+_CORRECTIONS = 3  # Levenberg-Marquardt steps on each part
+_DAMPING = 0.01  # initial damping of a step
+_EASED, _TIGHTENED = 0.25, 8.0  # its factor after a better and after a worse step
+_SLIGHT = 1e-3  # rad, step of the finite differences
+_MEMORY = 0.2  # s, correlation time of the accelerations
 
 
 @dataclass(frozen=True)
 class Felt:
-    """What is known of machines that carry a load, in steps of equal length.
+    """Measurements of machines that carry a load, in steps of equal length.
 
     Attributes:
         apparent: gravity, world frame, (cables, steps, 3) m/s².
         attitude: (cables, steps, 4).
-        counts: which steps count, (cables, steps).
+        counts: mask of valid steps, (cables, steps).
     """
 
     apparent: Float[Tensor, "cables steps 3"]
@@ -36,7 +36,7 @@ class Felt:
     counts: Shaped[Tensor, "cables steps"]
 
     def beginning(self, part: float) -> "Felt":
-        """Return the first part of it."""
+        """Return the first part of the steps."""
         steps = max(round(part * self.counts.shape[1]), 2)
         return Felt(self.apparent[:, :steps], self.attitude[:, :steps], self.counts[:, :steps])
 
@@ -55,17 +55,17 @@ def first_swing(
     counts: Shaped[Tensor, "cables samples"],
     mass_ratio: Value,
 ) -> tuple[Float[Tensor, "cables 3"], Float[Tensor, "cables 3"]]:
-    """Return direction and rate with which the pull follows best what is felt across the thrust.
+    """Return the direction and rate whose pull fits the accelerations across the thrust best.
 
-    Levenberg-Marquardt from rest, in coarse steps, over two angles and their rates, as far as they may usually be off;
-    first along the beginning, then from where that leads to along more of it.
+    Levenberg-Marquardt in coarse steps over two angles and their rates, from rest and with a prior on their size. It
+    fits the beginning first and continues from there along growing parts of the record.
 
     Args:
-        cable: that swings.
+        cable: the swinging cable.
         apparent: gravity, world frame, (cables, samples, 3) m/s².
         attitude: (cables, samples, 4).
-        counts: which samples count, (cables, samples).
-        mass_ratio: of load and machine.
+        counts: mask of valid samples, (cables, samples).
+        mass_ratio: mass of the load over mass of the machine.
     """
     stride = cable.stride(_COARSE)
     means = pooled(apparent, stride)
@@ -76,17 +76,17 @@ def first_swing(
     for part in _GROWING:
         off = replace(search, felt=felt.beginning(part)).found(off)
     found = search.turned(off)
-    later = 0.5 * (stride - cable.fine) * cable.time_step  # a step stands for its middle
+    later = 0.5 * (stride - cable.fine) * cable.time_step  # a step represents its middle
     return swing(*found, means[:, 0], means[:, 0], cable.length, -later) if later else found
 
 
 class Swung(NamedTuple):
-    """What starts lead to.
+    """Result of simulated swings.
 
     Attributes:
-        off: by how much each start is off rest, (cables, 4).
-        error: of what is felt, (cables, 2·steps) m/s².
-        slopes: of what is felt against the start, (cables, 2·steps, 4).
+        off: deviation of each start from rest, (cables, 4).
+        error: error of the accelerations, (cables, 2·steps) m/s².
+        slopes: derivative of the accelerations by the start, (cables, 2·steps, 4).
     """
 
     off: Float[Tensor, "cables 4"]
@@ -95,11 +95,11 @@ class Swung(NamedTuple):
 
     @property
     def cost(self) -> Float[Tensor, " cables"]:
-        """The energy of the error of each start, (cables,)."""
+        """The sum of squared errors of each start, (cables,)."""
         return self.error.square().sum(1)
 
     def or_else(self, other: "Swung") -> "Swung":
-        """Return for each cable whichever errs less."""
+        """Return the better result for each cable."""
         better = self.cost <= other.cost
         picked = (
             torch.where(better.view(-1, *[1] * (mine.dim() - 1)), mine, yours)
@@ -110,12 +110,12 @@ class Swung(NamedTuple):
 
 @dataclass(frozen=True)
 class _Search:
-    """For the starts of cables: two angles off rest, and two rates over their pace.
+    """Search for the starts of cables: two angles from rest, and two rates relative to the natural frequency.
 
     Attributes:
-        cable: that swings.
-        resting: direction of the apparent gravity at first, (cables, 3).
-        felt: what is to be followed.
+        cable: the swinging cable.
+        resting: initial direction of the apparent gravity, (cables, 3).
+        felt: the accelerations to fit.
         stride: samples in a step.
         mass_ratio: of load and machine.
     """
@@ -127,7 +127,7 @@ class _Search:
     mass_ratio: Tensor | float
 
     def found(self, off: Tensor) -> Tensor:
-        """Return by how much the cables are off rest at first, looked for from a guess of it, (cables, 4) both."""
+        """Return the initial deviations of the cables from rest, searched from a guess, (cables, 4) both."""
         best = self.swung(off)
         damping = torch.full((len(self.resting),), _DAMPING, dtype=self.resting.dtype)
         for _ in range(_CORRECTIONS):
@@ -137,7 +137,7 @@ class _Search:
         return best.off
 
     def swung(self, off: Tensor) -> Swung:
-        """Return what starts lead to, and how that changes with them."""
+        """Return the swings from these starts, with their derivatives."""
         units = torch.eye(4, dtype=off.dtype)
         aside = _SLIGHT * torch.cat([torch.zeros_like(units[:1]), units])
         direction, rate = self.turned(off + aside[:, None])
@@ -151,7 +151,7 @@ class _Search:
         return Swung(off, error, ((shown[1:] - shown[0]) / _SLIGHT).movedim(0, -1))
 
     def correction(self, swung: Swung, damping: Tensor) -> Tensor:
-        """Return by how much starts have to be turned further, (cables, 4)."""
+        """Return the next step of the starts, (cables, 4)."""
         independent = self.felt.counts.sum(1) * self.stride * self.cable.time_step / _MEMORY
         weight = independent / swung.cost.clamp_min(1e-12)
         square = weight[:, None, None] * swung.slopes.mT @ swung.slopes
@@ -160,7 +160,7 @@ class _Search:
         return torch.linalg.solve(square + torch.diag_embed(held), uphill - swung.off / _USUAL**2)
 
     def turned(self, off: Tensor) -> tuple[Tensor, Tensor]:
-        """Return direction and rate of cables off rest (..., cables, 4), (..., cables, 3) each."""
+        """Return direction and rate of cables deviated from rest by (..., cables, 4), (..., cables, 3) each."""
         axes = torch.eye(3, dtype=off.dtype)[:2, None]
         sides = across(axes.expand(2, *self.resting.shape), self.resting)
         aside, turning = (

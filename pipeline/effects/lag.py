@@ -1,4 +1,4 @@
-"""A first-order lag whose input and output are means over the same steps, so that it adds no delay of its own.
+"""A first-order lag between means over the same steps, so that it adds no delay of its own.
 
 Source: Krishnan 2001, Electric motor drives, §2; exact for an input held over each step.
 """
@@ -46,7 +46,7 @@ def lag_along_time(target: Series, time_constant: float | Signal, time_step: flo
 
 
 def _is_one_number(decay: Tensor, target: Tensor) -> bool:
-    """Whether one number decays everywhere and nobody asks for gradients, on the processor."""
+    """Whether the decay is one number, no gradients are asked for, and the data are on the processor."""
     return decay.numel() == 1 and not (decay.requires_grad or target.requires_grad) and not target.is_cuda
 
 
@@ -58,7 +58,7 @@ def _filtered(decay: Tensor, gained: Tensor) -> Tensor:
 
 
 def _decay(like: Tensor, time_constant: Tensor | float, time_step: float) -> tuple[Tensor, Tensor]:
-    """Return what is left of a deviation at the end of a step, and its mean over the step."""
+    """Return the remaining share of a deviation at the end of a step, and its mean over the step."""
     steps = torch.as_tensor(time_constant, dtype=like.dtype, device=like.device) / time_step
     decay = torch.where(steps > _FORGOTTEN, torch.exp(-1.0 / steps.clamp_min(_FORGOTTEN)), 0.0)
     return decay, steps * (1.0 - decay)

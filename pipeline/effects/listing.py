@@ -1,17 +1,18 @@
-"""The catalogue as a person reads it on a terminal: all effects of a kind, or all of one effect."""
+"""Text of the catalogue for the terminal: the effects of a kind, or all facts about one effect."""
 
 import inspect
 import textwrap
 from collections.abc import Sequence
 
+from simgap.effects.catalogue import effects_of
 from simgap.effects.effect import Effect, Parameter
 
 WIDTH = 120
-_MOST_PARAMETERS = 4  # of an effect in a listing; of more, the first ones stand for all
+_MOST_PARAMETERS = 4  # of an effect in a listing; a longer list is cut to its first entries
 
 
 def listing(kind: str, effects: Sequence[Effect]) -> str:
-    """Return a table of a kind's effects: name, place, parameters, and below them what each is."""
+    """Return a table of a kind's effects: name, place, parameters and, on a second line, the meaning."""
     rows = [(e.key, e.acts_on, ", ".join(shown_parameters(e))) for e in effects]
     wide, narrow = (max(len(row[column]) for row in rows) for column in (0, 1))
     lines = [f"{kind}: {len(rows)} effects"]
@@ -21,7 +22,7 @@ def listing(kind: str, effects: Sequence[Effect]) -> str:
 
 
 def description(effect: Effect) -> str:
-    """Return everything about an effect: what it is, its numbers, what it needs, where it comes from."""
+    """Return all facts about an effect: meaning, parameters, law, symptom, manoeuvre, look-alikes and source."""
     numbers = [("parameter", parameter_text(parameter)) for parameter in effect.parameters]
     entries = [("acts on", effect.acts_on), *numbers, *((name.lower(), text) for name, text in facts(effect))]
     width = max(len(name) for name, _ in entries)
@@ -34,18 +35,18 @@ def description(effect: Effect) -> str:
 
 
 def meaning(effect: Effect) -> str:
-    """Return what an effect is, in one sentence."""
+    """Return the meaning of an effect in one sentence."""
     return (inspect.getdoc(type(effect)) or "").partition("\n")[0]
 
 
 def shown_parameters(effect: Effect) -> list[str]:
-    """Return the parameters of an effect with their units; where there are many, the first ones and how many."""
+    """Return the parameters of an effect with their units; of a long list, the first ones and the count."""
     every = [f"{parameter.name} ({parameter.unit})" for parameter in effect.parameters]
     return every if len(every) <= _MOST_PARAMETERS else [*every[:2], f"… {len(every)} in all"]
 
 
 def parameter_text(parameter: Parameter) -> str:
-    """Return a parameter with its default, its bounds and the value at which the effect does nothing."""
+    """Return a parameter with its default, its bounds and its neutral value."""
     return (
         f"{parameter.name} = {parameter.default:g} {parameter.unit} by default, {parameter.low:g} to "
         f"{parameter.high:g}; {parameter.neutral:g} does nothing"
@@ -53,16 +54,47 @@ def parameter_text(parameter: Parameter) -> str:
 
 
 def facts(effect: Effect) -> list[tuple[str, str]]:
-    """Return what else there is to say about an effect, with a heading each."""
-    stated = f"{effect.statement(effect.defaults())} (with the defaults)"
-    if not effect.names_physics:
-        stated = "It is never named, since it would take the place of plainer effects; a simulator may be given it."
-    elif effect.yields_to:
-        stated += f" Where nothing tells them apart, {', '.join(effect.yields_to)} is named instead."
+    """Return the facts about an effect besides meaning and parameters, each with its heading."""
     return [
-        ("Formula", effect.formula),
-        ("Needs", ", ".join(effect.needs) or "no signal that a recording may lack"),
-        ("Diagnosis", stated),
-        ("Excitation", effect.excitation),
+        ("Law", effect.formula),
+        ("In a log", effect.symptom),
+        ("Manoeuvre", f"{effect.excitation[0].upper()}{effect.excitation[1:]}."),
+        ("Look-alikes", ", ".join(other.key for other in look_alikes(effect)) or "none in this catalogue"),
+        ("Needs", ", ".join(effect.needs) or "only signals that every recording has"),
+        ("Diagnosis", _stated(effect)),
         ("Source", effect.source),
     ]
+
+
+def look_alikes(effect: Effect) -> list[Effect]:
+    """Return the effects of the same kind that a poor recording cannot separate from this one."""
+    if not effect.names_physics:
+        return []
+    return [other for other in effects_of(effect.kind) if other.names_physics and _is_like(effect, other)]
+
+
+def _is_like(one: Effect, other: Effect) -> bool:
+    """Whether either effect names the other, and both act on one group of a swerve drive or one on its chassis."""
+    named = other.name in _near(one) or one.name in _near(other)
+    apart = (
+        one.kind == "swerve"
+        and one.acts_on != other.acts_on
+        and "chassis" not in (one.acts_on, other.acts_on)
+    )
+    return named and not apart
+
+
+def _near(effect: Effect) -> set[str]:
+    return {*effect.look_alikes, *effect.yields_to, *effect.twins}
+
+
+def _stated(effect: Effect) -> str:
+    """Return what a diagnosis says about an effect of the default size, and when it says something else."""
+    if not effect.names_physics:
+        return "A diagnosis never names this effect, because it would absorb simpler ones. A simulator may contain it."
+    stated = effect.statement(effect.defaults())
+    if effect.yields_to:
+        stated += (
+            f" If the recording cannot separate them, the diagnosis names {' or '.join(effect.yields_to)}."
+        )
+    return stated

@@ -1,6 +1,6 @@
-"""A motor whose current takes time to rise, shared by joints and swerve drives.
+"""Electrical time constant of a motor, for joints and swerve drives.
 
-At each sample the torque is the mean over the time around it for which the sample's voltage stands.
+The torque of a sample is the mean over the interval for which the sample's voltage stands.
 """
 
 from typing import Any, ClassVar
@@ -13,10 +13,10 @@ _SLOWEST = 0.05  # s; a few milliseconds are usual, for large machines some twen
 
 
 class MotorInductance(ActuatorEffect):
-    """Current that follows the voltage with the winding's time constant, inductance over resistance."""
+    """The motor current follows the voltage with a time constant of inductance over resistance."""
 
     group: ClassVar[str] = ""
-    """What the names of the constants begin with: a swerve's `drive_` or `steer_`."""
+    """Prefix of the names of constants: `drive_` or `steer_` for a swerve drive."""
     delayed: ClassVar[str]
     """The signal that follows the current: effort or torque."""
 
@@ -27,14 +27,15 @@ class MotorInductance(ActuatorEffect):
     parameters = (Parameter("inductance", "H", 5e-3, 0.0, 10.0),)
     formula = "inductance · d(current)/dt = voltage − K·velocity − resistance · current"
     source = "Krishnan 2001, Electric motor drives, §2"
-    excitation = "voltage steps and fast reversals, sampled faster than the current rises"
+    excitation = "step and reverse the voltage quickly, and sample faster than the current rises"
+    symptom = "After a voltage step the torque rises gradually instead of at once."
 
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan over the usual windings."""
         return [{"inductance": 1e-5 * 10.0**step} for step in range(5)]
 
     def unphysical(self, values: Values, constants: Values) -> str:
-        """Say so where the current would rise more slowly than any winding of such a machine lets it."""
+        """Return a reason if the current would rise more slowly than in any winding of such a machine."""
         slow = self._time_constant(values, constants) > _SLOWEST
         return f"no winding takes longer than {_SLOWEST} s" if slow else ""
 

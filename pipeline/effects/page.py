@@ -5,32 +5,39 @@ from collections.abc import Iterable, Sequence
 
 from simgap.effects.catalogue import effects_of, kinds
 from simgap.effects.effect import Effect
-from simgap.effects.listing import facts, meaning, shown_parameters
+from simgap.effects.listing import facts, look_alikes, meaning
 
 _HEAD = """\
 # Effects
 
-The physics that a simulator may lack and a diagnosis can name. This page is made from the catalogue by
-`simgap effects --write docs/effects.md`.
+This catalogue lists the physics that a simulator may lack and that a diagnosis can name. The command
+`simgap effects --write docs/effects.md` generates this page from the code. `simgap effects KIND NAME` prints one entry.
 
-An effect acts in one place on the way from command to measurement, or it corrects a number of the platform; in a swerve
-drive, its place is the group that it acts on. On a joint that slides, N·m is N and rad is m. A parameter has a default
-of a realistic size, bounds, and a neutral value at which the effect does nothing.
+Each kind of platform starts with a table of its effects. An entry for each effect follows:
+
+- **Acts on** is the place on the way from command to measurement. Names that end in `_error` correct a number of the
+  platform file instead. In a swerve drive the place is a group: `drive`, `steer` or `chassis`.
+- **Law** is the formula that the simulator adds and that the diagnosis fits.
+- **In a log** is what you can see in a plot of the recording.
+- **Manoeuvre** is the motion that shows the effect and separates it from its look-alikes.
+- **Look-alikes** are effects that explain the same data if the recording lacks this motion.
+- **Needs** lists the signals that the effect requires.
+- **Diagnosis** is the statement in a diagnosis, filled with the default values.
+
+Each parameter has a realistic default, bounds, and a neutral value at which the effect does nothing. On a sliding joint
+read N for N·m and m for rad.
 """
 
 
 def catalogue_page() -> str:
-    """Return the page: of each kind a table of its effects, then each effect in full."""
+    """Return the page: for each kind a table of its effects, then an entry for each effect."""
     return "\n".join([_HEAD, *(_kind(kind) for kind in kinds())])
 
 
 def _kind(kind: str) -> str:
     effects = effects_of(kind)
-    rows = [
-        (f"[`{e.key}`](#{_anchor(e)})", e.acts_on, "<br>".join(shown_parameters(e)), meaning(e))
-        for e in effects
-    ]
-    table = _table(("effect", "acts on", "parameters", "what it is"), rows)
+    rows = [(_link(effect), effect.acts_on, meaning(effect)) for effect in effects]
+    table = _table(("effect", "acts on", "meaning"), rows)
     return "\n".join([f"## {kind}\n", table, *(_section(effect) for effect in effects)])
 
 
@@ -40,12 +47,20 @@ def _section(effect: Effect) -> str:
         for p in effect.parameters
     ]
     table = _table(("parameter", "unit", "default", "from", "to", "neutral"), numbers)
-    listed = [f"- {name}: {_literal(name, text)}" for name, text in facts(effect)]
-    return "\n".join([f"### {_title(effect)}\n", f"{meaning(effect)}\n", table, *listed, ""])
+    listed = [f"- **{name}:** {_shown(effect, name, text)}" for name, text in facts(effect)]
+    head = [f"### {_title(effect)}\n", f"{meaning(effect)} Acts on: {effect.acts_on}.\n"]
+    return "\n".join([*head, *listed, "", table])
 
 
-def _literal(name: str, text: str) -> str:
-    return f"`{text}`" if name == "Formula" else text
+def _shown(effect: Effect, name: str, text: str) -> str:
+    """Return a fact as the page shows it: the law as code, look-alikes as links."""
+    if name == "Look-alikes":
+        return ", ".join(map(_link, look_alikes(effect))) or text
+    return f"`{text}`" if name == "Law" else text
+
+
+def _link(effect: Effect) -> str:
+    return f"[`{effect.key}`](#{_anchor(effect)})"
 
 
 def _title(effect: Effect) -> str:
@@ -53,7 +68,7 @@ def _title(effect: Effect) -> str:
 
 
 def _anchor(effect: Effect) -> str:
-    """Return the address that the title of a section has where the page is shown."""
+    """Return the anchor that GitHub and MkDocs give to the title of a section."""
     return re.sub(r"[^\w -]", "", _title(effect)).replace(" ", "-")
 
 

@@ -1,4 +1,4 @@
-"""A linear recurrence along recorded blocks, without a step per sample."""
+"""A linear recurrence along recorded blocks, by a parallel prefix scan."""
 
 import torch
 
@@ -6,7 +6,7 @@ from simgap.physics.shapes import Series
 
 
 def accumulated(decay: Series, gained: Series) -> Series:
-    """Return y of y[k] = decay[k] · y[k−1] + gained[k] for all samples, in as many passes as their count doubles.
+    """Return y of y[k] = decay[k] · y[k−1] + gained[k] for all samples, in log₂(samples) passes.
 
     Source: Blelloch 1990, Prefix sums and their applications, §1.4.
 

@@ -12,7 +12,7 @@ def shift_in_time(
 ) -> Series:
     """Return series(t − delay), linear between samples; the ends hold their last value.
 
-    Differentiable in the delay, with the slope between the two samples that it falls between.
+    Differentiable in the delay. The gradient is the slope between the two neighbouring samples.
 
     Args:
         series: (blocks, samples, ...).

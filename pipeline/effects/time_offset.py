@@ -1,4 +1,4 @@
-"""State and commands recorded on different clocks, shared by every platform."""
+"""Time offset between the clocks of state and commands, for every kind of platform."""
 
 from typing import ClassVar
 
@@ -8,10 +8,10 @@ from simgap.physics.shapes import Signal
 
 
 class TimeOffset(MeasurementEffect):
-    """The state reaches the log late with respect to the commands (early where negative)."""
+    """The state is recorded late relative to the commands, or early if the offset is negative."""
 
     on_command_clock: ClassVar[tuple[str, ...]]
-    """The signals on the other clock, those of them that are present."""
+    """The signals on the clock of the commands, if present."""
 
     name = "sensor_time_offset"
     acts_on = "measurement"
@@ -22,12 +22,13 @@ class TimeOffset(MeasurementEffect):
         "Furgale, Rehder & Siegwart 2013, Unified temporal and spatial calibration for multi-sensor systems"
     )
     sentence = (
-        "The state was recorded {offset} s late with respect to the motors; shift the clocks before anything is "
-        "fitted."
+        "The state was recorded {offset} s late relative to the motors; shift the clocks before you fit "
+        "anything."
     )
+    symptom = "Accelerations appear later or earlier in the log than the commands that cause them."
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a scan: a periodic motion has a valley at each period."""
+        """Start from a scan: a periodic motion has a local minimum at each period."""
         return [{"offset": offset} for offset in (-0.06, -0.03, 0.0, 0.03, 0.06)]
 
     def lateness(self, values: Values, constants: Values) -> float:

@@ -1,4 +1,4 @@
-"""What a learned model of a quadrotor's attitude control sees and predicts."""
+"""Inputs and targets of a learned model of a quadrotor's attitude control."""
 
 from dataclasses import dataclass
 from typing import ClassVar

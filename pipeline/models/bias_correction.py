@@ -1,7 +1,7 @@
-"""Linear correction of what a model predicts: true = slope · predicted + offset, by target.
+"""Linear bias correction of predictions: true = slope · predicted + offset, for each target.
 
-A network that is trained with dropout and stopped early predicts increments that are too small, or off on average; a
-line through true over predicted increments of runs that it was not fitted on takes that away.
+Networks with dropout and early stopping predict increments that are too small or biased. A line of true over predicted
+increments, fitted on other runs, removes this error.
 """
 
 import math
@@ -13,7 +13,7 @@ from torch import Tensor
 
 @dataclass(frozen=True)
 class BiasCorrection:
-    """A line for each target.
+    """A linear correction of each target.
 
     Attributes:
         slope: true over predicted increment, (targets,).

@@ -1,4 +1,4 @@
-"""The black box: a recurrent network that knows nothing of the machine and predicts many steps.
+"""Black-box model: a recurrent network for multi-step prediction, without physics.
 
 Source: Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic model for multi-step prediction".
 """

@@ -1,4 +1,4 @@
-"""What happens between the epochs of a training."""
+"""Callbacks of a training: best weights, checkpoints and progress."""
 
 import logging
 import math

@@ -1,4 +1,4 @@
-"""What every learned dynamics model can do, whatever it is made of."""
+"""Interface of learned dynamics models."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -23,7 +23,7 @@ def _log_nothing(metrics: Mapping[str, float], step: int) -> None:
 
 @dataclass(frozen=True)
 class FitContext:
-    """What surrounds a fit.
+    """Context of a fit.
 
     Attributes:
         seed: of initial weights, order of batches and dropout.
@@ -38,7 +38,7 @@ class FitContext:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a model comes from.
+    """Provenance of a model.
 
     Attributes:
         data: SHA-256 of the recording it was fitted on.

@@ -1,4 +1,4 @@
-"""How the errors of a model's rollouts are distributed over the windows, after some numbers of steps."""
+"""Distribution of a model's rollout errors over the windows, at several horizons."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Errors of a model's rollouts on runs it has not seen, against the assumption that nothing changes."""
+"""Rollout errors of a model on held-out runs, with persistence as the reference."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""From series to what a regression sees: windows of features and the increments that follow them."""
+"""Training examples: windows of features and the increments that follow them."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""A model left to itself: simulated from the recorded inputs alone, its outputs fed back (parallel form)."""
+"""Free-run simulation of a model in parallel form: recorded inputs, with its own outputs fed back."""
 
 import torch
 from torch import Tensor

@@ -3,8 +3,8 @@
 parallel   increment = motion(window) + network(samples)
 serial     increment = motion(window, its newest sample corrected by an input network), corrected by an output network
 
-Both give at first what the motion model gives: the last layer of every network starts at zero.
-Source: Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic model for multi-step prediction".
+The last layer of every network starts at zero, so both start with the predictions of the motion model. Source:
+Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic model for multi-step prediction".
 """
 
 from abc import abstractmethod
@@ -49,7 +49,7 @@ class HybridSettings(TrainedSettings):
 
 
 class HybridMemory(NamedTuple):
-    """What a hybrid remembers.
+    """State of a hybrid.
 
     Attributes:
         window: what the motion model sees, (batch, its length, features).
@@ -61,7 +61,7 @@ class HybridMemory(NamedTuple):
 
 
 class HybridModel(NetworkModel):
-    """What both hybrids have in common. The motion model is fitted first and then left as it is."""
+    """Base of both hybrids. The motion model is fitted first and stays fixed."""
 
     settings: HybridSettings
 
@@ -150,7 +150,7 @@ class HybridModel(NetworkModel):
 
 @dataclass
 class HybridParallelSettings(HybridSettings):
-    """Settings of the hybrid whose network stands beside the motion model."""
+    """Settings of the hybrid with a network in parallel with the motion model."""
 
     name: str = "hybrid_parallel"
 
@@ -177,13 +177,13 @@ class HybridParallelModel(HybridModel):
 
 @dataclass
 class HybridSerialSettings(HybridSettings):
-    """Settings of the hybrid whose networks stand before and behind the motion model."""
+    """Settings of the hybrid with networks in series with the motion model."""
 
     name: str = "hybrid_serial"
 
 
 class HybridSerialModel(HybridModel):
-    """An input network corrects what the motion model sees, an output network what it gives."""
+    """An input network corrects the input of the motion model, and an output network its output."""
 
     settings_class: ClassVar[type[ModelSettings]] = HybridSerialSettings
     network: nn.ModuleDict

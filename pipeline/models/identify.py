@@ -1,4 +1,4 @@
-"""The nominal parameters of whatever was recorded."""
+"""Identification of nominal parameters, for every kind of platform."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What a learned model of a joint sees and predicts."""
+"""Inputs and targets of a learned model of a joint."""
 
 from dataclasses import dataclass
 from typing import ClassVar

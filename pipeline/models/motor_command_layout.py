@@ -1,4 +1,4 @@
-"""What a learned model of a quadrotor's motor commands sees and predicts: the dynamics the other way round."""
+"""Inputs and targets of a learned model of a quadrotor's motor commands (inverse dynamics)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ _REQUESTS = (*(f"specific_force_{axis}" for axis in "xyz"), "battery_voltage")
 class MotorCommandLayout(Layout):
     """State: the motor commands. Inputs: the motion at their sample and up to `REACTION` after it.
 
-    Where a pilot's sticks and set-points are not recorded, the motion that was reached tells what was asked for.
+    Without recorded stick inputs and setpoints, the achieved motion stands for the commanded one.
 
     Attributes:
         rotor_x: forward places of the rotors in the body frame, m.

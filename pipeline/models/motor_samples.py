@@ -1,4 +1,4 @@
-"""One motor's voltage and speed out of a recording, whatever its kind."""
+"""Voltage and speed of a single motor, from a recording of any kind."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ FEWEST_BLOCKS = 10
 
 @dataclass(frozen=True)
 class MotorSamples:
-    """What one motor did.
+    """Samples of one motor.
 
     Attributes:
         voltage: per segment (samples,), V.
@@ -43,8 +43,8 @@ class MotorSamples:
 def with_acting_voltage(motor: MotorSamples) -> MotorSamples:
     """Return the samples with each voltage at the sample from which it is held, whichever way it was logged.
 
-    Some loggers note the voltage that is about to act, others the one that has acted since the sample before. The
-    one that better predicts the next speed is taken; where voltages change slowly both are much the same.
+    Some loggers record the next voltage, others the one that has acted since the previous sample. The choice that
+    better predicts the next speed is taken. With slow voltages both are nearly the same.
     """
     moved = [np.append(voltage[1:], voltage[-1]) for voltage in motor.voltage]
     return min(motor, replace(motor, voltage=moved), key=_one_step_error)

@@ -19,7 +19,7 @@ from simgap.models.windows import Series
 
 @dataclass
 class NetworkSettings(TrainedSettings):
-    """What all networks of stacked layers have in common."""
+    """Settings of all networks of stacked layers."""
 
     hidden: list[int] = field(default_factory=lambda: [64, 64])  # units of each hidden layer
     dropout: list[float] = field(default_factory=list)  # after each hidden layer; none where the list ends

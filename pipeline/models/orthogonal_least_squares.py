@@ -1,4 +1,4 @@
-"""Regressors chosen one after the other, each the one that explains most of what is still unexplained.
+"""Orthogonal least squares: greedy choice of regressors by explained variance.
 
 Chen, Cowan & Grant 1991, "Orthogonal least squares learning algorithm for radial basis function networks",
 IEEE Transactions on Neural Networks 2(2). The regressors are orthogonalised by a pivoted Cholesky factor of

@@ -1,4 +1,4 @@
-"""What a learned model of a quadrotor sees and predicts."""
+"""Inputs and targets of a learned model of a quadrotor."""
 
 from dataclasses import dataclass
 from typing import ClassVar

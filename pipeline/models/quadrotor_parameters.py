@@ -1,11 +1,11 @@
-"""Rotor coefficients and inertia of a quadrotor, as far as its motion shows them.
+"""Identifiable rotor coefficients and inertia of a quadrotor.
 
 Motion shows forces over mass and torques over inertia only. The mass and the rotor positions are taken from
 the platform, which makes k_F, J_xx and J_yy observable; of k_M and J_zz the ratio alone is.
 
-An estimate must not depend on the time scale on which it is looked at. Where doubling the window changes it,
-the rotors' term has taken on something that is not in the equation: mostly the controller's answer to a
-torque that nobody modelled. Such an estimate is wrong by more than its standard error says, and is withheld.
+An estimate must not depend on the time scale of the averaging. If doubling the window changes it, the rotors' term has
+absorbed something outside the equation, mostly the controller's response to an unmodelled torque. Such an estimate is
+more wrong than its standard error says, and is withheld.
 """
 
 from collections.abc import Mapping, Sequence

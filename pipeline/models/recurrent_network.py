@@ -1,4 +1,4 @@
-"""A recurrent network whose state is set by another one, from samples that are known, and then carried along.
+"""Recurrent network with an initial state from a second network that reads known samples.
 
 Source: Mohajerin & Waslander 2019, "Multistep prediction of dynamic systems with recurrent neural networks", IEEE
 Transactions on Neural Networks and Learning Systems 30(11), §III.
@@ -13,7 +13,7 @@ from simgap.errors import InputError
 
 
 class Memory(NamedTuple):
-    """What a recurrent network remembers.
+    """State of a recurrent network.
 
     Attributes:
         recent: the newest samples, (batch, delays, features).
@@ -78,6 +78,6 @@ def dense(inputs: int, units: int, outputs: int) -> nn.Sequential:
 
 
 def silence(network: nn.Sequential) -> None:
-    """Let a dense network give nothing, whatever it is given, until it is trained."""
+    """Set the last layer of a dense network to zero, so that its output is zero until it is trained."""
     for parameter in network[-1].parameters():
         nn.init.zeros_(parameter)

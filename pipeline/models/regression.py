@@ -1,9 +1,8 @@
-"""Least squares whose standard errors hold when neighbouring residuals resemble each other.
+"""Least squares with standard errors that hold for autocorrelated residuals.
 
-Residuals of a moving robot are coloured: what the model leaves out lasts. So the unit that is left out is not
-a sample but a block of time. Deleting one block after the other (Künsch 1989, Ann. Stat. 17(3), "The
-jackknife and the bootstrap for general stationary observations") gives a standard error for any function of
-the coefficients, without linearising it.
+Residuals of a moving robot are autocorrelated, so the jackknife leaves out blocks of time and not samples. Deleting one
+block after the other (Künsch 1989, Ann. Stat. 17(3), "The jackknife and the bootstrap for general stationary
+observations") gives a standard error for any function of the coefficients, without linearising it.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""How large a model's residuals are beside what it predicts."""
+"""Size of a model's residuals relative to its targets."""
 
 import torch
 

@@ -1,4 +1,4 @@
-"""Tensors out of a file, as many and as large as they have to be."""
+"""Checked reading of tensors by name and shape."""
 
 from collections.abc import Mapping, Sequence
 

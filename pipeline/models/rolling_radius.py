@@ -1,8 +1,8 @@
-"""The radius on which the wheels of a swerve drive roll, from the speed of the chassis and of the motors.
+"""Rolling radius of a swerve drive's wheels, from the speeds of chassis and motors.
 
-Of tyres that are worn or pressed flat it is not what the drawing says, and a drive that counts turns is as wrong as its
-radius is. Measured speeds of the chassis are projected on the directions of the wheels; slip that comes from
-driving and braking alike averages out.
+Worn or compressed tyres differ from the nominal radius, and dead reckoning from wheel turns has the same relative
+error. Measured chassis speeds are projected on the directions of the wheels. Slip from driving and braking averages
+out.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Training through open-loop predictions, so that those errors are kept small that grow from step to step.
+"""Training through open-loop predictions, which penalises errors that grow from step to step.
 
 Source: Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic model for multi-step prediction".
 """
@@ -65,9 +65,9 @@ class Stretches:
 class RolloutRegression(lightning.LightningModule):
     """Mean error of open-loop predictions, each quantity and step over its usual change until then.
 
-    Not squared, as a squared error would be about the few windows in which a prediction runs away.
+    The error is not squared, because a few diverging windows would dominate a squared error.
 
-    Dropout and batch normalisation stay as they are in prediction: what is fed back is what will be.
+    Dropout and batch normalisation run as in prediction, because the outputs are fed back.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What a person may change about identification and training."""
+"""Configuration of identification and training."""
 
 from dataclasses import dataclass, field
 
@@ -47,7 +47,7 @@ class Training:
 
 @dataclass
 class ModelSettings:
-    """What all learned models have in common; each adds its own (configuration group `model`)."""
+    """Settings of all learned models; each model adds its own (configuration group `model`)."""
 
     name: str = ""
     sequence_length: int = 1  # samples in the window from which the next is predicted
@@ -56,7 +56,7 @@ class ModelSettings:
 
 @dataclass
 class TrainedSettings(ModelSettings):
-    """What all models have in common that are trained by gradient."""
+    """Settings of all models with gradient-based training."""
 
     learning_rate: float = 1e-3  # of Adam
     weight_decay: float = 0.0  # L2 penalty

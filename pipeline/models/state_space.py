@@ -1,4 +1,4 @@
-"""The state space: ridge regression of the increment on the state, the input and the products that a layout adds.
+"""State-space model: ridge regression of the increment on state, input and the layout's products.
 
 Series are low-passed before the fit, forwards and backwards so that nothing is shifted in time; predictions see what
 was recorded.

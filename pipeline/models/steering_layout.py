@@ -1,4 +1,4 @@
-"""What a learned model of a steering motor of a swerve drive sees and predicts."""
+"""Inputs and targets of a learned model of a swerve drive's steering motor."""
 
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,4 +1,4 @@
-"""How well a model predicts the next sample of runs it has not seen, target by target."""
+"""One-step scores of a model on held-out runs, for each target."""
 
 import math
 
@@ -16,8 +16,8 @@ _CHUNK = 8192  # windows that are predicted together
 def step_scores(model: DynamicsModel, series: Series, history: int = 0) -> dict[str, dict[str, float]]:
     """Return scores of one-step predictions on all windows.
 
-    The next value of a target is compared, and its increment: where samples follow each other closely, most of the
-    next value is known beforehand, and the increment alone tells models apart.
+    Scores cover the next value of a target and its increment. At high sampling rates the present value predicts most of
+    the next value, and only the increment separates models.
 
     Args:
         model: to be scored.

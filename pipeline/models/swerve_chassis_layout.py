@@ -1,4 +1,4 @@
-"""What a learned model of a whole swerve drive, chassis and modules, sees and predicts."""
+"""Inputs and targets of a learned model of a whole swerve drive, chassis and modules."""
 
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,4 +1,4 @@
-"""The linear model of the second order, one for each axis: K / (1 + 2Tζs + T²s²), optionally delayed.
+"""Second-order transfer function of each axis: K / (1 + 2Tζs + T²s²), optionally with delay.
 
 In state space, with x = (y, ẏ): ẋ₁ = x₂ and T²ẋ₂ = K·u(t − delay) − x₁ − 2Tζ·x₂. Inputs are held from each
 sample to the next, so that its steps are exact.

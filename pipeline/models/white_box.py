@@ -1,4 +1,4 @@
-"""The white box: first principles, whose parameters are solved by least squares.
+"""White-box model: first principles with parameters from least squares.
 
 Increments and terms are averaged with the same test functions first, which keeps the noise of the recording from
 making the parameters small (Messenger & Bortz 2021, "Weak SINDy", SIAM Multiscale Modeling & Simulation 19(3)).

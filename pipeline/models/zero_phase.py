@@ -1,7 +1,7 @@
-"""Low-pass filters without delay, which look ahead: no machine can run them live.
+"""Zero-phase low-pass filters, which look ahead and cannot run live.
 
-They are part of the protocol of the nanodrone benchmark (arXiv 2512.14450): its published errors are of filtered runs.
-Only to compare with such a table are recordings to be filtered like this, those that are scored included.
+They belong to the protocol of the nanodrone benchmark (arXiv 2512.14450), whose published errors are those of filtered
+runs. Filter recordings, the scored ones included, only to compare with such a table.
 """
 
 from collections.abc import Mapping

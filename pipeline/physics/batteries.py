@@ -1,4 +1,4 @@
-"""A battery as a Thevenin circuit: a source that falls with charge, a resistance, an RC pair.
+"""Thevenin model of a battery: a charge-dependent source, a resistance and an RC pair.
 
 Chen & Rincón-Mora 2006, "Accurate electrical battery model capable of predicting runtime and I–V
 performance", IEEE Transactions on Energy Conversion 21(2).

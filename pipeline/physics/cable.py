@@ -1,4 +1,4 @@
-"""A taut cable without mass below an end that moves, with a point mass on it: a spherical pendulum.
+"""Spherical pendulum: a point mass on a massless taut cable below a moving end.
 
 Directions and accelerations are in the world frame. What acts on the load is the apparent gravity: gravity less the
 acceleration of the cable's upper end.
@@ -21,7 +21,7 @@ _FINE = 0.04  # rad that a cable swings by in a step
 
 @dataclass(frozen=True)
 class Cable:
-    """A cable whose upper end moves as it was sampled.
+    """A cable with a sampled motion of its upper end.
 
     Attributes:
         length: m.
@@ -130,7 +130,7 @@ def along(vector: Vector) -> Vector:
 
 
 def across(vector: Vector, direction: Vector) -> Vector:
-    """Return what of vectors (..., 3) is at right angles to unit directions (..., 3)."""
+    """Return the components of vectors (..., 3) perpendicular to unit directions (..., 3)."""
     return vector - (vector * direction).sum(-1, keepdim=True) * direction
 
 

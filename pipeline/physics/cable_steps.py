@@ -1,4 +1,4 @@
-"""The swing of cables along many steps, compiled: a loop over time whose every step is too small a job for a tensor."""
+"""Compiled time loop of swinging cables, because tensor operations are too slow for such small steps."""
 
 from math import sqrt
 

@@ -1,4 +1,4 @@
-"""A motor's way through the play of a gear along many steps, compiled: a loop over time of very small steps."""
+"""Compiled time loop of a motor's motion through gear backlash."""
 
 import numpy as np
 from numba import njit
@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 def slips_in_play(
     place: Array, push: Array, turn: Array, half: float, damped: float, time_step: float
 ) -> Array:
-    """Return how fast motors run ahead of their axes, as `simgap.effects.backlash` takes each step.
+    """Return the speed of motors relative to their axes, step by step as in `simgap.effects.backlash`.
 
     Args:
         place: of the motors in the gap at first, (motors,) rad.

@@ -33,7 +33,7 @@ def angular_acceleration(body_rate: Vector, torque: Vector, inertia: Vector) -> 
 
 
 def gyroscopic_torque(body_rate: Vector, spin_momentum: Vector) -> Vector:
-    """Return −ω × h: what a carried rotor's angular momentum does to the body that turns it, N·m.
+    """Return −ω × h, the gyroscopic torque of carried angular momentum on a rotating body, N·m.
 
     Args:
         body_rate: ω, body frame, rad/s.

@@ -1,4 +1,4 @@
-"""Rotors that are alike in shape: each pushes along +z of the body and twists it about z.
+"""Identical rotors with thrust along body +z and reaction torque about z.
 
 Quadratic laws in rotor speed (Mahony, Kumar & Corke 2012, "Multirotor aerial vehicles"). Rotors are the last
 dimension, (..., rotors); vectors per rotor are (..., rotors, 3).

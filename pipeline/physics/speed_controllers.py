@@ -1,4 +1,4 @@
-"""Electronic speed controllers that pass a throttle on without a speed loop of their own.
+"""Electronic speed controllers without a speed loop.
 
 Kaufmann et al. 2023, "Champion-level drone racing using deep reinforcement learning", Nature 620, Methods: the steady
 rotor speed is a linear combination of 1, U, √u, u and U·√u, with U the battery's voltage and u the throttle.
@@ -32,7 +32,7 @@ class SpeedMap(NamedTuple):
 
 
 def steady_speed(throttle: PerRotor, voltage: Real, speed_map: SpeedMap) -> PerRotor:
-    """Return the rotor speed that a held throttle settles at, rad/s, never below zero.
+    """Return the steady rotor speed at a constant throttle, rad/s, at least zero.
 
     Args:
         throttle: (..., rotors), above 0 to 1.

@@ -1,4 +1,4 @@
-"""The concealed plants: machines richer than the catalogue, flown in closed loop and recorded with noise.
+"""Concealed plants: machines with richer physics than the catalogue, in closed loop and with sensor noise.
 
 Nothing that identifies, diagnoses or simulates may look in here; only the stages `record` and `deploy` do.
 """

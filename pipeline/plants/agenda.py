@@ -1,4 +1,4 @@
-"""Which cases a concealed benchmark consists of: the n-th case of a seed is the same however many are asked for."""
+"""Cases of the concealed benchmark. The n-th case of a seed does not depend on the number of cases."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ CATEGORIES = ("clear", "faint", "nothing", "decoy", "pair", "hidden", "ambiguous
 
 @dataclass(frozen=True)
 class Subject:
-    """What one case is about.
+    """Subject of one case.
 
     Attributes:
         category: one of `CATEGORIES`.

@@ -1,4 +1,4 @@
-"""The concealed quadrotor as a rigid body with four rotors in the air."""
+"""Airframe of the concealed quadrotor: a rigid body with four rotors."""
 
 from dataclasses import dataclass, field, replace
 
@@ -17,7 +17,7 @@ _GREATEST_GAIN = 0.5  # of the ground effect's term R²/16h²: nearer to the flo
 
 @dataclass(frozen=True)
 class Airframe:
-    """What the plant truly is.
+    """True parameters of the plant.
 
     Attributes:
         mass: kg.

@@ -1,4 +1,4 @@
-"""What is concealed, and under which conditions it is recorded."""
+"""A case: concealed effects and the conditions of the recording."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

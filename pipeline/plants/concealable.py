@@ -1,4 +1,4 @@
-"""What a quadrotor can conceal, by the names of the catalogue and beyond it, and how strongly."""
+"""Concealable effects of a quadrotor, inside and outside the catalogue, with their usual strength."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -69,7 +69,7 @@ OUTSIDE: Table = {
 
 
 def machine_size(platform: Quadrotor) -> dict[str, float]:
-    """Return weight, N, mean reach of the rotors, m, and hover rotor speed, rad/s: what defaults scale with."""
+    """Return weight, N, mean rotor arm, m, and hover rotor speed, rad/s, which scale the defaults."""
     reach = np.linalg.norm(np.array(platform.rotor_positions)[:, :2], axis=-1).mean()
     return {
         "weight": platform.mass * platform.gravity,

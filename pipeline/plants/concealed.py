@@ -1,4 +1,4 @@
-"""From the subject of a case to a case that can be recorded, and the machine that the person is told of."""
+"""Drawing of cases: a recordable case and its published platform, from a subject."""
 
 import importlib
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What a joint or a swerve drive can be made to conceal: effects with named quantities, and the key that lists them."""
+"""Concealable effects of joints and swerve drives: their quantities and the answer key."""
 
 import difflib
 import math

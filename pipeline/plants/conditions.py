@@ -1,4 +1,4 @@
-"""Checks that the cases of several machines share."""
+"""Checks that all kinds of cases share."""
 
 from dataclasses import fields
 from typing import Any

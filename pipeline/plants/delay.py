@@ -1,4 +1,4 @@
-"""Commands that take time to arrive."""
+"""Transport delay of commands."""
 
 import numpy as np
 

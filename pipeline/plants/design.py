@@ -1,4 +1,4 @@
-"""From a platform file and a case to the plant that it truly is."""
+"""Design of the true plant from a platform file and a case."""
 
 import math
 from dataclasses import replace

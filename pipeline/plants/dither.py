@@ -1,4 +1,4 @@
-"""The shaking that a flight for identification is given on top of its path, so that fast dynamics show."""
+"""Excitation signal of identification flights, added to the path."""
 
 from dataclasses import dataclass
 

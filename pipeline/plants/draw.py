@@ -1,4 +1,4 @@
-"""Random draws around what a table says: machines, recording conditions, and the magnitudes of effects."""
+"""Random draws of machines, recording conditions and effect magnitudes."""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""From commanded to true rotor speed: transport delay, voltage, and the motors' own time."""
+"""Drive of a quadrotor: transport delay, supply voltage and motor lag."""
 
 import math
 from collections import deque

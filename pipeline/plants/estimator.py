@@ -1,4 +1,4 @@
-"""What the machine itself believes: visual-inertial odometry that drifts until landmarks pull it back, a little late.
+"""State estimator of the machine: visual-inertial odometry with drift, landmark updates and latency.
 
 The errors follow from what is flown, as on a real machine (Kaufmann et al. 2023, Nature 620: odometry drifts at high
 speed and rate). A camera misjudges speed by a share of it, and more so while turning; sideways acceleration is taken
@@ -28,7 +28,7 @@ _RANDOM = {"velocity": 0.05, "attitude": 0.008, "body_rate": 0.02}
 
 @dataclass(frozen=True)
 class Errors:
-    """What is wrong with what is believed, (runs, 3) each, or (steps, runs, 3).
+    """Errors of the estimate, (runs, 3) each, or (steps, runs, 3).
 
     Attributes:
         position: world frame, m.

@@ -1,4 +1,4 @@
-"""The closed loop, a thousand steps a second, all runs at once."""
+"""Closed-loop simulation of flights at 1 kHz, all runs at once."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Fly a case and seal its answer."""
+"""Recording of a quadrotor case with a sealed answer key."""
 
 import hashlib
 import json

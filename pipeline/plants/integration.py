@@ -1,4 +1,4 @@
-"""The rule by which every state of the plant advances."""
+"""Integrator of the plants."""
 
 from simgap.plants.rotation import Array
 

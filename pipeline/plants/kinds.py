@@ -1,4 +1,4 @@
-"""One way to record a concealed case, whatever the kind of machine."""
+"""Common interface for recording concealed cases of every kind."""
 
 import dataclasses
 import difflib

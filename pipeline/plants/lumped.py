@@ -1,4 +1,4 @@
-"""What a rich force amounts to: its projection, over the flights as flown, on the law that a diagnosis would fit."""
+"""Equivalent parameters: projection of the true forces of a flight on the catalogue's laws."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

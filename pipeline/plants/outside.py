@@ -1,4 +1,4 @@
-"""Physics for which the catalogue has no name; wind gusts, outside it as well, blow in `wind`."""
+"""Physics outside the catalogue. Wind gusts, outside it as well, are in `wind`."""
 
 import math
 from collections.abc import Callable
@@ -23,7 +23,7 @@ _ARM_DAMPING = 0.06  # over critical, of a carbon arm in its clamp
 
 @dataclass(frozen=True)
 class Moment:
-    """What a disturbance may look at: the machine now; body frame, (runs, ...) each.
+    """Present state of the machine for a disturbance; body frame, (runs, ...) each.
 
     Attributes:
         index: of the step.
@@ -82,7 +82,7 @@ class ShiftingMass:
 
 
 class ThrustFade:
-    """Motors that grow hot and weak."""
+    """Motors that lose thrust as they heat up."""
 
     def __init__(self, depth: float, hover: float, step: float) -> None:
         """Take the share of thrust lost when hot from hovering at a rotor speed, rad/s, and the step, s."""

@@ -1,4 +1,4 @@
-"""Where a flight is to go: sums of sines, run through now faster, now slower."""
+"""Reference paths of flights: sums of sines with a varying pace."""
 
 import math
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Everything that pushes and turns the machine, put together."""
+"""The complete plant: all forces and torques on the machine."""
 
 from dataclasses import dataclass
 

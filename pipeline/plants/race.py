@@ -1,4 +1,4 @@
-"""Machines of the concealed plant that somebody else flies: thrust and body rates in, motion and belief out."""
+"""Races of the concealed plant under external control: thrust and body rates in, state and estimate out."""
 
 from collections.abc import Callable
 from dataclasses import replace

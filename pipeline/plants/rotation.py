@@ -1,4 +1,4 @@
-"""The few rotations that the plant needs, in numpy: a thousand steps a second leave no time for tensors.
+"""Rotations of the plants in NumPy, because tensors are too slow at 1 kHz.
 
 Quaternions scalar first, body to world. Kept apart from `simgap.physics`, lest errors be shared.
 """

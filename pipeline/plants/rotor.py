@@ -1,4 +1,4 @@
-"""A rotor as blade elements in the air that it moves itself.
+"""Blade-element rotor with induced inflow.
 
 Leishman 2006, "Principles of Helicopter Aerodynamics": blade elements of constant pitch and chord
 (§3.2), flapping (§4.4), momentum theory with Glauert's rule for oblique flow (§2.14). In still air thrust
@@ -20,7 +20,7 @@ NEWTON_STEPS = 2  # per evaluation from the last inflow, enough at a thousand ev
 
 @dataclass(frozen=True)
 class Rotor:
-    """A rotor's blades, and how much of the air's motion it feels.
+    """Blades of a rotor, and its share of the body's airspeed.
 
     Attributes:
         thrust_coefficient: in still air, N/(rad/s)².

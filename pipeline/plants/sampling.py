@@ -1,4 +1,4 @@
-"""From a truth that is known at every step to samples that a logger keeps."""
+"""Sampling of true signals by a logger."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""A recording that carries the hash of its answer and nothing else of it."""
+"""Sealing of a recording: it carries only the hash of its answer key."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""From what happened to what was recorded."""
+"""Sensors and logger of a quadrotor."""
 
 import numpy as np
 import pandas as pd

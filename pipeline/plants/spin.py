@@ -1,4 +1,4 @@
-"""The angular momentum of the rotors, and what its changes do to the body."""
+"""Angular momentum of the rotors and its reaction on the body."""
 
 from dataclasses import dataclass
 

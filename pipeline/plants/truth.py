@@ -1,4 +1,4 @@
-"""The answer: which effects a case conceals, and what each amounts to in the units of a diagnosis."""
+"""Answer key of a quadrotor case: its effects and their equivalent parameters."""
 
 from typing import Any
 

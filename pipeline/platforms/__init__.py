@@ -1,4 +1,4 @@
-"""Floor 2: what a person knows about a machine before identification."""
+"""Floor 2: platforms, the known parameters of a machine before identification."""
 
 from simgap.platforms.joint import Joint, JointMotor
 from simgap.platforms.load import platform_from_config, platform_to_config

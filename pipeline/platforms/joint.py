@@ -1,4 +1,4 @@
-"""The joint: any single axis, turning or sliding."""
+"""Joint: a single rotary or sliding axis."""
 
 from dataclasses import dataclass
 from typing import ClassVar

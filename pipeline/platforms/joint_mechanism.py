@@ -1,4 +1,4 @@
-"""The nominal joint: inertia, gravity, a spring and a motor without losses of its own."""
+"""Nominal mechanism of a joint: inertia, gravity, a spring and a lossless motor."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""From a platform file to a platform, with every mistake said in one line."""
+"""Reading of a platform file, with one-line errors."""
 
 import dataclasses
 import difflib
@@ -20,7 +20,7 @@ _MAY_BE_NEGATIVE = {"rotor_positions", "rotor_directions", "module_positions", "
 def platform_from_config(config: Any, where: str = "platform") -> Quadrotor | Swerve | Joint:
     """Build the platform that a configuration describes.
 
-    The kind is the key `kind` where there is one, else that with which the keys have most in common.
+    The kind is the value of `kind`, or else the kind with the most keys in common.
 
     Args:
         config: a mapping of the keys of docs/contract.md for one kind of platform.

@@ -1,4 +1,4 @@
-"""What every platform's nominal mechanism answers, for the simulator and for the diagnosis alike."""
+"""Interface of nominal mechanisms, for the simulator and the diagnosis."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -12,14 +12,14 @@ Constants = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Channel:
-    """One equation: the rate of a momentum equals what acts on it, or two readings of one quantity agree.
+    """One equation: a momentum balance, or the agreement of two measurements of one quantity.
 
     Attributes:
         name: as in the diagnosis, for example `force_x`.
         unit: of the wrench, or of the quantity.
         group: what kind of effect acts here (`force`, `torque`, `drive`, `steer`), or which readings have to agree
             (`actuator`, `rolling`).
-        tolerance: by how much, RMS, the two sides may differ on any machine without anything being amiss.
+        tolerance: usual RMS difference of the two sides on a machine without a fault.
     """
 
     name: str
@@ -31,29 +31,28 @@ class Channel:
 class Mechanism(ABC):
     """The nominal physics of one platform kind.
 
-    The rate of `momentum` equals `wrench` + `inertial`, channel by channel. Effects add to the wrench, of which
-    `constrain` keeps what the machine's bearings and wheels leave of it.
-    All methods take signals with free leading dimensions.
+    The rate of `momentum` equals `wrench` + `inertial` in each channel. Effects add to the wrench. `constrain` removes
+    the part that bearings and wheels take up. All methods take signals with free leading dimensions.
     """
 
     kind: ClassVar[str]
     channels: tuple[Channel, ...]
     actuator_signals: ClassVar[tuple[str, ...]]
-    """Signals on the clock of the command: what a time offset of the sensors moves against the rest."""
+    """Signals on the clock of the command; a sensor time offset shifts them against the rest."""
     actuator_output: ClassVar[str] = ""
-    """What the actuator makes of the command and a recording may hold as well; empty where none is ever recorded."""
+    """The actuator's output signal, which a recording may hold; empty if it is never recorded."""
     actuator_input: ClassVar[str] = ""
 
     def channels_of(self, signals: Signals) -> tuple[Channel, ...]:
-        """Return the equations that these signals can be held against: more where an actuator's output is recorded."""
+        """Return the equations that these signals can test; a recorded actuator output adds some."""
         return self.channels
 
     def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Real, Real]]:
-        """Return what was read and what the other signals say it must be, for each channel that holds no momentum."""
+        """Return the measured value and its prediction from other signals, for each channel without a momentum."""
         return {}
 
     def given_output(self, signals: Signals) -> str | None:
-        """Return the actuator's output where it is among the signals: then nothing has to be made of the command."""
+        """Return the name of the actuator's output if the signals hold it, else None."""
         return self.actuator_output if self.actuator_output in signals else None
 
     @abstractmethod
@@ -66,32 +65,32 @@ class Mechanism(ABC):
 
     @abstractmethod
     def wrench(self, signals: Signals, constants: Constants) -> Channels:
-        """Return what the actuators and the nominal environment do, per channel."""
+        """Return the wrench of actuators and nominal environment, per channel."""
 
     def loads(self, wrench: Mapping[str, Real], signals: Signals) -> dict[str, Signal]:
-        """Return what acts on each thing that dry friction may hold, as signals; none where nothing rubs."""
+        """Return the loads on bodies with dry friction, as signals; empty without dry friction."""
         return {}
 
     def derived(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
-        """Return what several of the equations need of the signals, as further signals, lest each work it out again."""
+        """Return shared intermediate results of several equations, as further signals."""
         return {}
 
     def constrain(self, wrench: Mapping[str, Real], signals: Signals, constants: Constants) -> Channels:
-        """Return what is left of a wrench once forces of constraint have answered it; absent channels are zero."""
+        """Return a wrench after the constraint forces; absent channels are zero."""
         return dict(wrench)
 
     @abstractmethod
     def inertial(self, signals: Signals, constants: Constants) -> Channels:
-        """Return gravity and the terms of a turning frame, constrained, per channel (absent where zero)."""
+        """Return gravity and the terms of a rotating frame, constrained, per channel (absent if zero)."""
 
     @abstractmethod
     def momentum(self, signals: Signals, constants: Constants) -> Channels:
         """Return the quantity whose rate balances the wrench, per channel."""
 
     def damping(self, constants: Constants) -> dict[str, float]:
-        """Return the rate at which each channel's velocity settles by itself, 1/s (absent where it does not)."""
+        """Return the damping rate of each channel's velocity, 1/s (absent if undamped)."""
         return {}
 
     @abstractmethod
     def inertia(self, constants: Constants) -> dict[str, float]:
-        """Return what the momentum is per unit of velocity, per channel: what a parameter error may rescale."""
+        """Return the inertia of each channel, momentum per velocity, which a parameter error may scale."""

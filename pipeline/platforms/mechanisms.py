@@ -1,4 +1,4 @@
-"""Which mechanism belongs to which platform."""
+"""Choice of the mechanism for a platform."""
 
 from simgap.platforms.joint import Joint
 from simgap.platforms.joint_mechanism import JointMechanism

@@ -1,4 +1,4 @@
-"""The quadrotor: a rigid body with four rotors."""
+"""Quadrotor: a rigid body with four rotors."""
 
 import math
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import ClassVar
 
 @dataclass(frozen=True)
 class Quadrotor:
-    """A quadrotor as its builder knows it; body frame x forward, y left, z up.
+    """A quadrotor by its nominal parameters; body frame x forward, y left, z up.
 
     Attributes:
         mass: kg.

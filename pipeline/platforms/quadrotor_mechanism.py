@@ -1,4 +1,4 @@
-"""The nominal quadrotor: quadratic rotors on a rigid body, and nothing of the air but lift."""
+"""Nominal mechanism of a quadrotor: rotors with quadratic thrust on a rigid body, without drag."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The swerve drive: four modules, each with a drive and a steering motor."""
+"""Swerve drive: four modules, each with a drive and a steering motor."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -6,7 +6,7 @@ from typing import ClassVar
 
 @dataclass(frozen=True)
 class DirectCurrentMotor:
-    """A motor as its data sheet gives it.
+    """A direct-current motor by its data sheet.
 
     Attributes:
         nominal_voltage: V.

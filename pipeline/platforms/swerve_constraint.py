@@ -1,8 +1,7 @@
-"""What rolling without side slip leaves of the forces on a swerve drive's chassis.
+"""Nonholonomic constraint of a swerve drive: forces on the chassis under rolling without side slip.
 
-Each wheel rolls but does not slide across: L(angles)·twist = 0, one row per module. The side forces that see to it do
-no work, so in coordinates that make the mass a unit matrix they are at right angles to every motion that is allowed,
-and a projection takes them out:
+Each wheel rolls without side slip: L(angles)·twist = 0, one row per module. The side forces do no work. In coordinates
+with a unit mass matrix they are orthogonal to every allowed motion, and a projection removes them:
 
     free chassis with side forces   M (dV/dt + transport) = F + Lᵀλ,   L V = 0
     without them                    dp/dt = Q (F − M·transport) + (dQ/dt) p,   p = M V
@@ -62,10 +61,10 @@ def rolling_projection(
 
 
 def along_the_wheels(twist: Vector, angle: PerModule, constants: Mapping[str, Any]) -> Vector:
-    """Return the part of a twist that the wheels let pass most easily, (..., 3).
+    """Return the component of a twist with the least side slip, (..., 3).
 
-    Wheels never agree quite. Of all motions, the one goes on across which they stand least: the eigenvector of the
-    least eigenvalue of S, to which one step of inverse iteration takes a measured twist.
+    Measured wheel angles never agree exactly. The motion with the least side slip is the eigenvector of the least
+    eigenvalue of S. One step of inverse iteration leads there from a measured twist.
 
     Args:
         twist: measured, (..., 3).

@@ -1,4 +1,4 @@
-"""The kinematics of a swerve drive: from the chassis to its modules and back, and the turn that a module needs least.
+"""Kinematics of a swerve drive, forward and inverse, with the shortest rotation of a module.
 
 Robot frame x forward, y left. A twist is [x m/s, y m/s, yaw rad/s].
 """
@@ -105,8 +105,8 @@ def lateral_matrix_rate(
 def module_states(twist: Vector, positions: Positions, angle: Angles) -> tuple[Angles, Angles]:
     """Return the angles (rad) and speeds (m/s) that give a twist with the shortest turn from the present angles.
 
-    A module never turns by more than a quarter: beyond it, it turns the other way and its wheel rolls backward. A
-    module that does not move keeps its angle.
+    A module never turns by more than a quarter turn. Beyond it, the module turns the other way and its wheel rolls
+    backward. A module at rest keeps its angle.
 
     Args:
         twist: wanted, (..., 3).

@@ -1,4 +1,4 @@
-"""The nominal swerve drive: four wheels that roll without slip, each behind an ideal DC motor."""
+"""Nominal mechanism of a swerve drive: four wheels that roll without slip, each with an ideal DC motor."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -202,18 +202,18 @@ def _beyond(speed: Tensor, creep: Any) -> Tensor:
 
 
 def wheel_angle(steer_angle: PerModule, constants: Constants) -> PerModule:
-    """Return where each wheel points, (..., 4) rad, which misalignment makes another angle than the measured one."""
+    """Return the true angle of each wheel, (..., 4) rad: the measured angle plus its misalignment."""
     return steer_angle + constants["module_offset"].to(steer_angle)
 
 
 def steering_torque(signals: Signals, constants: Constants) -> PerModule:
-    """Return what the motors do about each module's axis, (..., 4) N·m; the drive's share is the gears' reaction."""
+    """Return the motor torque about each module's axis, (..., 4) N·m, with the reaction of the drive's gears."""
     coupling = constants["coupling_ratio"] / constants["drive_gear_ratio"]
     return signals["steer_torque"] + coupling * signals["drive_torque"]
 
 
 def sum_on_chassis(wheel_torque: PerModule, steer_angle: PerModule, constants: Constants) -> Channels:
-    """Sum what four wheel torques do to the chassis.
+    """Return the force and yaw torque of four wheel torques on the chassis.
 
     Args:
         wheel_torque: about each wheel's axle, (..., 4) N·m.

@@ -1,1 +1,1 @@
-"""Floor 5: environments to act in, policies that are trained in them, and the classical ways beside them."""
+"""Floor 5: environments, policies trained in them, and classical controllers for comparison."""

@@ -1,4 +1,4 @@
-"""The best that a policy was while it learnt: chance moves it to the last, and not always for the better."""
+"""Best checkpoint of a training, because the last policy is not always the best."""
 
 import copy
 import math
@@ -14,7 +14,7 @@ Judge = Callable[[Gaussian], float]
 
 
 class Best:
-    """The cheapest policy so far, the later one of two that cost the same.
+    """The policy with the lowest cost so far; of two equal ones, the later.
 
     Attributes:
         cost: of it; infinite while none was of use.

@@ -1,4 +1,4 @@
-"""Acting in an environment and writing down what happened."""
+"""Collection of experience in an environment."""
 
 from dataclasses import dataclass
 
@@ -25,7 +25,7 @@ class Segment:
 
 
 class Collector:
-    """Acts with a policy; remembers between two segments where the machines are.
+    """Acts with a policy, and keeps the state of the machines between two segments.
 
     Attributes:
         environment: to act in, started.

@@ -1,4 +1,4 @@
-"""What a policy is trained in: a batch of machines that act at once and start anew on their own."""
+"""Vectorised environments: a batch of machines with automatic resets."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ _GENERATOR, _AGE = "generator", "age"
 
 @dataclass(frozen=True)
 class Observation:
-    """What is seen of some machines, float32, every number of the order of one.
+    """Observations of some machines, float32, scaled to the order of one.
 
     Attributes:
         policy: what the policy sees, (machines, observation_size).
@@ -35,7 +35,7 @@ class Observation:
 
 @dataclass(frozen=True)
 class Transition:
-    """What one action led to, for every machine of the batch.
+    """Result of one action, for every machine of the batch.
 
     Attributes:
         reached: what is seen where the action led.
@@ -55,8 +55,8 @@ class Transition:
 class Environment(ABC):
     """A batch of machines. An environment implements `reset`, `advance` and `observe`; this class does the rest.
 
-    Whatever changes from step to step stands in `state`, tensors by name: with them an interrupted training goes on
-    as if nothing had happened. Whatever is drawn is drawn from `generator`.
+    All changing quantities are tensors in `state`, by name, so an interrupted training continues exactly. All random
+    draws come from `generator`.
 
     Attributes:
         observation_size: numbers that the policy sees.

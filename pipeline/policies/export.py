@@ -1,4 +1,4 @@
-"""A policy for machines that know nothing of this project: ONNX and TorchScript."""
+"""Export of a policy to ONNX and TorchScript."""
 
 import warnings
 from pathlib import Path

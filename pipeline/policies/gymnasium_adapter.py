@@ -1,4 +1,4 @@
-"""One machine of an environment as Gymnasium knows it, for people who train with their own library."""
+"""Gymnasium interface to one machine of an environment, for training with other libraries."""
 
 from typing import Any
 

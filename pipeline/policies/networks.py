@@ -52,7 +52,7 @@ class Gaussian(nn.Module):
 
 
 class Policy(nn.Module):
-    """What is deployed: the most likely action, within its bounds."""
+    """The deployed policy: the most likely action, within its bounds."""
 
     def __init__(self, gaussian: Gaussian) -> None:
         super().__init__()
@@ -64,7 +64,7 @@ class Policy(nn.Module):
 
 
 class Critic(nn.Module):
-    """The value of a situation, told by more than the policy sees."""
+    """Value function with privileged observations."""
 
     def __init__(
         self, observation_size: int, privileged_size: int, hidden: Sequence[int], slope: float

@@ -1,4 +1,4 @@
-"""What a person may change about policies."""
+"""Configuration of policies."""
 
 from dataclasses import dataclass, field
 
@@ -60,7 +60,7 @@ class PolicyTraining:
 
 @dataclass
 class PolicyFinetuning:
-    """The configuration group `finetune`: what is other than in the training that is gone on with."""
+    """The configuration group `finetune`: settings that differ from those of the continued training."""
 
     enabled: bool = False
     policy: str | None = None  # folder; null: what train_policy wrote

@@ -1,4 +1,4 @@
-"""Floor 4: a simulator is a platform, its nominal mechanism and the effects that were named."""
+"""Floor 4: simulators, each a platform with its nominal mechanism and named effects."""
 
 from simgap.simulation.replay import replay, replay_error
 from simgap.simulation.rollout import rollout, step

@@ -1,4 +1,4 @@
-"""From command to what acts: delays, the nominal actuator and what effects make of it, in their order."""
+"""Actuator chain: command delays, the nominal actuator and the actuator effects, in their order."""
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
@@ -31,10 +31,10 @@ def held_through(
     memory: Memory,
     time_step: float,
 ) -> tuple[list[dict[str, Signal]], Memory]:
-    """Run the effects that remember through one integration step.
+    """Run the effects that have a state through one integration step.
 
-    What such an effect puts out is its mean over the step. Held is what it changes, so that all else (a back-EMF) still
-    follows the motion inside the step.
+    The output of such an effect is its mean over the step. The change that it makes is held, so that all else (a
+    back-EMF) still follows the motion within the step.
 
     Args:
         simulator: platform and effects.
@@ -61,7 +61,7 @@ def actuated(
     held: list[dict[str, Signal]],
     time_step: float,
 ) -> dict[str, Signal]:
-    """Return the signals at one instant of a step, with what the effects that remember hold through it."""
+    """Return the signals at one instant of a step, with the held outputs of effects that have a state."""
     return _passed(simulator, signals, constants, partial(_as_held, constants, time_step, iter(held)))
 
 
@@ -116,5 +116,5 @@ def _as_held(
 
 
 def without(changed: dict[str, Signal], given: str | None) -> dict[str, Signal]:
-    """Leave out what was measured: no effect changes that."""
+    """Leave out measured signals, which no effect changes."""
     return {name: value for name, value in changed.items() if name != given}

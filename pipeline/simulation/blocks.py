@@ -1,4 +1,4 @@
-"""A recording cut into blocks of equal length, which a simulator can replay side by side."""
+"""Blocks of equal length cut from a recording, which a simulator replays as one batch."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -132,8 +132,8 @@ def cut_blocks(
 ) -> Blocks:
     """Cut a cleaned recording into blocks that do not overlap; their margins do, and end with a segment's end held.
 
-    Blocks never reach over the end of a run or of a segment. They are shortened, margins too, so far that every run has
-    a part in the recording's blocks.
+    Blocks never cross the end of a run or of a segment. Blocks and margins are shortened until every run has at least
+    one block.
 
     Args:
         recording: cleaned.

@@ -1,4 +1,4 @@
-"""The nominal simulator: a platform, what identification corrected, and the effects that are known already."""
+"""The nominal simulator: a platform with identified corrections and the known effects."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,7 +18,7 @@ def build_simulator(
     units: Mapping[str, str],
     identified: Path | None = None,
 ) -> Simulator:
-    """Build the simulator that is believed before the diagnosis.
+    """Build the nominal simulator, from which the diagnosis starts.
 
     Args:
         platform: the keys of docs/contract.md.

@@ -1,4 +1,4 @@
-"""What drives an effect (a battery's voltage, a temperature) where nobody recorded it: in a flight yet to come."""
+"""Simulated driver signals of effects (battery voltage, temperature) for flights without a recording."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,12 +14,12 @@ from simgap.simulation.simulator import FittedEffect, Simulator
 
 @dataclass(frozen=True)
 class SimulatedDriver(ActuatorEffect):
-    """A level, less what the load takes at once; a driver that is given stays as it is given.
+    """A constant level minus an immediate drop with the load; a given driver signal is kept.
 
-    It is no entry of the catalogue: it says what a recording's driver was like, and nothing that was missing.
+    It is not in the catalogue, because it models a recorded signal and no missing physics.
 
     Attributes:
-        driven: the effect whose driver it simulates, and which knows what loads it.
+        driven: the effect whose driver it simulates; it also defines the load.
     """
 
     driven: Effect
@@ -41,13 +41,13 @@ class SimulatedDriver(ActuatorEffect):
 
     @property
     def key(self) -> str:
-        """The name of what it simulates: there is one of each driver."""
+        """The name, unique for each driver signal."""
         return f"simulated_{self.driven.driver}"
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:
-        """Return the driver, where it is not given."""
+        """Return the driver signal if it is not given."""
         if self.driven.driver in signals:
             return {}, None
         load = self.driven.load(signals, constants)
@@ -57,7 +57,7 @@ class SimulatedDriver(ActuatorEffect):
 
 
 def with_drivers(simulator: Simulator, signals: Signals) -> Simulator:
-    """Return a simulator that knows, without a recording, how the drivers of its effects were in one.
+    """Return a simulator with the mean driver signals of a recording, for use without one.
 
     Args:
         simulator: after a diagnosis.
@@ -74,13 +74,13 @@ def with_drivers(simulator: Simulator, signals: Signals) -> Simulator:
 
 
 def without_driver(simulator: Simulator) -> tuple[FittedEffect, ...]:
-    """Return the effects that would do nothing in a flight of one's own: nothing says what drives them."""
+    """Return the effects without a driver signal, which therefore have no effect in a new simulation."""
     known = {f.effect.driven.driver for f in simulator.effects if isinstance(f.effect, SimulatedDriver)}
     return tuple(f for f in simulator.effects if f.effect.driver and f.effect.driver not in known)
 
 
 def _law(effect: Effect, driver: Tensor, load: Tensor | None) -> FittedEffect:
-    """Return the line of a driver against its load, by least squares; a load that lifts it takes nothing."""
+    """Return the least-squares line of a driver over its load, with a drop of at least zero."""
     giving = 0.0
     if load is not None:
         apart = load - load.mean()

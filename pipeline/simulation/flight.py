@@ -1,4 +1,4 @@
-"""A simulated quadrotor with its rate controller in front: what a policy flies."""
+"""A simulated quadrotor with its rate controller, as a policy commands it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""From what sysid found to the platform that a simulator is built on."""
+"""Platform with the parameters that system identification found."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -17,7 +17,7 @@ _COEFFICIENTS = ("thrust_coefficient", "torque_coefficient")
 
 
 def with_identified(platform: Platform, path: Path) -> tuple[Platform, tuple[FittedEffect, ...]]:
-    """Return the platform with the parameters that sysid could tell, and the friction that it found.
+    """Return the platform with the identified parameters, and the identified friction.
 
     Args:
         platform: as a person knew it.

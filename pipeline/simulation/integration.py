@@ -1,4 +1,4 @@
-"""The rules by which a machine's state is advanced; each is tested for its order.
+"""Integrators of a machine's state, each tested for its order of convergence.
 
 Source: Hairer, Nørsett & Wanner 1993, Solving ODEs I, chapter II; Hairer, Lubich & Wanner 2006, Geometric numerical
 integration, section I.1.2 (the symplectic Euler rule).
@@ -34,7 +34,7 @@ def rk4(
 def semi_implicit(
     motion: Motion, wrench: Wrench, state: State, constants: Mapping[str, Any], time_step: float
 ) -> State:
-    """Return the state a step later by the symplectic Euler rule, of first order: new velocities move the places."""
+    """Return the state a step later by the symplectic Euler rule, of first order: new velocities move the positions."""
     acting = wrench(state)
     faster = state + time_step * motion.derivative(state, acting, constants)
     moving = torch.zeros(state.shape[-1], dtype=torch.bool, device=state.device)

@@ -1,4 +1,4 @@
-"""What is left of force and torque after the physics, looked up among recorded residuals.
+"""Nearest-neighbour model of the force and torque residuals of a simulator.
 
 Kaufmann et al. 2023, "Champion-level drone racing using deep reinforcement learning", Nature 620, Methods: the residual
 at a state is the mean of those at the k = 5 nearest of about a thousand recorded states.
@@ -21,7 +21,7 @@ _AT_ONCE = 512  # queries whose distances to all samples stay in the cache of a 
 
 
 class HeldResidual(WrenchEffect):
-    """A force and a torque that are held through a control period, as the simulator is given them."""
+    """A residual force and torque, constant over a control period."""
 
     linear = False
     name = "held_residual"
@@ -44,7 +44,7 @@ class HeldResidual(WrenchEffect):
 class RecordedResidual(WrenchEffect):
     """The residual of a recording, as part of a simulator.
 
-    A flight of a policy looks it up once in a control period, see `HeldResidual`; anything else at every instant.
+    In a policy's flight it is evaluated once per control period, see `HeldResidual`; otherwise at every instant.
 
     Attributes:
         neighbours: from `residual_features` to specific force, m/s², (batch, 3).
@@ -78,11 +78,11 @@ class RecordedResidual(WrenchEffect):
 
 
 def commanded_thrust(signals: Signals, platform: Quadrotor) -> Real:
-    """Return the thrust over mass that the platform makes of what is commanded, (...,) m/s².
+    """Return the commanded thrust over mass by the platform's coefficients, (...,) m/s².
 
     Args:
         signals: `motor_command`, or `rotor_speed` where there is no command.
-        platform: whose coefficients are believed.
+        platform: the platform with these coefficients.
     """
     known = signals.get("motor_command")
     speed = signals["rotor_speed"] if known is None else platform.motor_speed_max * known
@@ -91,7 +91,7 @@ def commanded_thrust(signals: Signals, platform: Quadrotor) -> Real:
 
 @dataclass(frozen=True)
 class NearestNeighbours:
-    """The mean of what was recorded at the nearest samples.
+    """Mean of the recorded residuals at the nearest samples.
 
     Attributes:
         inputs: (samples, features); each feature is measured in its standard deviation over the samples.
@@ -104,7 +104,7 @@ class NearestNeighbours:
     count: int = 5
 
     def __post_init__(self) -> None:
-        """Refuse what holds no neighbours.
+        """Check that there are enough samples and that every feature varies.
 
         Raises:
             InputError: when there are fewer samples than neighbours, or a feature that never changes.
@@ -147,7 +147,7 @@ class NearestNeighbours:
 def residual_features(
     velocity: Vector, body_rate: Vector, action: Float[Tensor, "*#batch 4"]
 ) -> Float[Tensor, "*#batch 7"]:
-    """Return what the residual of a quadrotor is looked up by, (..., 7).
+    """Return the features of a quadrotor's residual, (..., 7).
 
     Args:
         velocity: body frame, (..., 3) m/s.

@@ -1,4 +1,4 @@
-"""How each kind of machine moves: its state as a tensor, its signals, and the state's rate of change."""
+"""State space of each platform kind: its state tensor, its signals, and its rate of change."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ class Motion(ABC):
     """The state of one platform kind.
 
     `parts` names the slices of the state tensor (..., n); the same names, with recorded signals, make a state.
-    `velocities` names the parts that forces change at once; the others follow from them.
+    `velocities` names the parts that forces change directly; the others follow by integration.
     """
 
     parts: ClassVar[dict[str, slice]]

@@ -1,4 +1,4 @@
-"""The drive of a racing quadrotor: battery, speed controllers and motors, which load one another."""
+"""Powertrain of a racing quadrotor: battery, speed controllers and motors in one coupled loop."""
 
 from typing import Any
 
@@ -20,8 +20,9 @@ _CELL_VOLTAGE = 3.7  # nominal, V
 class Powertrain(ActuatorEffect):
     """Rotor speed from throttle through speed controllers without a speed loop, on a battery that the rotors drain.
 
-    It is one object because it is one loop: speed takes power, power takes current, current lowers the voltage, which
-    lowers the speed. It is no entry of the catalogue: of a recording, `battery_sag` and `motor_lag` can be told.
+    It is one object because its parts form one loop: speed needs power, power needs current, current lowers the
+    voltage, and the voltage lowers the speed. It is not in the catalogue: a recording shows `battery_sag` and
+    `motor_lag` instead.
     """
 
     remembers = True
@@ -75,7 +76,7 @@ class Powertrain(ActuatorEffect):
 
 
 def powertrain_values(platform: Quadrotor, efficiency: float = 0.75, time_constant: float = 0.033) -> dict:
-    """Return the values of a powertrain that hovers and tops out as the platform says at its nominal voltage.
+    """Return powertrain values that give the platform's hover and maximum speed at nominal voltage.
 
     Args:
         platform: whose greatest speed, hover speed and nominal voltage the speed controllers meet.

@@ -1,4 +1,4 @@
-"""Replaying a recording: the recorded commands drive the simulator open loop, from a recorded state."""
+"""Replay of a recording: open-loop simulation with the recorded commands, from a recorded state."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -25,10 +25,10 @@ def replay(
     steps: int,
     substeps: int = 1,
 ) -> Float[Tensor, "blocks samples components"]:
-    """Roll every block out with its recorded commands, and with what else acted from outside.
+    """Simulate every block with its recorded commands and other recorded external signals.
 
-    Clocks are settled and delays applied on the whole block first, since the margin knows what was commanded before;
-    effects that remember live through the margin as it was recorded.
+    Time offsets and delays are applied to the whole block first, since the margin holds the earlier commands. Effects
+    with a state run through the margin on recorded signals.
 
     Args:
         simulator: platform and effects.
@@ -54,7 +54,7 @@ def replay(
 
 
 def _after_commands(simulator: Simulator, signals: Mapping[str, Tensor], blocks: Blocks) -> dict[str, Tensor]:
-    """Return signals with their clocks settled and their delays applied."""
+    """Return signals with time offsets removed and delays applied."""
     out, constants = dict(signals), simulator.constants()
     for fitted in simulator.of_type(MeasurementEffect):
         out = {**out, **fitted.effect.undo(out, fitted.values, blocks.time_step)}  # type: ignore[attr-defined]
@@ -71,7 +71,7 @@ def _over_steps(series: Tensor, within: slice) -> Tensor:
 
 
 def _lived_through(simulator: Simulator, signals: Mapping[str, Tensor], blocks: Blocks) -> Memory:
-    """Return what the effects remember at the end of the margin before each block."""
+    """Return the states of the effects at the end of the margin before each block."""
     memory: Memory = ()
     if not any(fitted.effect.remembers for fitted in simulator.of_type(ActuatorEffect)):  # type: ignore[attr-defined]
         return memory
@@ -85,10 +85,10 @@ def _lived_through(simulator: Simulator, signals: Mapping[str, Tensor], blocks: 
 def substeps_for(
     simulator: Simulator, blocks: Blocks, steps: int, tolerance: Float[Tensor, " components"]
 ) -> int:
-    """Return how many integration steps between two samples change nothing that a sensor would notice.
+    """Return the number of integration steps between two samples that makes the integration error negligible.
 
-    Friction that holds and stiff contacts need more than one. The number is doubled until twice as many move no
-    component of the state by more than a tolerance, as a root mean square over a few blocks.
+    Sticking friction and stiff contacts need more than one. The number doubles until a further doubling moves no
+    component of the state by more than the tolerance, as a root mean square over a few blocks.
 
     Args:
         simulator: platform and effects.

@@ -1,4 +1,4 @@
-"""Running a simulator forward in time."""
+"""Open-loop simulation of a batch of machines."""
 
 from functools import partial
 from typing import Any

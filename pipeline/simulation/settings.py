@@ -1,11 +1,11 @@
-"""What a person may change about the nominal simulator."""
+"""Configuration of the nominal simulator."""
 
 from dataclasses import dataclass, field
 
 
 @dataclass
 class SimulatorSettings:
-    """Settings of the simulator that is diagnosed."""
+    """Settings of the nominal simulator."""
 
     identified: bool = False  # take the parameters that sysid found in place of the platform file's
     effects: dict[str, dict[str, float]] = field(

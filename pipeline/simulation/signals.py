@@ -1,4 +1,4 @@
-"""From the columns of a recording to the physical signals that mechanisms and effects read."""
+"""Physical signals of mechanisms and effects, from the columns of a recording."""
 
 import numpy as np
 import pandas as pd
@@ -20,9 +20,9 @@ COMMANDS = frozenset({"motor_command", "effort", "voltage", "drive_voltage", "st
 
 
 def rates_of(platform: Platform) -> dict[str, str]:
-    """Return by name which signals are the integral of which other one, where a force goes nearly with them.
+    """Return which signals are integrals of another one, for signals in which forces are nearly linear.
 
-    An angle that turns forces is not among them: its mean through a step is not that at which the mean force acts.
+    Angles that rotate forces are excluded: the mean force over a step does not act at the mean angle.
     """
     return {"position": "velocity"} if isinstance(platform, Joint) else {}
 

@@ -58,7 +58,7 @@ class Balance:
 
 @dataclass(frozen=True)
 class Simulator:
-    """A platform with the physics that it is believed to have.
+    """A platform with its nominal mechanism and effects.
 
     Attributes:
         platform: what a person knew before identification.

@@ -1,4 +1,4 @@
-"""A simulator as a folder: `simulator.yaml`, which a person can read, and the numbers of what was learned.
+"""Storage of a simulator: a readable `simulator.yaml`, and tensors of learned parts.
 
 Loading runs nothing.
 """

@@ -1,5 +1,6 @@
 """Presets at full scale: each opens with its command and is a valid configuration."""
 
+import itertools
 import re
 
 import pytest
@@ -23,6 +24,13 @@ def test_a_preset_opens_with_its_command(name):
     assert package == "# @package _global_"
     assert re.match(r"# simgap \w+ -m " if "sweeper:" in text else "# simgap ", command)
     assert f"+experiment={name}" in command.split()
+
+
+@pytest.mark.parametrize("path", sorted(CONFIGURATION.rglob("*.yaml")), ids=lambda path: path.stem)
+def test_a_file_of_the_configuration_opens_with_what_it_is_and_the_command_that_uses_it(path):
+    lines = path.read_text(encoding="utf-8").removeprefix("# @package _global_\n").splitlines()
+    header = "\n".join(itertools.takewhile(lambda line: line.startswith("# "), lines))
+    assert re.search(r"simgap \w+|platform=\w+", header)
 
 
 @pytest.mark.parametrize("name", PRESETS)

@@ -4,10 +4,18 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import yaml
 
+from simgap.artifacts.project import CONFIGURATION, PROJECT_ROOT
 from simgap.comparison.settings import Results
 from simgap.stages.results import main
 from tests.pipeline.comparison.sweeps import lengths
+
+PRESETS = {
+    path.stem: yaml.safe_load(path.read_text(encoding="utf-8"))
+    for path in (CONFIGURATION / "experiment").glob("*.yaml")
+}
+SHOWN = sorted(name for name, preset in PRESETS.items() if "results" in preset)
 
 
 @pytest.fixture(autouse=True)
@@ -54,3 +62,20 @@ def test_where_nothing_was_run_that_is_said_in_one_line(capsys):
     assert ended("absent") == 2
     assert "absent/comparison/comparison.json: cannot be read" in capsys.readouterr().err
     assert not Path("docs/results.md").exists()
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_the_page_of_the_documentation_has_the_words_of_the_preset(name):
+    results = PRESETS[name]["results"]
+    page = (PROJECT_ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    section = page.partition(f"<!-- sweep: {name} -->\n")[2].partition("<!-- sweep:")[0]
+    command, *_ = section.partition("\n`simgap ")[2].partition("`")
+    assert section.startswith(f"## {results['title']}\n\n{results.get('text', '')}".rstrip())
+    assert f"+experiment={name}" in command.split()
+    for table in results.get("tables", []):
+        assert f"\n**{table['title']}**\n" in section
+
+
+def test_every_section_of_the_page_belongs_to_a_preset():
+    page = (PROJECT_ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    assert sorted(part.partition(" -->")[0] for part in page.split("<!-- sweep: ")[1:]) == SHOWN

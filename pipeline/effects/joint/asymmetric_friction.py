@@ -1,7 +1,7 @@
-"""Dry friction of a joint that is greater one way than the other.
+"""Dry friction of a joint that differs between the two directions of motion.
 
-Coulomb friction is the level that both directions share. A constant load of half the difference, with half of it more
-Coulomb friction, does the same, in motion and at rest, where friction holds the load too.
+`coulomb_friction` is the level that both directions share. A `constant_load` of half the difference, together with
+half of the difference as additional Coulomb friction, gives the same torque in motion and at rest.
 """
 
 import torch
@@ -13,7 +13,7 @@ from simgap.physics.shapes import Real
 
 
 class AsymmetricFriction(AxisFriction):
-    """What dry friction is greater by in one direction of motion: in the direction of its sign."""
+    """Dry friction is larger in one direction of motion than in the other."""
 
     name = "asymmetric_friction"
     parameters = (Parameter("difference", "N·m", 0.05, -1e4, 1e4),)
@@ -24,13 +24,17 @@ class AsymmetricFriction(AxisFriction):
     formula = "torque = −difference where sign(velocity) = sign(difference), else 0; at standstill it holds that way"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
     sentence = (
-        "Dry friction is {difference} {difference_unit} greater forward than backward; add the difference of the "
-        "two directions."
+        "Dry friction is {difference} {difference_unit} larger forward than backward; add this difference to "
+        "the simulator."
     )
-    excitation = "the same slow ramps in both directions, and again with the axis mounted the other way round"
+    excitation = (
+        "run the same slow ramps in both directions, then repeat them with the axis mounted the other way "
+        "round"
+    )
+    symptom = "The effort that the same slow speed needs differs between the two directions."
 
     def starts(self) -> list[dict[str, float]]:
-        """Start on either side of none: which direction it is slowed in has no slope at zero."""
+        """Start on either side of zero, where the law has a kink."""
         return [{"difference": -1e-3}, {"difference": 1e-3}]
 
     def friction(self, signals: Signals, values: Values, constants: Values) -> Real:

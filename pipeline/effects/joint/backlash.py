@@ -1,16 +1,17 @@
-"""Play between a joint's motor and the axis that it drives."""
+"""Backlash in a joint's gear."""
 
 from simgap.effects.backlash import Backlash
 
 
 class JointBacklash(Backlash):
-    """Two bodies with a gap between them: after each reversal the motor crosses it before the axis feels it."""
+    """The motor crosses a gap after each reversal before it drives the axis."""
 
     kind = "joint"
     acts_on = "actuator"
     needs = ("velocity", "effort")
     transmitted = "effort"
     sentence = (
-        "There are {gap} {gap_unit} of play between motor and axis, and {motor_inertia_share} of the inertia is on the "
-        "motor's side; add backlash."
+        "The gear has {gap} {gap_unit} of play, with a fraction {motor_inertia_share} of the inertia on the "
+        "motor's side; add backlash to the simulator."
     )
+    look_alikes = ("command_delay", "dead_zone", "hysteresis")

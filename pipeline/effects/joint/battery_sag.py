@@ -1,7 +1,8 @@
-"""A supply whose voltage a joint's drive passes on.
+"""Supply voltage that reaches a joint's motor.
 
-A drive that only sets its duty has a share of one, one that makes up for the supply a share of zero. At the nominal
-voltage, which no platform file of a joint holds, the motor gets what is commanded.
+A drive that only sets a duty cycle has a share of one. A drive that compensates for its supply has a share of zero.
+At the nominal voltage the motor gets the commanded voltage. A joint's platform file does not hold this voltage, so it
+is a parameter here.
 """
 
 from typing import Any
@@ -12,7 +13,7 @@ from simgap.physics.shapes import Real, Signal
 
 
 class BatterySag(ActuatorEffect):
-    """The motor gets a part of the supply's voltage, not a voltage: with the supply it falls."""
+    """The motor voltage falls with the supply voltage."""
 
     name = "battery_sag"
     kind = "joint"
@@ -27,13 +28,15 @@ class BatterySag(ActuatorEffect):
     formula = "voltage_effective = voltage · (1 + share · (battery_voltage / nominal_voltage − 1))"
     source = "Mohan 2003, Electric drives: the mean voltage of a pulse-width-modulated converter"
     sentence = (
-        "The motor's voltage follows the battery's by a share of {share}, and is as commanded at {nominal_voltage} V; "
-        "scale it in the simulator."
+        "The motor voltage changes with the battery by a share of {share}, relative to {nominal_voltage} V; scale"
+        " it in the simulator."
     )
-    excitation = "the same motion with a full and with an empty battery, or under heavy load and light"
+    excitation = "repeat the same motion on a full and on an empty battery, or under heavy and light load"
+    symptom = "The same commanded voltage gives less torque and speed as the battery voltage falls."
+    look_alikes = ("motor_constant_error", "temperature_derating")
 
     def load(self, signals: Signals, constants: Values) -> Real:
-        """Return what the motor draws, in proportion to its power: a battery gives way to it."""
+        """Return the motor's power, up to a factor: it loads the battery."""
         return signals["voltage"] * signals["effort"]
 
     def starts(self) -> list[dict[str, float]]:

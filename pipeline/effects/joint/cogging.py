@@ -1,4 +1,4 @@
-"""Torque of a joint that comes back along its travel."""
+"""Torque ripple of a joint that repeats along its travel."""
 
 import math
 
@@ -8,16 +8,14 @@ from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
 from simgap.physics.shapes import Channels
 
-_LEAST_CYCLES = (
-    2  # of a turn: a magnet has two poles, and one wave in a turn is a weight that hangs off the axis
-)
+_LEAST_CYCLES = 2  # per turn: a magnet has two poles, and one wave per turn is a gravity load
 _MOST_CYCLES = 48
-_FEW_WAVES = 8  # of the finest of them along a travel that is short for it
+_FEW_WAVES = 8  # of the finest kind along the travel: below this, finer waves are tried
 _PHASES = 3
 
 
 class Cogging(WrenchEffect):
-    """Magnets that prefer some places, or teeth that come round: a wave along the position."""
+    """A torque ripple from magnets or gear teeth repeats along the position."""
 
     linear = False
     name = "cogging"
@@ -33,17 +31,19 @@ class Cogging(WrenchEffect):
     formula = "torque = sine · sin(cycles · position) + cosine · cos(cycles · position)"
     source = "Hendershot & Miller 2010, Design of brushless permanent-magnet machines: cogging torque"
     sentence = (
-        "A ripple of {sine} {sine_unit} (sine) and {cosine} {cosine_unit} (cosine) repeats along the travel with "
-        "{cycles} {cycles_unit}; add cogging."
+        "A ripple of {sine} {sine_unit} (sine) and {cosine} {cosine_unit} (cosine) repeats along the travel "
+        "at {cycles} {cycles_unit}; add cogging to the simulator."
     )
-    excitation = "slow constant speed over the whole travel, in both directions"
+    excitation = "move at a slow constant speed over the whole travel, in both directions"
+    symptom = "At slow constant speed the effort ripples at the same positions in both directions."
+    look_alikes = ("gravity_load",)
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from every whole number of cycles per turn, in several phases: each number is a valley of its own."""
+        """Start from every whole number of cycles per turn, in several phases: each has a local minimum."""
         return self._scanned([float(cycles) for cycles in range(_LEAST_CYCLES, _MOST_CYCLES + 1)])
 
     def starts_in(self, signals: Signals) -> list[dict[str, float]]:
-        """Start on an axis of little travel, as one that slides, from finer waves, too: by halves along the travel."""
+        """Start from finer waves too if the axis has little travel: every half wave along the travel."""
         position = signals["position"]
         travel = float(position.max() - position.min())
         if not 0.0 < travel < _FEW_WAVES * 2.0 * math.pi / _MOST_CYCLES:

@@ -1,10 +1,11 @@
-"""Delay between command and effect of a joint."""
+"""Delay between the command of a joint and its effect."""
 
 from simgap.effects.delay import CommandDelay
 
 
 class JointCommandDelay(CommandDelay):
-    """The voltage or effort acts later than it was recorded."""
+    """The voltage or effort acts a fixed time after it is recorded."""
 
     kind = "joint"
+    look_alikes = ("motor_inductance",)
     delayed = ("voltage", "effort")

@@ -20,7 +20,7 @@ class AxisFriction(DryFriction):
 
 
 def applied(signals: Signals, constants: Values) -> Real:
-    """What friction holds against at standstill (...,), N·m or N: what is left to hold, else effort less its load."""
+    """Return the load on friction at standstill (...,), N·m or N: the remaining load, else effort minus known loads."""
     if AxisFriction.holds in signals:
         return signals[AxisFriction.holds]
     position = signals["position"]

@@ -1,4 +1,4 @@
-"""A load on a joint that is the same everywhere."""
+"""Constant load on a joint."""
 
 import torch
 
@@ -8,7 +8,7 @@ from simgap.physics.shapes import Channels
 
 
 class ConstantLoad(WrenchEffect):
-    """A weight on a slide or a pulley, a constant-force spring, an offset of the drive."""
+    """A constant load acts on the axis, such as a weight, a spring or a drive offset."""
 
     name = "constant_load"
     kind = "joint"
@@ -20,10 +20,12 @@ class ConstantLoad(WrenchEffect):
     formula = "torque = load"
     source = "Newton's second law"
     sentence = (
-        "A constant {load} {load_unit} acts on the axis, a positive one in the positive direction; add it to the "
+        "A constant load of {load} {load_unit} acts on the axis, where positive means forward; add it to the "
         "simulator."
     )
-    excitation = "the same motion in both directions, and rests without a command"
+    excitation = "run the same motion in both directions, and rest without a command"
+    symptom = "The effort has the same offset at every position and speed."
+    look_alikes = ("gravity_load",)
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the load on the axis, N·m or N."""

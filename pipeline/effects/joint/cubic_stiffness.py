@@ -1,4 +1,4 @@
-"""A spring on a joint that stiffens with its deflection."""
+"""Spring on a joint whose stiffness grows with its deflection."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
@@ -6,7 +6,7 @@ from simgap.physics.shapes import Channels
 
 
 class CubicStiffness(WrenchEffect):
-    """The Duffing spring's cubic part; negative where the spring softens."""
+    """A spring force grows with the cube of the position (Duffing spring), or softens if negative."""
 
     name = "cubic_stiffness"
     kind = "joint"
@@ -15,8 +15,13 @@ class CubicStiffness(WrenchEffect):
     needs = ("position",)
     formula = "torque = −stiffness · position³"
     source = "Kovacic & Brennan 2011, The Duffing equation"
-    sentence = "A spring stiffens with the cube of its deflection by {stiffness} {stiffness_unit}; add cubic stiffness."
-    excitation = "free swings of several amplitudes up to the ends of the travel"
+    sentence = (
+        "A spring force grows with the cube of the deflection by {stiffness} {stiffness_unit}; add cubic "
+        "stiffness to the simulator."
+    )
+    excitation = "let the axis swing freely at several amplitudes, up to the ends of the travel"
+    symptom = "The frequency of free swings changes with their amplitude."
+    look_alikes = ("linear_stiffness", "gravity_load")
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the spring's pull on the axis, N·m or N."""

@@ -1,13 +1,14 @@
-"""A motor controller that caps the current of a joint."""
+"""Limit on the motor current of a joint."""
 
 from simgap.effects.current_limit import CurrentLimit
 
 
 class JointCurrentLimit(CurrentLimit):
-    """Motor current held under a limit, whatever voltage is commanded."""
+    """The controller limits the motor current, whatever voltage is commanded."""
 
     kind = "joint"
     acts_on = "actuator"
     needs = ("voltage",)
     limited = "effort"
-    sentence = "The controller caps the motor's current at {limit} A; limit it in the simulator."
+    sentence = "The controller limits the motor current to {limit} A; apply the limit in the simulator."
+    look_alikes = ("battery_sag", "motor_constant_error")

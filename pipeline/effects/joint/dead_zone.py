@@ -1,7 +1,7 @@
-"""Commands too small for a joint's drive to act on.
+"""Dead zone in the command of a joint.
 
-It acts on the voltage where there is one, else on the effort. Its width is an effort in either case: that of the motor
-at standstill.
+It acts on the voltage if there is one, otherwise on the effort. Its width is an effort in both cases: that of the
+motor at standstill.
 """
 
 from typing import Any
@@ -11,7 +11,7 @@ from simgap.physics.shapes import Signal
 
 
 class DeadZone(CommandEffect):
-    """A band of commands around zero does nothing, and all others are smaller by it."""
+    """The drive ignores small commands and reduces all larger ones by the same amount."""
 
     name = "dead_zone"
     kind = "joint"
@@ -24,17 +24,18 @@ class DeadZone(CommandEffect):
     )
     source = "Tao & Kokotović 1994, Adaptive control of plants with unknown dead-zones (IEEE Trans. Autom. Control 39)"
     sentence = (
-        "The drive ignores commands that would give less than {width} {width_unit} at standstill; add a dead zone to "
-        "the simulator."
+        "The drive ignores commands below {width} {width_unit} at standstill; add a dead zone to the "
+        "simulator."
     )
     excitation = (
-        "slow command ramps through zero in both directions, on an axis that is also pushed otherwise"
+        "ramp the command slowly through zero in both directions while something else also moves the axis"
     )
+    symptom = "Small commands around zero have no effect, even while the axis moves."
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:
-        """Return the command less what the dead zone takes of it."""
+        """Return the command beyond the dead zone."""
         name = "voltage" if "voltage" in signals else "effort"
         command, width = signals[name], values["width"] / _gain(name, constants)
         return {name: command - command.clamp(-width, width)}, None

@@ -1,7 +1,7 @@
-"""A weight on a turning joint.
+"""Gravity torque on a rotary joint.
 
-`sine` is the part of a joint whose zero hangs down, `cosine` that of one whose zero is level. A sliding axis has none:
-there gravity is a constant load.
+`sine` is the part for a joint whose zero points straight down, `cosine` the part for one whose zero is horizontal. A
+sliding axis has neither: there, gravity is a constant load.
 """
 
 import torch
@@ -12,7 +12,7 @@ from simgap.physics.shapes import Channels
 
 
 class GravityLoad(WrenchEffect):
-    """The pull of a weight beyond what the platform file has, wherever the joint's zero points."""
+    """A weight pulls on the joint beyond what the platform file says, whatever the zero position."""
 
     name = "gravity_load"
     kind = "joint"
@@ -25,10 +25,12 @@ class GravityLoad(WrenchEffect):
     formula = "torque = −sine · sin(position) − cosine · cos(position)"
     source = "the pendulum's equation"
     sentence = (
-        "A weight pulls on the joint with {sine} {sine_unit} (sine of the position) and {cosine} {cosine_unit} "
-        "(cosine); add it to the simulator."
+        "A weight pulls on the joint with {sine} {sine_unit} (sine of the position) and {cosine} "
+        "{cosine_unit} (cosine); add it to the simulator."
     )
-    excitation = "slow motion through the whole turn, or rests at many angles"
+    excitation = "turn slowly through the whole range, or rest at many angles"
+    symptom = "The effort at rest varies with the angle, once per turn."
+    look_alikes = ("constant_load", "linear_stiffness")
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the weight's torque, N·m."""

@@ -1,7 +1,8 @@
-"""Friction of a joint that first bends like a spring.
+"""Pre-sliding friction of a joint (Dahl model).
 
-The deflection depends on the way, not on the speed, so that it follows exactly from the recorded positions. Where an
-axis moves on inside a step, the wrench takes the deflection from the step's place to where the axis is now.
+The deflection depends on the distance moved and not on the speed, so it follows exactly from the recorded positions.
+If the axis moves within a step, the wrench carries the deflection forward from the step's position to the present
+one.
 """
 
 from typing import Any
@@ -17,7 +18,7 @@ from simgap.physics.shapes import Channels, Signal
 
 
 class Hysteresis(ActuatorEffect, WrenchEffect):
-    """Pre-sliding: a hidden deflection follows the motion up to its level, and turns round with it."""
+    """Friction builds up over a short distance after each reversal, like a spring (Dahl model)."""
 
     remembers = True
     linear = False
@@ -34,17 +35,19 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
     formula = "torque = −level · z, dz/dt = (velocity − |velocity| · z) / displacement"
     source = "Dahl 1976, Solid friction damping of mechanical vibrations (AIAA J. 14), with exponent 1"
     sentence = (
-        "Resistance lags behind the motion: it builds up to {level} {level_unit} over {displacement} "
-        "{displacement_unit} after each reversal; add hysteresis."
+        "Friction builds up to {level} {level_unit} over {displacement} {displacement_unit} after each "
+        "reversal; add hysteresis to the simulator."
     )
-    excitation = "slow swings of several small amplitudes with many reversals"
+    excitation = "swing slowly at several small amplitudes, with many reversals"
+    symptom = "Effort over position forms a loop after each reversal, of the same width at any speed."
+    look_alikes = ("backlash", "linear_stiffness")
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a scan: how far it bends has no slope where it has no level."""
+        """Start from a scan: without a level the displacement has no gradient."""
         return scan(level=(0.01, 0.1, 1.0, 10.0), displacement=(0.003, 0.02, 0.1, 0.5))
 
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Bent over less than the way between two samples it is friction; over more than the travel, a spring."""
+        """Return friction if the displacement is below one sample's travel, or a spring if above the whole travel."""
         position, displacement = signals["position"], values["displacement"]
         if displacement < position.diff(dim=1).abs().median():
             return "coulomb_friction"
@@ -53,7 +56,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:
-        """Return the relative deflection and where it is reached; it starts relaxed."""
+        """Return the relative deflection and its position; it starts at zero."""
         position = signals["position"]
         deflection, place = (torch.zeros_like(position), position) if memory is None else memory
         deflection = _moved(deflection, position - place, values["displacement"])
@@ -63,7 +66,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
     ) -> dict[str, Signal]:
-        """Return blocks with the deflection, which from sample to sample is linear in the one before."""
+        """Return blocks with the deflection, a linear recurrence from sample to sample."""
         position, displacement = signals["position"], values["displacement"]
         way = torch.diff(position, dim=1, prepend=position[:, :1])
         towards, left = _remainder(way, displacement)
@@ -79,11 +82,11 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
 
 
 def _moved(deflection: Tensor, way: Tensor, displacement: Tensor | float) -> Tensor:
-    """Return the relative deflection after a way without reversal: dz = (1 − z·sign(way)) · way / displacement."""
+    """Return the relative deflection after motion without reversal: dz = (1 − z·sign(way)) · way / displacement."""
     towards, left = _remainder(way, displacement)
     return towards + (deflection - towards) * left
 
 
 def _remainder(way: Tensor, displacement: Tensor | float) -> tuple[Tensor, Tensor]:
-    """Return the deflection that a way leads to, and what is left after it of the distance from there."""
+    """Return the deflection that a displacement tends to, and the remaining fraction of the distance to it."""
     return torch.sign(way), torch.exp(-way.abs() / displacement)

@@ -1,10 +1,10 @@
-"""A inertia of a joint that differs from the platform file."""
+"""An inertia of a joint that differs from the platform file."""
 
 from simgap.effects.effect import ParameterError, Values
 
 
 class InertiaError(ParameterError):
-    """True over nominal inertia."""
+    """The inertia differs from the platform file (ratio of true to nominal)."""
 
     name = "inertia_error"
     kind = "joint"
@@ -12,8 +12,10 @@ class InertiaError(ParameterError):
     needs = ()
     formula = "inertia = ratio · nominal inertia"
     source = "the platform's nominal equations"
-    sentence = "The inertia is {ratio} times what the platform file says; correct it."
-    excitation = "speed up and slow down hard"
+    sentence = "The inertia is {ratio} times the value in the platform file; correct it."
+    excitation = "accelerate and brake hard"
+    symptom = "The acceleration is off by the same factor at every effort."
+    look_alikes = ("linear_stiffness", "motor_constant_error")
 
     def adjust(self, constants: Values, values: Values) -> dict:
         """Return the constants with the inertia scaled."""

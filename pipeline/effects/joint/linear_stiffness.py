@@ -1,4 +1,4 @@
-"""A spring on a joint."""
+"""Linear spring on a joint."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
@@ -6,7 +6,7 @@ from simgap.physics.shapes import Channels
 
 
 class LinearStiffness(WrenchEffect):
-    """Stiffness beyond what the platform file has; negative where the file has too much."""
+    """A spring pulls the axis to zero beyond what the platform file says, or less if negative."""
 
     name = "linear_stiffness"
     kind = "joint"
@@ -16,7 +16,8 @@ class LinearStiffness(WrenchEffect):
     formula = "torque = −stiffness · position"
     source = "Hooke's law"
     sentence = "A spring of {stiffness} {stiffness_unit} pulls the axis to zero; add it to the simulator."
-    excitation = "slow motion over the whole travel, and free swings of several amplitudes"
+    excitation = "move slowly over the whole travel, and swing freely at several amplitudes"
+    symptom = "The effort at rest grows in proportion to the position."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the spring's pull on the axis, N·m or N."""

@@ -5,13 +5,11 @@ from simgap.effects.effect import Parameter, Signals, Values
 from simgap.effects.joint.common import AxisFriction, applied
 from simgap.physics.shapes import Real
 
-_GREATEST_RATIO = (
-    0.9  # a gear that loses all that it transmits does not turn; what fits best there is another law
-)
+_GREATEST_RATIO = 0.9  # a gear that loses nearly all of its load does not turn; another law applies there
 
 
 class LoadDependentFriction(AxisFriction):
-    """Teeth that are pressed together rub: what the gear loses of what it transmits."""
+    """The gear loses a fraction of the effort that it transmits."""
 
     name = "load_dependent_friction"
     parameters = (Parameter("ratio", "1", 0.2, 0.0, _GREATEST_RATIO),)
@@ -23,9 +21,11 @@ class LoadDependentFriction(AxisFriction):
         "(arXiv 2410.08650)"
     )
     sentence = (
-        "The gear loses {ratio} of the load that it transmits to friction; add load-dependent friction."
+        "The gear loses a fraction {ratio} of the load that it transmits; add load-dependent friction to the "
+        "simulator."
     )
-    excitation = "the same slow motion under several loads, lifting and lowering"
+    excitation = "repeat the same slow motion under several loads, lifting and lowering"
+    symptom = "Friction is larger where the axis carries more load."
 
     def friction(self, signals: Signals, values: Values, constants: Values) -> Real:
         """Return the friction on the axis, N·m or N."""

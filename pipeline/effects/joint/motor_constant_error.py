@@ -4,7 +4,7 @@ from simgap.effects.effect import ParameterError, Values
 
 
 class MotorConstantError(ParameterError):
-    """True over nominal motor constant."""
+    """The motor constant differs from the platform file (ratio of true to nominal)."""
 
     name = "motor_constant_error"
     kind = "joint"
@@ -12,8 +12,10 @@ class MotorConstantError(ParameterError):
     needs = ("voltage",)
     formula = "torque_constant = ratio · nominal torque_constant"
     source = "the platform's nominal equations"
-    sentence = "The motor constant is {ratio} times what the platform file says; correct it."
+    sentence = "The motor constant is {ratio} times the value in the platform file; correct it."
     excitation = "hold several constant speeds, and accelerate hard"
+    symptom = "At constant voltage both the initial torque and the final speed are off."
+    look_alikes = ("viscous_friction",)
 
     def adjust(self, constants: Values, values: Values) -> dict:
         """Return the constants with the motor constant scaled."""

@@ -1,13 +1,13 @@
-"""A joint's motor whose current takes time to rise."""
+"""Electrical time constant of a joint's motor."""
 
 from simgap.effects.motor_inductance import MotorInductance
 
 
 class JointMotorInductance(MotorInductance):
-    """Current that follows the voltage with the winding's time constant, inductance over resistance."""
+    """The motor current follows the voltage with a time constant of inductance over resistance."""
 
     kind = "joint"
     acts_on = "actuator"
     needs = ("voltage",)
     delayed = "effort"
-    sentence = "The motor's inductance of {inductance} H delays its current; add it to the simulator."
+    sentence = "The motor inductance of {inductance} H delays the current; add it to the simulator."

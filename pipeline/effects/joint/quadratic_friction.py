@@ -6,7 +6,7 @@ from simgap.physics.shapes import Channels
 
 
 class QuadraticFriction(WrenchEffect):
-    """Resistance of a fluid: of a flywheel's air, of a pump, of grease churned."""
+    """Friction grows with the square of the velocity, as in air, in a pump or in churned grease."""
 
     name = "quadratic_friction"
     kind = "joint"
@@ -16,9 +16,12 @@ class QuadraticFriction(WrenchEffect):
     formula = "torque = −coefficient · velocity · |velocity|"
     source = "Schlichting & Gersten 2017, Boundary-layer theory: discs that turn in a fluid"
     sentence = (
-        "Friction grows with the square of speed by {coefficient} {coefficient_unit}; add quadratic friction."
+        "Friction grows with the square of the speed by {coefficient} {coefficient_unit}; add quadratic "
+        "friction to the simulator."
     )
-    excitation = "constant speeds up to the highest, in both directions"
+    excitation = "hold constant speeds up to the highest, in both directions"
+    symptom = "The effort at constant speed curves upward with the speed."
+    look_alikes = ("viscous_friction",)
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction on the axis, N·m or N."""

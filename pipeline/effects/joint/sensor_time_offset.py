@@ -1,15 +1,15 @@
-"""State of a joint recorded on another clock than its motor.
+"""Time offset between the state of a joint and its motor.
 
-A late log of one axis looks as a late command does: only the sign, or a second sensor, tells them apart.
+On one axis a late log looks like a late command. Only the sign of the offset or a second sensor separates the two.
 """
 
 from simgap.effects.time_offset import TimeOffset
 
 
 class JointTimeOffset(TimeOffset):
-    """Position and velocity reach the log late with respect to voltage or effort (early where negative)."""
+    """Position and velocity are recorded late relative to voltage or effort, or early if negative."""
 
     kind = "joint"
     needs = ("effort",)
     on_command_clock = ("voltage", "effort")
-    excitation = "a fast chirp or command steps, so that command and acceleration can be aligned"
+    excitation = "run a fast chirp or command steps, so that command and acceleration can be aligned"

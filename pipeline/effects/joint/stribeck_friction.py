@@ -1,4 +1,4 @@
-"""Dry friction of a joint that is greater the slower it moves."""
+"""Dry friction of a joint that fades as the velocity grows (Stribeck effect)."""
 
 import torch
 
@@ -10,7 +10,7 @@ from simgap.physics.shapes import Real
 
 
 class StribeckFriction(AxisFriction):
-    """What breaking away takes beyond Coulomb friction, and how fast it fades with speed."""
+    """Friction is larger near standstill and fades as the axis moves faster."""
 
     name = "stribeck_friction"
     parameters = (
@@ -24,17 +24,19 @@ class StribeckFriction(AxisFriction):
     )
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction"
     sentence = (
-        "Breaking away takes {extra_level} {extra_level_unit} more than sliding, which fades over {velocity} "
-        "{velocity_unit}; add Stribeck friction."
+        "Breakaway takes {extra_level} {extra_level_unit} more than sliding, and the excess fades over "
+        "{velocity} {velocity_unit}; add Stribeck friction to the simulator."
     )
-    excitation = "very slow ramps through standstill, and constant crawling speeds in both directions"
+    excitation = "ramp very slowly through standstill, and hold crawling speeds in both directions"
+    symptom = "The axis sticks, breaks away with a jerk, and then needs less effort (stick-slip)."
+    look_alikes = ("hysteresis",)
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a scan: the speed at which it fades has no slope where nothing fades."""
+        """Start from a scan: without an excess the fading velocity has no gradient."""
         return scan(extra_level=(0.01, 0.1, 1.0, 10.0), velocity=(0.03, 0.3, 3.0))
 
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Friction that does not fade within the recorded speeds, or only where their sign is open, is Coulomb's."""
+        """Return Coulomb friction if the excess does not fade visibly within the recorded speeds."""
         slides = sliding_of(signals, constants)
         return "" if fades(signals["velocity"], values["velocity"], slides) else "coulomb_friction"
 

@@ -1,4 +1,4 @@
-"""A joint's motor that weakens as it warms up."""
+"""Torque that a joint's motor loses as it warms up."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from simgap.physics.shapes import Signal
 
 
 class TemperatureDerating(ActuatorEffect):
-    """Torque lost in proportion to the temperature above the one at which the motor is as the platform file says."""
+    """Motor torque falls in proportion to the temperature above a reference."""
 
     order = 1
     name = "temperature_derating"
@@ -24,8 +24,13 @@ class TemperatureDerating(ActuatorEffect):
     source = (
         "Krishnan 2010, Permanent magnet synchronous and brushless DC motor drives: remanence and temperature"
     )
-    sentence = "The motor loses {coefficient} of its torque per kelvin above {reference} °C; add derating."
-    excitation = "the same motion cold and after long hard work"
+    sentence = (
+        "The motor loses a fraction {coefficient} of its torque per kelvin above {reference} °C; add derating"
+        " to the simulator."
+    )
+    excitation = "repeat the same motion cold and after long hard work"
+    symptom = "The same command accelerates the axis less as the motor warms up."
+    look_alikes = ("motor_constant_error",)
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float

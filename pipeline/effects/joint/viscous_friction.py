@@ -6,7 +6,7 @@ from simgap.physics.shapes import Channels
 
 
 class ViscousFriction(WrenchEffect):
-    """Friction in proportion to velocity."""
+    """Friction grows in proportion to the velocity."""
 
     name = "viscous_friction"
     kind = "joint"
@@ -16,8 +16,12 @@ class ViscousFriction(WrenchEffect):
     needs = ("velocity",)
     formula = "torque = −coefficient · velocity"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
-    sentence = "Friction grows with speed by {coefficient} {coefficient_unit}; add viscous friction."
-    excitation = "constant speeds over the whole range, in both directions"
+    sentence = (
+        "Friction grows with the speed by {coefficient} {coefficient_unit}; add viscous friction to the "
+        "simulator."
+    )
+    excitation = "hold constant speeds over the whole range, in both directions"
+    symptom = "The effort at constant speed rises linearly with the speed."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction on the axis, N·m or N."""

@@ -1,4 +1,4 @@
-"""Air that resists turning."""
+"""Aerodynamic damping of the body rate."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import along_axes
@@ -6,7 +6,7 @@ from simgap.physics.shapes import Channels
 
 
 class AngularDrag(WrenchEffect):
-    """Torque opposing the body rate."""
+    """A torque in proportion to the body rate opposes it."""
 
     name = "angular_drag"
     kind = "quadrotor"
@@ -15,8 +15,12 @@ class AngularDrag(WrenchEffect):
     needs = ("body_rate",)
     formula = "τ = −coefficient · ω"
     source = "Bouabdallah & Siegwart 2007, Full control of a quadrotor, §II"
-    sentence = "The air resists turning with {coefficient} N·m per rad/s of body rate; add angular drag."
+    sentence = (
+        "The air opposes rotation with {coefficient} N·m per rad/s of body rate; add angular drag to the "
+        "simulator."
+    )
     excitation = "roll, pitch and yaw at several constant rates"
+    symptom = "A constant body rate needs a torque that grows with the rate."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the torque, N·m."""

@@ -1,4 +1,4 @@
-"""Thrust that a rotor loses when it climbs into its own air."""
+"""Thrust that a rotor loses in climb."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import rotor_speed_ratio
@@ -6,7 +6,7 @@ from simgap.physics.shapes import Channels
 
 
 class AxialInflow(WrenchEffect):
-    """Thrust lost with climb speed along the rotor axis."""
+    """Thrust falls with the climb speed along the rotor axis."""
 
     name = "axial_inflow"
     kind = "quadrotor"
@@ -18,10 +18,12 @@ class AxialInflow(WrenchEffect):
         "Leishman 2006, Principles of helicopter aerodynamics, §3.2; linear in inflow as Kaufmann et al. 2023"
     )
     sentence = (
-        "The rotors lose thrust when they climb: each m/s along the thrust axis costs {coefficient} m/s² at hover "
-        "rotor speed; add axial inflow to the simulator."
+        "Each m/s of climb along the rotor axis costs {coefficient} m/s² at hover rotor speed; add axial "
+        "inflow to the simulator."
     )
     excitation = "climb and descend at several speeds with little lateral motion"
+    symptom = "Climbs need more rotor speed than the nominal model predicts, and descents need less."
+    look_alikes = ("body_drag",)
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force along body z, m/s²."""

@@ -1,4 +1,4 @@
-"""Motors that turn slower on a sagging battery."""
+"""Rotor speed that falls with the battery voltage."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from simgap.physics.shapes import Real, Signal
 
 
 class BatterySag(ActuatorEffect):
-    """Rotor speed for a given command falls with the battery's voltage."""
+    """Rotor speed at a given command falls with the battery voltage."""
 
     name = "battery_sag"
     kind = "quadrotor"
@@ -19,13 +19,15 @@ class BatterySag(ActuatorEffect):
     formula = "Ω = motor_speed_max · command · (1 + sensitivity · (voltage / nominal_voltage − 1))"
     source = "Krishnan 2001, Electric motor drives, §2: the speed of an unregulated motor follows its voltage"
     sentence = (
-        "The rotors slow down as the battery sags: one percent of voltage costs {sensitivity} percent of rotor "
-        "speed at the same command; scale the rotor speed with the voltage in the simulator."
+        "Each percent of battery voltage costs {sensitivity} percent of rotor speed at the same command; "
+        "scale the rotor speed with the voltage."
     )
     excitation = "fly the same manoeuvre on a full and on an empty battery, and punch the throttle"
+    symptom = "The command that hover needs rises during the flight as the voltage falls."
+    look_alikes = ("thrust_coefficient_error",)
 
     def load(self, signals: Signals, constants: Values) -> Real:
-        """Return what the rotors draw, in proportion to their shafts' power."""
+        """Return the rotors' shaft power, up to a factor: it loads the battery."""
         return (signals["rotor_speed"] ** 3).sum(-1)
 
     def actuate(

@@ -1,4 +1,4 @@
-"""The moment of rotors whose discs tilt back in forward flight."""
+"""Hub moment of rotors whose discs tilt in the airflow."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import rotor_speed_ratio
@@ -6,7 +6,7 @@ from simgap.physics.shapes import Channels
 
 
 class BladeFlappingMoment(WrenchEffect):
-    """Roll and pitch torque proportional to in-plane airspeed, lifting the side that meets the air."""
+    """A roll or pitch torque grows with in-plane airspeed and lifts the side that meets the air."""
 
     name = "blade_flapping_moment"
     kind = "quadrotor"
@@ -18,10 +18,12 @@ class BladeFlappingMoment(WrenchEffect):
         "Hoffmann, Huang, Waslander & Tomlin 2007, Quadrotor helicopter flight dynamics and control, §III"
     )
     sentence = (
-        "Flapping blades pitch the machine up against its motion: {coefficient} N·m for each m/s of in-plane "
-        "airspeed at hover rotor speed; add the flapping moment to the simulator."
+        "Flapping pitches the machine up by {coefficient} N·m per m/s of in-plane airspeed at hover rotor "
+        "speed; add this moment to the simulator."
     )
-    excitation = "fly straight lines forward and sideways at several speeds, holding the attitude at each"
+    excitation = "fly straight lines forward and sideways at several speeds, and hold the attitude at each"
+    symptom = "Steady forward flight needs a nose-down torque that grows with the airspeed."
+    look_alikes = ("center_of_mass_offset",)
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return roll and pitch torque, N·m."""

@@ -6,7 +6,7 @@ from simgap.physics.shapes import Channels
 
 
 class BodyDrag(WrenchEffect):
-    """Drag quadratic in airspeed."""
+    """The drag of the airframe grows with the square of the airspeed."""
 
     name = "body_drag"
     kind = "quadrotor"
@@ -16,12 +16,14 @@ class BodyDrag(WrenchEffect):
     formula = "a = −coefficient · |v| · v"
     source = "Hoerner 1965, Fluid-dynamic drag, ch. 3; c = ρ·c_d·A/(2m)"
     sentence = (
-        "The airframe drags through the air in proportion to airspeed squared: {coefficient} m/s² at 1 m/s, a "
-        "hundred times that at 10 m/s; add quadratic body drag to the simulator."
+        "The airframe's drag is {coefficient} m/s² at 1 m/s and grows with airspeed squared; add body drag to"
+        " the simulator."
     )
     excitation = (
-        "fly straight lines at speeds at least a factor of three apart, and coast down from the fastest"
+        "fly straight lines at speeds a factor of three apart or more, and coast down from the fastest"
     )
+    symptom = "Deceleration grows faster than in proportion to airspeed, at any rotor speed."
+    look_alikes = ("rotor_drag",)
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force along the airflow, m/s²."""

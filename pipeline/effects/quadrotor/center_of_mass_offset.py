@@ -1,11 +1,11 @@
-"""A centre of mass that is not where the rotors' lever arms are measured from."""
+"""Centre of mass away from the point that the rotors' lever arms refer to."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.physics.shapes import Channels
 
 
 class CenterOfMassOffset(WrenchEffect):
-    """Torque proportional to thrust, because thrust does not pass through the centre of mass."""
+    """Thrust does not pass through the centre of mass, so it causes a torque."""
 
     name = "center_of_mass_offset"
     kind = "quadrotor"
@@ -18,10 +18,12 @@ class CenterOfMassOffset(WrenchEffect):
     formula = "τ_x = −offset_y · T, τ_y = +offset_x · T"
     source = "rigid-body statics: τ = −c × T·e_z for a centre of mass at c"
     sentence = (
-        "The centre of mass lies off where the rotors balance by {offset_x} m along x (forward) and {offset_y} m "
-        "along y (left); move the battery or the centre of mass of the simulator."
+        "The centre of mass is off by {offset_x} m forward and {offset_y} m to the left; move the battery or "
+        "correct the simulator."
     )
     excitation = "climb and descend hard without turning, so that thrust changes while torque should not"
+    symptom = "Hover needs a constant roll or pitch torque, which grows with the thrust."
+    look_alikes = ("rotor_fault",)
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the torque of the total thrust about the displaced centre, N·m."""

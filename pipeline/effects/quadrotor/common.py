@@ -23,8 +23,8 @@ def along_axes(stem: str, vector: Vector) -> Channels:
 def spin_momentum(speed: PerModule, constants: Values) -> Real:
     """Return the rotors' angular momentum about +z relative to the body, over the inertia of one (...,) rad/s.
 
-    Air brakes a rotor against its spin and the motor hands that to the body: the spin is opposite to the reaction
-    torque, −direction. Given accelerations in place of speeds, the rate of that momentum.
+    The reaction torque of the air on the body is opposite to the rotor's spin, so the spin is −direction. Accelerations
+    in place of speeds give the rate of change of that momentum.
 
     Args:
         speed: of each rotor, never negative, (..., 4) rad/s.

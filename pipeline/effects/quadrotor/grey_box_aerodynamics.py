@@ -1,4 +1,4 @@
-"""The aerodynamics of a racing quadrotor as polynomials with one coefficient per term."""
+"""Aerodynamics of a racing quadrotor as polynomials with one coefficient per term."""
 
 from typing import ClassVar
 
@@ -53,7 +53,7 @@ _CHANNELS = {
 
 
 class GreyBoxAerodynamics(WrenchEffect):
-    """Forces and torques of the air, linear in coefficients that are learnt from flights."""
+    """Aerodynamic forces and torques are polynomials with coefficients fitted to flights."""
 
     name = "grey_box_aerodynamics"
     kind = "quadrotor"
@@ -75,10 +75,11 @@ class GreyBoxAerodynamics(WrenchEffect):
     )
     source = "Kaufmann et al. 2023, Champion-level drone racing using deep reinforcement learning, Methods"
     sentence = (
-        "The air acts on this machine as polynomials of airspeed and rotor speed that were learnt from its flights "
-        "({linear_x_drag} m/s² along x for each m/s, and so on); use them in the simulator."
+        "The aerodynamics are polynomials of airspeed and rotor speed fitted to flights ({linear_x_drag} m/s²"
+        " along x per m/s, and so on); use them in the simulator."
     )
-    excitation = "race: every direction, every speed and every thrust that the policy will meet"
+    excitation = "race in every direction, at every speed and every thrust that the policy will meet"
+    symptom = "Residual forces and torques depend on airspeed and rotor speed about every axis."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force, m/s², and torque, N·m."""
@@ -92,7 +93,7 @@ class GreyBoxAerodynamics(WrenchEffect):
 
 
 def _terms(signals: Signals, constants: Values) -> dict[str, list[Tensor]]:
-    """Return what the coefficients of each channel multiply."""
+    """Return the terms of each channel, in the order of its coefficients."""
     x, y, z = signals["velocity"].unbind(-1)
     load = signals["rotor_speed"].square().mean(-1) / hover_rotor_speed(constants) ** 2
     level = (x.square() + y.square()).clamp_min(1e-24).sqrt()

@@ -1,13 +1,13 @@
-"""Thrust that rotors gain over a near floor."""
+"""Thrust that rotors gain close to the floor."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.physics.shapes import Channels
 
-_LEAST_HEIGHT = 0.02  # m; on the ground no rotor is nearer to it than its landing gear lets it be
+_LEAST_HEIGHT = 0.02  # m, rotor height on the landing gear
 
 
 class GroundEffect(WrenchEffect):
-    """Thrust gained near the floor at z = 0, in proportion to the inverse square of height."""
+    """Thrust grows near the floor at z = 0, with the inverse square of the height."""
 
     name = "ground_effect"
     kind = "quadrotor"
@@ -19,10 +19,11 @@ class GroundEffect(WrenchEffect):
         "Cheeseman & Bennett 1955, The effect of the ground on a helicopter rotor: R²/(16 h²) to first order"
     )
     sentence = (
-        "Near the floor the rotors push harder: at height h the thrust grows by {coefficient} m² / h²; add ground "
-        "effect to the simulator."
+        "At height h above the floor the thrust grows by {coefficient} m² / h²; add ground effect to the "
+        "simulator."
     )
-    excitation = "hover at several heights from one rotor diameter down to landing"
+    excitation = "hover at several heights, from one rotor diameter down to landing"
+    symptom = "Hover close to the floor needs less rotor speed than higher up."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force along body z, m/s²."""

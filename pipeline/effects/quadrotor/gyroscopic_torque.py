@@ -1,4 +1,4 @@
-"""Rotors that do not like to be turned."""
+"""Gyroscopic torque of the spinning rotors."""
 
 import torch
 
@@ -9,7 +9,7 @@ from simgap.physics.shapes import Channels
 
 
 class GyroscopicTorque(WrenchEffect):
-    """Roll and pitch torque of the net spin of the rotors when the body turns."""
+    """Rotors with a net spin cause a roll and pitch torque when the body turns."""
 
     name = "gyroscopic_torque"
     kind = "quadrotor"
@@ -19,10 +19,13 @@ class GyroscopicTorque(WrenchEffect):
     formula = "τ = −ω × (inertia · Σ spin · Ω · e_z), spin = −direction of the reaction torque"
     source = "Bouabdallah 2007, Design and control of quadrotors with application to autonomous flying, §2.4"
     sentence = (
-        "The spinning rotors turn roll into pitch and back while they yaw the machine: each has a moment of inertia "
-        "of {inertia} kg·m²; add the gyroscopic torque to the simulator."
+        "Each rotor's moment of inertia of {inertia} kg·m² couples roll and pitch; add the gyroscopic torque "
+        "to the simulator."
     )
-    excitation = "roll and pitch quickly while yawing hard, so that one pair of rotors outruns the other"
+    excitation = (
+        "roll and pitch quickly while yawing hard, so that one pair of rotors is faster than the other"
+    )
+    symptom = "Fast roll comes with a pitch torque, and fast pitch with a roll torque, during hard yaw."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the torque, N·m."""

@@ -1,18 +1,20 @@
-"""A inertia that differs from the platform file."""
+"""Moments of inertia that differ from the platform file."""
 
 from simgap.effects.effect import ParameterError, Values
 
 
 class InertiaError(ParameterError):
-    """True over nominal inertia."""
+    """The moments of inertia differ from the platform file (ratio of true to nominal)."""
 
     name = "inertia_error"
     kind = "quadrotor"
     acts_on = "torque"
     formula = "inertia = ratio · nominal inertia"
     source = "the platform's nominal equations"
-    sentence = "The moments of inertia are {ratio} times what the platform file says; correct them."
-    excitation = "roll, pitch and yaw quickly to and fro"
+    sentence = "The moments of inertia are {ratio} times the values in the platform file; correct them."
+    excitation = "roll, pitch and yaw quickly in both directions"
+    symptom = "Angular accelerations are off by the same factor about every axis."
+    look_alikes = ("thrust_coefficient_error", "torque_coefficient_error")
 
     def adjust(self, constants: Values, values: Values) -> dict:
         """Return the constants with the inertia scaled."""

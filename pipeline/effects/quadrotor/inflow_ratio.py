@@ -1,7 +1,8 @@
-"""Thrust of blade elements in the air that the rotor moves itself.
+"""Rotor thrust from blade-element and momentum theory.
 
-A step above `axial_inflow` and `translational_lift`, for which it stands together: climbing costs thrust, flying
-sideways gains it, and both saturate. What the blades gain besides by their airspeed, of the order (V/ΩR)², is left out.
+This is one model level above `axial_inflow` and `translational_lift`, and it replaces both. Climb costs thrust,
+sideways flight gains thrust, and both saturate. The direct gain from the blades' airspeed, of order (V/ΩR)², is left
+out.
 """
 
 import torch
@@ -14,12 +15,14 @@ from simgap.physics.rotors import hub_velocity, wrench
 from simgap.physics.shapes import Channels
 
 _ITERATIONS = 20
-_STILL = 1e-6  # m/s, below which air does not move
-_FOLD = 0.1  # of the blades' slope: in its own wake a rotor has no steady inflow, and there the slopes end
+_STILL = 1e-6  # m/s, taken as still air
+_FOLD = (
+    0.1  # of the blades' slope: in its own wake a rotor has no steady inflow, so the slope is bounded there
+)
 
 
 class InflowRatio(WrenchEffect):
-    """Thrust that changes with the air through each disc, where blade elements and momentum agree."""
+    """Thrust changes with the inflow through each disc, from blade-element and momentum theory."""
 
     linear = False
     names_physics = False
@@ -40,17 +43,18 @@ class InflowRatio(WrenchEffect):
         "(8·inflow ratio)); Kantue & Pedro, grey-box modelling of multirotors in aggressive manoeuvres"
     )
     sentence = (
-        "The rotors' thrust follows the air through their discs: {induced_velocity} m/s of it in hover, and the thrust "
-        "changes {sensitivity} times as much as the air in proportion; solve for the inflow in the simulator."
+        "The thrust follows the inflow, {induced_velocity} m/s in hover, with a sensitivity of {sensitivity};"
+        " solve for the inflow in the simulator."
     )
     excitation = "climb, descend and fly level at several speeds, and combine them"
+    symptom = "Climbs lose thrust and level flight gains it, and both saturate at high speed."
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a scan: without sensitivity the induced velocity leaves no slope to follow."""
+        """Start from a scan: without sensitivity the induced velocity gives no gradient."""
         return scan(sensitivity=(0.5, 2.0), induced_velocity=(2.0, 5.0, 12.0))
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
-        """Return specific force along body z, m/s², and what the discs' differences twist, N·m."""
+        """Return specific force along body z, m/s², and the torque from differences between discs, N·m."""
         speed = signals["rotor_speed"]
         positions = constants["rotor_positions"].to(speed)
         hub = hub_velocity(signals["velocity"], signals["body_rate"], positions)
@@ -71,7 +75,7 @@ class InflowRatio(WrenchEffect):
 def _induced_velocity(still: Tensor, crossing: Tensor, climb: Tensor, sensitivity: Tensor | float) -> Tensor:
     """Return the induced velocity at which blade elements and momentum give the same thrust, m/s.
 
-    Newton's rule finds it without a trace of the way; a last step from there carries the slopes, exactly.
+    Newton's method finds it without gradients; one last step adds the exact gradients.
 
     Args:
         still: induced velocity in still air at this rotor speed, m/s.

@@ -4,17 +4,19 @@ from simgap.effects.effect import ParameterError, Values
 
 
 class MassError(ParameterError):
-    """True over nominal mass."""
+    """The mass differs from the platform file (ratio of true to nominal)."""
 
     name = "mass_error"
     kind = "quadrotor"
     acts_on = "force"
     formula = "mass = ratio · nominal mass"
     source = "the platform's nominal equations"
-    sentence = "The machine weighs {ratio} times what the platform file says; correct its mass."
+    sentence = "The mass is {ratio} times the value in the platform file; correct it."
     excitation = (
-        "hover and climb; a mass is told from a thrust coefficient only where torques show the thrust as well"
+        "hover and climb, and roll hard, since only torques separate a mass from a thrust coefficient"
     )
+    symptom = "Specific forces are off by a constant factor, while torques fit."
+    look_alikes = ("thrust_coefficient_error",)
 
     def adjust(self, constants: Values, values: Values) -> dict:
         """Return the constants with the mass scaled."""

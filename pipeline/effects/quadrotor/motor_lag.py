@@ -1,4 +1,4 @@
-"""Motors that take time to reach the commanded speed."""
+"""Response time of the motors of a quadrotor."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from simgap.physics.shapes import Signal
 
 
 class MotorLag(ActuatorEffect):
-    """First-order response of the rotor speed to its command."""
+    """Rotor speed follows its command with a first-order lag."""
 
     remembers = True
     smooths_commands = True
@@ -21,13 +21,15 @@ class MotorLag(ActuatorEffect):
     formula = "dΩ/dt = (Ω_commanded − Ω) / time_constant"
     source = "Kaufmann et al. 2023, Champion-level drone racing using deep reinforcement learning, Methods"
     sentence = (
-        "The rotors follow their command with a time constant of {time_constant} s; add a first-order lag to the "
-        "motors of the simulator."
+        "The rotors follow their command with a time constant of {time_constant} s; add a first-order lag to "
+        "the simulator."
     )
-    excitation = "steps or fast chirps of the throttle and of roll and pitch"
+    excitation = "step or chirp the throttle, roll and pitch"
+    symptom = "After a command step the rotor speed rises exponentially instead of at once."
+    look_alikes = ("sensor_time_offset",)
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from none, and from a scan: a periodic command has more than one valley."""
+        """Start from none, and from a scan: a periodic command has several local minima."""
         return [{"time_constant": time_constant} for time_constant in (0.0, 0.01, 0.03, 0.08, 0.2)]
 
     def lateness(self, values: Values, constants: Values) -> float:

@@ -1,4 +1,4 @@
-"""Drag that spinning rotors feel when air moves through their plane."""
+"""Drag of spinning rotors in an in-plane airflow."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import rotor_speed_ratio
@@ -6,7 +6,7 @@ from simgap.physics.shapes import Channels
 
 
 class RotorDrag(WrenchEffect):
-    """Lateral force opposing in-plane airspeed, growing with rotor speed (flapping and induced drag)."""
+    """A lateral force opposes in-plane airspeed and grows with rotor speed (flapping, induced drag)."""
 
     name = "rotor_drag"
     kind = "quadrotor"
@@ -16,10 +16,11 @@ class RotorDrag(WrenchEffect):
     formula = "a_xy = −coefficient · (mean Ω / Ω_hover) · v_xy"
     source = "Martin & Salaün 2010, The true role of accelerometer feedback in quadrotor control, eq. 5"
     sentence = (
-        "The rotors drag sideways through the air: at hover rotor speed each m/s of in-plane airspeed costs "
-        "{coefficient} m/s² of lateral acceleration; add rotor drag to the simulator."
+        "Each m/s of in-plane airspeed costs {coefficient} m/s² of lateral acceleration at hover rotor speed;"
+        " add rotor drag to the simulator."
     )
-    excitation = "fly straight lines forward and sideways at several speeds, holding the attitude at each"
+    excitation = "fly straight lines forward and sideways at several speeds, and hold the attitude at each"
+    symptom = "Lateral deceleration grows in proportion to airspeed and to rotor speed."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return lateral specific force, m/s²."""

@@ -1,4 +1,4 @@
-"""A rotor that is damaged: chipped, bent, loose or on a worn motor."""
+"""Damaged rotor: chipped, bent, loose or on a worn motor."""
 
 from typing import ClassVar
 
@@ -18,9 +18,8 @@ class _RotorFault(WrenchEffect):
     acts_on = "actuator"
     needs = ("rotor_speed",)
     source = "Freddi, Lanzon & Longhi 2011, A feedback linearization approach to fault tolerance in quadrotor vehicles"
-    excitation = (
-        "hover, climb and turn: every other cause of a steady torque keeps no proportion to one rotor's speed"
-    )
+    excitation = "hover, climb and yaw, since only a rotor fault follows the speed of a single rotor"
+    symptom = "Steady roll, pitch and yaw torques appear together and grow with one rotor's speed."
 
     @property
     def key(self) -> str:
@@ -28,7 +27,7 @@ class _RotorFault(WrenchEffect):
         return f"{self.name}@{self.rotor}"
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
-        """Return what the rotor no longer gives: specific force, m/s², and torque, N·m."""
+        """Return the change from the lost thrust: specific force, m/s², and torque, N·m."""
         index = self.rotor - 1
         lost = values[f"loss_{self.rotor}"] * signals["rotor_speed"][..., index].square()
         thrust = constants["thrust_coefficient"] * lost
@@ -47,35 +46,35 @@ def _described(rotor: int) -> tuple[tuple[Parameter, ...], str, str]:
     loss = f"loss_{rotor}"
     formula = f"T_{rotor} = (1 − {loss}) · k · Ω_{rotor}², and its reaction torque likewise"
     sentence = (
-        f"Rotor {rotor} gives less than it should: {{{loss}}} of its thrust is missing (0 none, 1 all); look for a "
-        f"damaged propeller or motor, or weaken rotor {rotor} in the simulator."
+        f"Rotor {rotor} has lost a fraction {{{loss}}} of its thrust; look for a damaged propeller or motor, or "
+        f"weaken rotor {rotor} in the simulator."
     )
     return (Parameter(loss, "1", 0.2, 0.0, 1.0),), formula, sentence
 
 
 class FirstRotorFault(_RotorFault):
-    """The first rotor gives less thrust."""
+    """Rotor 1 gives less thrust and reaction torque than it should."""
 
     rotor = 1
     parameters, formula, sentence = _described(1)
 
 
 class SecondRotorFault(_RotorFault):
-    """The second rotor gives less thrust."""
+    """Rotor 2 gives less thrust and reaction torque than it should."""
 
     rotor = 2
     parameters, formula, sentence = _described(2)
 
 
 class ThirdRotorFault(_RotorFault):
-    """The third rotor gives less thrust."""
+    """Rotor 3 gives less thrust and reaction torque than it should."""
 
     rotor = 3
     parameters, formula, sentence = _described(3)
 
 
 class FourthRotorFault(_RotorFault):
-    """The fourth rotor gives less thrust."""
+    """Rotor 4 gives less thrust and reaction torque than it should."""
 
     rotor = 4
     parameters, formula, sentence = _described(4)

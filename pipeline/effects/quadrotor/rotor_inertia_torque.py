@@ -1,4 +1,4 @@
-"""Rotors that push the body round when they are sped up."""
+"""Reaction torque of accelerating rotors."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from simgap.physics.shapes import Channels, Signal
 
 
 class RotorInertiaTorque(ActuatorEffect, WrenchEffect):
-    """Yaw torque against the acceleration of the rotors."""
+    """A yaw torque opposes the acceleration of the rotors."""
 
     remembers = True
     order = 3
@@ -22,10 +22,12 @@ class RotorInertiaTorque(ActuatorEffect, WrenchEffect):
     formula = "τ_z = −inertia · Σ spin · dΩ/dt, spin = −direction of the reaction torque"
     source = "Kaufmann et al. 2023, Champion-level drone racing using deep reinforcement learning, Methods"
     sentence = (
-        "Speeding the rotors up twists the body the other way: each has a moment of inertia of {inertia} kg·m²; add "
-        "the torque of their acceleration to the simulator."
+        "Each rotor's moment of inertia of {inertia} kg·m² twists the body when the rotor accelerates; add "
+        "this torque to the simulator."
     )
-    excitation = "yaw to and fro in steps"
+    excitation = "yaw in steps to both sides"
+    symptom = "The yaw torque has spikes when the rotor speeds change quickly."
+    look_alikes = ("torque_coefficient_error",)
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float

@@ -1,12 +1,12 @@
-"""State of a quadrotor recorded on another clock than the motors."""
+"""Time offset between the state of a quadrotor and its motors."""
 
 from simgap.effects.time_offset import TimeOffset
 
 
 class QuadrotorTimeOffset(TimeOffset):
-    """The state reaches the log late with respect to the motors' telemetry (early where negative)."""
+    """The state is recorded late relative to the motors' telemetry, or early if negative."""
 
     kind = "quadrotor"
     needs = ("rotor_speed",)
     on_command_clock = ("rotor_speed", "motor_command")
-    excitation = "pump the thrust up and down quickly, so that rotor speed and acceleration can be aligned"
+    excitation = "change the thrust quickly up and down, so that rotor speed and acceleration can be aligned"

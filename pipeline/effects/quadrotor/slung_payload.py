@@ -1,4 +1,4 @@
-"""A load that swings below the machine on a cable."""
+"""Load that swings below the machine on a cable."""
 
 from typing import Any
 
@@ -14,11 +14,11 @@ from simgap.physics import rotations
 from simgap.physics.cable import Cable, along, pull, swing
 from simgap.physics.shapes import Channels, Signal
 
-_TOGETHER = 4  # stretches through which a swing is followed: what is felt is no more precise than that
+_TOGETHER = 4  # blocks over which one swing is simulated: the sensors limit the precision beyond
 
 
 class SlungPayload(ActuatorEffect, WrenchEffect):
-    """A point mass on a light taut cable from the centre of mass, free to swing in every direction."""
+    """A point mass swings freely on a light taut cable from the centre of mass."""
 
     remembers = True
     linear = False
@@ -40,22 +40,24 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
         "load, §II"
     )
     sentence = (
-        "A load of {mass_ratio} times the machine's mass swings on a cable of {length} m; add the pendulum to the "
-        "simulator."
+        "A load of {mass_ratio} times the machine's mass swings on a cable of {length} m; add the pendulum to"
+        " the simulator."
     )
-    excitation = "dash and stop, and wait for several swings"
+    excitation = "dash, stop, and wait for several swings"
+    symptom = "After a stop the machine sways at a fixed frequency without a command."
+    look_alikes = ("mass_error",)
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a scan over the length: each swing that is gained or lost is a valley."""
+        """Start from a scan over the length: each swing gained or lost gives a local minimum."""
         return scan(mass_ratio=(0.05,), length=(0.15, 0.25, 0.4, 0.6, 0.9, 1.4, 2.2, 3.5))
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:
-        """Return the cable's pull per mass of the load; hanging straight at the first sample.
+        """Return the cable's pull per mass of the load; the cable hangs straight at the first sample.
 
-        The memory holds direction and rate of the cable, the machine's velocity and the pull, all in the world frame.
-        The pull was part of the acceleration since; without it, the rest is shared between machine and load.
+        The memory holds the cable's direction and rate, the machine's velocity and the pull, all in the world frame.
+        The recorded acceleration contains the previous pull. It is removed, and the rest is shared by mass.
         """
         velocity = rotations.rotate(signals["attitude"], signals["velocity"])
         weight = _weight(velocity, constants)
@@ -75,11 +77,10 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
     ) -> dict[str, Signal]:
-        """Return recorded blocks with the pull that follows from how the machine was seen to accelerate.
+        """Return recorded blocks with the pull that follows from the machine's recorded acceleration.
 
-        An accelerometer reads it where there is one, else velocities give it by central differences. Nothing stops a
-        load from swinging on from stretch to stretch; how it swings at the first is what the forces across the thrust
-        say.
+        The acceleration is that of the accelerometer, or else central differences of the velocity. The swing continues
+        from block to block. Its initial state is fitted to the forces across the thrust.
         """
         chains = chains_of(signals, time_step, _TOGETHER)
         apparent = _apparent_gravity(signals, constants, time_step)

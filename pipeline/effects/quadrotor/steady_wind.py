@@ -1,4 +1,4 @@
-"""Wind that does not change."""
+"""Steady horizontal wind."""
 
 import torch
 
@@ -8,10 +8,10 @@ from simgap.physics.shapes import Channels
 
 
 class SteadyWind(WrenchEffect):
-    """A constant horizontal push in the world, whichever way the machine points."""
+    """A constant horizontal force acts in the world frame, at any heading."""
 
-    # It pushes by the drags that the machine has: its frame along all axes, its rotors across their axis
-    # alone. How much of the push is felt along that axis is therefore a number of its own.
+    # The wind acts through the drag of the frame, along all axes, and of the rotors, across their axis alone. The
+    # share of the push along the rotor axis is therefore a parameter of its own.
 
     name = "steady_wind"
     kind = "quadrotor"
@@ -26,16 +26,18 @@ class SteadyWind(WrenchEffect):
     formula = "a = diag(1, 1, axial_share) · attitude⁻¹ · (push_x, push_y, 0)"
     source = "Tomić, Schmid, Lutz, Mathers & Haddadin 2016, The flying anemometer: drag linear in relative airspeed"
     sentence = (
-        "Something pushes steadily with {push_x} m/s² along x and {push_y} m/s² along y of the world, {axial_share} "
-        "times as much along the rotors' axis as across it: the drag of a wind; divide by the drag coefficient (1/s) "
-        "for the wind in m/s, and add it to the simulator."
+        "A steady wind pushes with {push_x} m/s² along world x and {push_y} m/s² along y, {axial_share} of it along "
+        "the rotor axis; add it to the simulator (wind speed = push / drag coefficient)."
     )
     excitation = (
-        "hover and turn on the spot, so that the push goes round the body while the body's own forces do not"
+        "hover and turn on the spot, so that the push rotates in the body frame and the body's own forces do "
+        "not"
     )
+    symptom = "Hover needs a constant tilt towards one world direction, at any heading."
+    look_alikes = ("body_drag", "rotor_drag")
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a frame's drag, and from that of rotors alone."""
+        """Start from the drag of a frame, and from that of rotors alone."""
         return [{**self.neutral(), "axial_share": share} for share in (1.0, 0.0)]
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:

@@ -4,17 +4,16 @@ from simgap.effects.effect import ParameterError, Values
 
 
 class ThrustCoefficientError(ParameterError):
-    """True over nominal thrust coefficient."""
+    """The thrust coefficient differs from the platform file (ratio of true to nominal)."""
 
     name = "thrust_coefficient_error"
     kind = "quadrotor"
     acts_on = "force"
     formula = "thrust_coefficient = ratio · nominal thrust_coefficient"
     source = "the platform's nominal equations"
-    sentence = (
-        "The rotors push {ratio} times as hard as the platform file says; correct the thrust coefficient."
-    )
-    excitation = "hover, climb, and roll quickly to and fro"
+    sentence = "The thrust coefficient is {ratio} times the value in the platform file; correct it."
+    excitation = "hover, climb, and roll quickly to both sides"
+    symptom = "Thrust, roll torque and pitch torque are off by the same factor."
 
     def adjust(self, constants: Values, values: Values) -> dict:
         """Return the constants with the thrust coefficient scaled."""

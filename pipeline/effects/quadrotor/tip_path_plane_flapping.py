@@ -1,7 +1,7 @@
-"""Rotor discs that tilt against the air and lag behind the body.
+"""Rotor discs that tilt in the airflow and lag behind the body.
 
-A step above `rotor_drag` and `blade_flapping_moment`. The tilt is that of the four discs' mean: what each adds sideways
-by its own sense of turning cancels in pairs.
+This is one model level above `rotor_drag` and `blade_flapping_moment`. The tilt is the mean of the four discs.
+Sideways tilts that depend on the rotors' direction of rotation cancel in pairs.
 """
 
 from typing import Any
@@ -15,11 +15,13 @@ from simgap.effects.quadrotor.common import rotor_speed_ratio
 from simgap.effects.scan import scan
 from simgap.physics.shapes import Channels, Signal
 
-_SLOWEST = 0.1  # of the hover rotor speed; slower, a rotor lifts a hundredth of the weight and its tilt hardly counts
+_SLOWEST = (
+    0.1  # of the hover rotor speed; below, a rotor lifts a hundredth of the weight and its tilt has no effect
+)
 
 
 class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
-    """Discs tilt back from the air, follow the body with a lag, and take thrust and hub along."""
+    """Rotor discs tilt in the airflow, follow the body with a lag, and tilt the thrust."""
 
     remembers = True
     linear = False
@@ -43,13 +45,14 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
         "grey-box modelling of multirotors in aggressive manoeuvres"
     )
     sentence = (
-        "The rotor discs tilt by {tilt} rad for each m/s of airspeed at hover rotor speed, {time_constant} s late, and "
-        "twist the body by {stiffness} N·m per radian; add the tip path plane to the simulator."
+        "The rotor discs tilt by {tilt} rad per m/s at hover rotor speed, lag by {time_constant} s, and twist"
+        " the body by {stiffness} N·m per radian; add the tip path plane to the simulator."
     )
     excitation = "dash sideways and stop, and roll and pitch as fast as the machine can"
+    symptom = "Lateral force and roll or pitch torque follow airspeed and body rate with a short lag."
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a few sizes: at none the stiffness leaves no slope to follow."""
+        """Start from a few sizes: without tilt the stiffness gives no gradient."""
         return scan(tilt=(0.01, 0.05), time_constant=(0.005, 0.05), stiffness=(0.01,))
 
     def actuate(
@@ -84,10 +87,10 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
 
 
 def _steady_tilt(signals: Signals, values: Values, constants: Values) -> tuple[Tensor, Tensor]:
-    """Return the tilt (..., 2) away from +x and +y that the discs tend to, rad, and the time it takes, s."""
+    """Return the steady tilt (..., 2) of the discs away from +x and +y, rad, and the time constant, s."""
     ratio = rotor_speed_ratio(signals, constants).clamp_min(_SLOWEST)[..., None]
     time_constant = values["time_constant"] / ratio
-    # The discs keep their plane in space while the body turns away under them.
+    # The discs keep their plane in space while the body rotates.
     roll, pitch, _ = signals["body_rate"].unbind(-1)
     left_behind = torch.stack([pitch, -roll], dim=-1)
     return values["tilt"] * signals["velocity"][..., :2] / ratio + time_constant * left_behind, time_constant

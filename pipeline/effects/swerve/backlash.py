@@ -1,16 +1,17 @@
-"""Play in the steering gears of a swerve drive."""
+"""Backlash in the steering gears of a swerve drive."""
 
 from simgap.effects.backlash import Backlash
 
 
 class SteerBacklash(Backlash):
-    """After each reversal a steering motor crosses the play of its gears before the module feels it."""
+    """A steering motor crosses a gap after each reversal before it turns the module."""
 
     kind = "swerve"
     acts_on = "steer"
     group = "steer_"
     transmitted = "steer_torque"
     sentence = (
-        "There are {gap} rad of play between each steering motor and its module, and {motor_inertia_share} of the "
-        "inertia is on the motor's side; add backlash to the steering."
+        "The steering gears have {gap} rad of play, with a fraction {motor_inertia_share} of the inertia on "
+        "the motor's side; add backlash to the steering."
     )
+    look_alikes = ("command_delay",)

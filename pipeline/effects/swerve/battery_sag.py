@@ -1,7 +1,7 @@
-"""A battery whose voltage the motors of a swerve drive get a part of.
+"""Battery voltage that reaches the motors of a swerve drive.
 
-A controller that sets its duty has a sensitivity of one, one that makes up for the battery a sensitivity of zero. At
-the motors' nominal voltage they get what is commanded.
+A controller that only sets a duty cycle has a sensitivity of one. A controller that compensates for the battery has a
+sensitivity of zero. At the motors' nominal voltage they get the commanded voltage.
 """
 
 from typing import Any
@@ -11,7 +11,7 @@ from simgap.physics.shapes import Real, Signal
 
 
 class _SwerveBatterySag(ActuatorEffect):
-    """The motors get a part of the battery's voltage, not a voltage: with the battery it falls."""
+    """The motors' voltage falls with the battery voltage."""
 
     name = "battery_sag"
     kind = "swerve"
@@ -19,10 +19,12 @@ class _SwerveBatterySag(ActuatorEffect):
     needs = ("battery_voltage",)
     formula = "voltage_effective = voltage · (1 + sensitivity · (battery_voltage / nominal_voltage − 1))"
     source = "Mohan 2003, Electric drives, §4: the mean voltage of a pulse-width-modulated converter"
-    excitation = "the same motion with a full and with an empty battery, or under heavy load and light"
+    excitation = "repeat the same motion on a full and on an empty battery, or under heavy and light load"
+    symptom = "The same commanded voltage gives less torque and speed as the battery voltage falls."
+    look_alikes = ("motor_constant_error",)
 
     def load(self, signals: Signals, constants: Values) -> Real:
-        """Return what all motors draw from the battery that they share, W at nominal torque constants."""
+        """Return the power that all motors draw from their battery, W at nominal torque constants."""
         power = [
             (signals[f"{group}_voltage"] * signals[f"{group}_torque"]).sum(-1)
             / (constants[f"{group}_torque_constant"] * constants[f"{group}_gear_ratio"])
@@ -45,24 +47,24 @@ class _SwerveBatterySag(ActuatorEffect):
 
 
 class DriveBatterySag(_SwerveBatterySag):
-    """The drive motors' voltage falls with the battery's."""
+    """The drive motors' voltage falls with the battery voltage."""
 
     acts_on = "drive"
     driver = "battery_voltage"
     driver_at_rest = "drive_nominal_voltage"
     sentence = (
-        "The drive motors' voltage falls by {sensitivity} of the share that the battery loses of their nominal "
-        "voltage; scale it in the simulator."
+        "The drive motors' voltage follows relative changes of the battery with a sensitivity of "
+        "{sensitivity}; scale it in the simulator."
     )
 
 
 class SteerBatterySag(_SwerveBatterySag):
-    """The steering motors' voltage falls with the battery's."""
+    """The steering motors' voltage falls with the battery voltage."""
 
     acts_on = "steer"
     driver = "battery_voltage"
     driver_at_rest = "steer_nominal_voltage"
     sentence = (
-        "The steering motors' voltage falls by {sensitivity} of the share that the battery loses of their nominal "
-        "voltage; scale it in the simulator."
+        "The steering motors' voltage follows relative changes of the battery with a sensitivity of "
+        "{sensitivity}; scale it in the simulator."
     )

@@ -50,19 +50,19 @@ class ModuleFriction(DryFriction):
 
 
 def wheel_load(signals: Signals) -> PerModule:
-    """What friction holds at each standing wheel, (..., 4) N·m: what is left to hold, else the motor's torque."""
+    """Return the load on friction at each standing wheel, (..., 4) N·m: the remaining load, else the motor torque."""
     return signals.get(WheelFriction.holds, signals["drive_torque"])
 
 
 def module_load(signals: Signals, constants: Values) -> PerModule:
-    """What friction holds at each standing module, (..., 4) N·m: what is left to hold, else the motor's torque."""
+    """Return the load on friction at each standing module, (..., 4) N·m: the remaining load, else the motor torque."""
     if ModuleFriction.holds in signals:
         return signals[ModuleFriction.holds]
     return steering_torque(signals, constants)
 
 
 def wheel_speed(signals: Signals, constants: Values) -> PerModule:
-    """Speed of each wheel about its axle, (..., 4) rad/s; what turning the module adds to the motor's is taken out."""
+    """Return the speed of each wheel about its axle, (..., 4) rad/s, without the gear coupling to the module."""
     driven = signals["drive_velocity"] - constants["coupling_ratio"] * signals["steer_velocity"]
     return driven / constants["drive_gear_ratio"]
 

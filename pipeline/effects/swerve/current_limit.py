@@ -1,23 +1,29 @@
-"""Motor controllers that cap the current of a swerve drive's motors."""
+"""Limit on the motor currents of a swerve drive."""
 
 from simgap.effects.current_limit import CurrentLimit
 
 
 class DriveCurrentLimit(CurrentLimit):
-    """The drive motors' current is capped."""
+    """The controllers limit the current of the drive motors."""
 
     kind = "swerve"
     acts_on = "drive"
     group = "drive_"
     limited = "drive_torque"
-    sentence = "The controllers cap each drive motor's current at {limit} A; limit it in the simulator."
+    sentence = (
+        "The controllers limit each drive motor's current to {limit} A; apply the limit in the simulator."
+    )
+    look_alikes = ("battery_sag", "wheel_slip")
 
 
 class SteerCurrentLimit(CurrentLimit):
-    """The steering motors' current is capped."""
+    """The controllers limit the current of the steering motors."""
 
     kind = "swerve"
     acts_on = "steer"
     group = "steer_"
     limited = "steer_torque"
-    sentence = "The controllers cap each steering motor's current at {limit} A; limit it in the simulator."
+    sentence = (
+        "The controllers limit each steering motor's current to {limit} A; apply the limit in the simulator."
+    )
+    look_alikes = ("battery_sag",)

@@ -1,4 +1,4 @@
-"""Gears through which a module that turns also turns its wheel."""
+"""Gear coupling between the steering and the drive of a swerve module."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from simgap.effects.effect import ConstantEffect, Parameter, Values
 
 
 class DriveSteerCoupling(ConstantEffect):
-    """The drive shaft runs along the steering axis: turning the module turns the motor, whose torque turns it."""
+    """A turning module also turns its drive motor, whose torque acts back on the module."""
 
     name = "drive_steer_coupling"
     kind = "swerve"
@@ -17,10 +17,11 @@ class DriveSteerCoupling(ConstantEffect):
     )
     source = "virtual work of a coaxial gear train; Müller 1982, Epicyclic drive trains, §2"
     sentence = (
-        "Each turn of a module turns its drive motor by {ratio} turns, and the motor pushes back on the module; couple "
-        "the drive to the steering."
+        "Each turn of a module turns its drive motor by {ratio} turns; couple the drive to the steering in "
+        "the simulator."
     )
     excitation = "accelerate hard while the modules turn freely, and turn the modules on the spot"
+    symptom = "The drive motor turns when the module turns, although the wheel does not roll."
 
     def adjust(self, constants: Values, values: Values) -> dict[str, Any]:
         """Return the constants with the coupling's ratio."""

@@ -4,15 +4,17 @@ from simgap.effects.effect import ParameterError, Values
 
 
 class MassError(ParameterError):
-    """True over nominal mass."""
+    """The mass differs from the platform file (ratio of true to nominal)."""
 
     name = "mass_error"
     kind = "swerve"
     acts_on = "drive"
     formula = "mass = ratio · nominal mass"
     source = "the platform's nominal equations"
-    sentence = "The mass is {ratio} times what the platform file says; correct it."
+    sentence = "The mass is {ratio} times the value in the platform file; correct it."
     excitation = "accelerate hard in a straight line"
+    symptom = "Straight-line acceleration is off by a constant factor."
+    look_alikes = ("motor_constant_error",)
 
     def adjust(self, constants: Values, values: Values) -> dict:
         """Return the constants with the mass scaled."""

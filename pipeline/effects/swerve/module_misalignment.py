@@ -1,4 +1,4 @@
-"""Modules of a swerve drive whose zero is not straight ahead."""
+"""Modules of a swerve drive whose encoder zero is not straight ahead."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ _OFFSETS = tuple(f"offset_{module}" for module in range(1, 5))
 
 
 class ModuleMisalignment(ConstantEffect, WrenchEffect):
-    """Each wheel points elsewhere than its encoder says: it pulls and rolls there, and the wheels fight each other."""
+    """Each wheel points away from its encoder reading, so the wheels work against each other."""
 
     linear = False
     name = "module_misalignment"
@@ -34,12 +34,12 @@ class ModuleMisalignment(ConstantEffect, WrenchEffect):
         "dynamics, §1.2: side force in proportion to the slip angle"
     )
     sentence = (
-        "The wheels point {offset_1}, {offset_2}, {offset_3} and {offset_4} rad to the left of what modules 1 to 4 "
-        "measure; set the zeros of the steering encoders anew."
+        "The wheels point {offset_1}, {offset_2}, {offset_3} and {offset_4} rad to the left of the readings "
+        "of modules 1 to 4; zero the steering encoders again."
     )
-    excitation = (
-        "accelerate hard along x, along y and about the vertical, with the chassis' own motion measured"
-    )
+    excitation = "accelerate hard along x, along y and in yaw, and record the chassis' own motion"
+    symptom = "The robot drifts or yaws in a straight drive, and the drive motors need more torque."
+    look_alikes = ("slope",)
 
     def adjust(self, constants: Values, values: Values) -> dict[str, Any]:
         """Return the constants with the modules' offsets."""
@@ -47,7 +47,7 @@ class ModuleMisalignment(ConstantEffect, WrenchEffect):
         return {**constants, "module_offset": torch.stack(offsets)}
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
-        """Return what the wheels' side forces do to the chassis beyond what they do where every zero is right."""
+        """Return the change in the wheels' side forces on the chassis that the offsets cause."""
         angle = signals["steer_angle"]
         stiffness = values["cornering_stiffness"] * 0.25 * constants["mass"] * constants["gravity"]
         offset = constants["module_offset"].to(angle)
@@ -56,7 +56,7 @@ class ModuleMisalignment(ConstantEffect, WrenchEffect):
 
 
 def _resistance(signals: Signals, angle: Tensor, constants: Values) -> Tensor:
-    """Sum the slip angles of wheels at an angle (..., 4) rad over the rows of their side motion, (..., 3)."""
+    """Return the generalised side force of wheels at angles (..., 4) rad per unit cornering stiffness, (..., 3)."""
     positions = constants["module_positions"].to(angle)
     twist = along_the_wheels(signals["chassis_velocity"], angle, constants)
     across = lateral_matrix(angle, positions)

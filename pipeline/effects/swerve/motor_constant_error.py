@@ -4,12 +4,14 @@ from simgap.effects.effect import ParameterError, Values
 
 
 class _SwerveMotorConstantError(ParameterError):
-    """True over nominal motor constant, of torque and back-EMF alike."""
+    """The motor constant differs from the platform file, for torque and back-EMF alike."""
 
     name = "motor_constant_error"
     kind = "swerve"
     formula = "torque_constant = ratio · nominal torque_constant, back_emf_constant likewise"
     source = "the platform's nominal equations"
+    symptom = "At constant voltage both the initial torque and the final speed are off."
+    look_alikes = ("viscous_friction",)
 
     def adjust(self, constants: Values, values: Values) -> dict:
         """Return the constants with both motor constants scaled."""
@@ -18,16 +20,16 @@ class _SwerveMotorConstantError(ParameterError):
 
 
 class DriveMotorConstantError(_SwerveMotorConstantError):
-    """True over nominal motor constant of the drive motors."""
+    """The drive motors' constant differs from the platform file (ratio of true to nominal)."""
 
     acts_on = "drive"
-    sentence = "The drive motors' constant is {ratio} times what the platform file says; correct it."
+    sentence = "The drive motors' constant is {ratio} times the value in the platform file; correct it."
     excitation = "hold several constant speeds, and accelerate hard"
 
 
 class SteerMotorConstantError(_SwerveMotorConstantError):
-    """True over nominal motor constant of the steering motors."""
+    """The steering motors' constant differs from the platform file (ratio of true to nominal)."""
 
     acts_on = "steer"
-    sentence = "The steering motors' constant is {ratio} times what the platform file says; correct it."
+    sentence = "The steering motors' constant is {ratio} times the value in the platform file; correct it."
     excitation = "turn the modules at several constant rates, and reverse them hard"

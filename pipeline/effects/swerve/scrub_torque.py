@@ -1,4 +1,4 @@
-"""The ground's resistance against turning a wheel about the vertical."""
+"""Friction torque of a tyre patch that turns about the vertical."""
 
 import torch
 
@@ -10,7 +10,7 @@ from simgap.physics.shapes import PerModule
 
 
 class ScrubTorque(ModuleFriction):
-    """Each tyre's patch rubs as its module turns, at full strength at rest and the less the faster the wheel rolls."""
+    """The tyre patch resists rotation about the vertical, most at rest and less while the wheel rolls."""
 
     name = "scrub_torque"
     parameters = (
@@ -23,13 +23,15 @@ class ScrubTorque(ModuleFriction):
     )
     source = "Pacejka 2012, Tire and vehicle dynamics, §9.2: turn slip and spin torque of a rubbing patch"
     sentence = (
-        "The ground holds each standing wheel back with {level} N·m when its module turns, less when it rolls (patch "
-        "of {patch_radius} m); add scrub torque to the steering."
+        "Tyre scrub holds each standing wheel with {level} N·m (patch radius {patch_radius} m), and less "
+        "while it rolls; add scrub torque to the steering."
     )
     excitation = "turn the modules at rest and while rolling at several speeds"
+    symptom = "Steering needs more torque at rest than while the robot drives."
+    look_alikes = ("coulomb_friction", "stribeck_friction")
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a scan: the radius has no slope where nothing rubs."""
+        """Start from a scan: without friction the radius has no gradient."""
         return scan(level=(0.1, 1.0, 10.0), patch_radius=(0.005, 0.02, 0.1))
 
     def friction(self, signals: Signals, values: Values, constants: Values) -> PerModule:

@@ -1,21 +1,22 @@
-"""Motion of a swerve drive recorded on another clock than its motors' voltages.
+"""Time offset between the motion of a swerve drive and its voltages.
 
-A late log looks as late commands do to the drive and to the steering at once: one offset in the place of two delays.
+A late log looks like late drive and steering commands at once: one offset replaces two delays.
 """
 
 from simgap.effects.time_offset import TimeOffset
 
 
 class SwerveTimeOffset(TimeOffset):
-    """The motion of chassis, wheels and modules reaches the log late with respect to the voltages."""
+    """Chassis, wheel and module motion is recorded late relative to the voltages, or early if negative."""
 
     kind = "swerve"
     acts_on = "chassis"
     on_command_clock = ("drive_voltage", "steer_voltage")
     sentence = (
-        "The robot's motion was recorded {offset} s late with respect to the motors' voltages, or drive and steering "
-        "both obey that much later, which looks the same; shift the clocks before anything is fitted."
+        "The motion was recorded {offset} s late relative to the voltages, which looks like an equal delay of"
+        " drive and steering; shift the clocks before you fit anything."
     )
     excitation = (
-        "fast chirps or steps of drive and steering voltage, so that voltage and acceleration can be aligned"
+        "run fast chirps or steps of drive and steering voltage, so that voltage and acceleration can be "
+        "aligned"
     )

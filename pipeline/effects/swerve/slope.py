@@ -1,4 +1,4 @@
-"""A floor that is not level."""
+"""Floor that is not level."""
 
 import torch
 
@@ -7,7 +7,7 @@ from simgap.physics.shapes import Channels
 
 
 class Slope(WrenchEffect):
-    """The weight pulls downhill, the same way whichever way the robot faces."""
+    """The weight pulls the robot downhill in one world direction, at any heading."""
 
     name = "slope"
     kind = "swerve"
@@ -20,10 +20,11 @@ class Slope(WrenchEffect):
     )
     source = "statics of an inclined plane"
     sentence = (
-        "The floor climbs by {rise_x} along the robot's first heading and by {rise_y} to the left of it; incline the "
-        "ground of the simulator, or level the floor."
+        "The floor rises by {rise_x} along the robot's first heading and by {rise_y} to its left; level the "
+        "floor or tilt it in the simulator."
     )
-    excitation = "drive the same line to and fro in two directions, always from the same first heading"
+    excitation = "drive back and forth along two different lines, always from the same first heading"
+    symptom = "Drives in one world direction need more torque than drives in the opposite direction."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the downhill pull in the robot's frame, N."""

@@ -1,4 +1,4 @@
-"""Dry friction that is greater the slower they turn, in a swerve drive's wheels and in its steering."""
+"""Dry friction of a swerve drive that fades as the speed grows (Stribeck effect), for wheels and steering."""
 
 from abc import abstractmethod
 
@@ -13,7 +13,7 @@ from simgap.physics.shapes import PerModule
 
 
 class _SwerveStribeckFriction(DryFriction):
-    """What breaking away takes beyond Coulomb friction, and how fast it fades with speed."""
+    """Friction is larger near standstill and fades as the speed grows."""
 
     name = "stribeck_friction"
     kind = "swerve"
@@ -22,9 +22,10 @@ class _SwerveStribeckFriction(DryFriction):
         Parameter("velocity", "rad/s", 0.5, 1e-3, 1e3, neutral=1.0),
     )
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, eq. 2.7"
+    look_alikes = ("coulomb_friction",)
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a scan: the speed at which it fades has no slope where nothing fades."""
+        """Start from a scan: without an excess the fading velocity has no gradient."""
         return scan(extra_level=(0.03, 0.3, 3.0), velocity=(0.1, 1.0, 10.0))
 
     @abstractmethod
@@ -32,25 +33,26 @@ class _SwerveStribeckFriction(DryFriction):
         """Return the speed at which it slides, (..., 4) rad/s."""
 
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Friction that does not fade within the recorded speeds, or only where their sign is open, is Coulomb's."""
+        """Return Coulomb friction if the excess does not fade visibly within the recorded speeds."""
         speed, slides = self.speed(signals, constants), sliding_of(signals, constants, f"{self.acts_on}_")
         return "" if fades(speed, values["velocity"], slides) else "coulomb_friction"
 
 
 class DriveStribeckFriction(_SwerveStribeckFriction, WheelFriction):
-    """A driven wheel breaks away harder than it rolls."""
+    """A driven wheel needs more torque near standstill than while it turns."""
 
     formula = (
         "wheel torque = −extra_level · exp(−(ω / velocity)²) · sign(ω), ω of the wheel; at standstill it holds, up to "
         "extra_level"
     )
     sentence = (
-        "Breaking away takes each driven wheel {extra_level} N·m more than rolling, which fades over {velocity} rad/s; "
-        "add Stribeck friction to the drive."
+        "Breakaway of each driven wheel takes {extra_level} N·m more than rolling, and the excess fades over "
+        "{velocity} rad/s; add Stribeck friction to the drive."
     )
     excitation = (
-        "very slow voltage ramps through standstill, and constant crawling speeds forward and backward"
+        "ramp the voltage very slowly through standstill, and hold crawling speeds forward and backward"
     )
+    symptom = "The wheels stick, break away with a jerk, and then need less torque."
 
     def speed(self, signals: Signals, constants: Values) -> PerModule:
         """Return the speed of each wheel about its axle, (..., 4) rad/s."""
@@ -63,17 +65,18 @@ class DriveStribeckFriction(_SwerveStribeckFriction, WheelFriction):
 
 
 class SteerStribeckFriction(_SwerveStribeckFriction, ModuleFriction):
-    """A module breaks away harder than it turns."""
+    """A steering module needs more torque near standstill than while it turns."""
 
     formula = (
         "module torque = −extra_level · exp(−(ω / velocity)²) · sign(ω), ω of the module; at standstill it holds, up "
         "to extra_level"
     )
     sentence = (
-        "Breaking away takes each steering module {extra_level} N·m more than turning, which fades over {velocity} "
-        "rad/s; add Stribeck friction to the steering."
+        "Breakaway of each steering module takes {extra_level} N·m more than turning, and the excess fades "
+        "over {velocity} rad/s; add Stribeck friction to the steering."
     )
-    excitation = "turn the modules very slowly to and fro, and crawl at constant rates"
+    excitation = "turn the modules very slowly in both directions, and hold crawling rates"
+    symptom = "The modules stick, break away with a jerk, and then need less torque."
 
     def speed(self, signals: Signals, constants: Values) -> PerModule:
         """Return the speed of each module about its axis, (..., 4) rad/s."""

@@ -1,4 +1,4 @@
-"""Friction in proportion to speed in a swerve drive's wheels and in its steering."""
+"""Viscous friction in the wheels and in the steering of a swerve drive."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.swerve.common import on_modules, on_wheels, wheel_speed
@@ -6,7 +6,7 @@ from simgap.physics.shapes import Channels
 
 
 class DriveViscousFriction(WrenchEffect):
-    """Friction in proportion to each wheel's speed."""
+    """Friction grows in proportion to each wheel's speed."""
 
     name = "viscous_friction"
     kind = "swerve"
@@ -16,6 +16,7 @@ class DriveViscousFriction(WrenchEffect):
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
     sentence = "Friction in each driven wheel grows by {coefficient} N·m per rad/s; add viscous friction to the drive."
     excitation = "hold constant speeds over the whole range, forward and backward"
+    symptom = "The drive torque at constant speed rises linearly with the speed."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction summed on the chassis."""
@@ -23,7 +24,7 @@ class DriveViscousFriction(WrenchEffect):
 
 
 class SteerViscousFriction(WrenchEffect):
-    """Friction in proportion to each module's turning speed."""
+    """Friction grows in proportion to each module's speed."""
 
     name = "viscous_friction"
     kind = "swerve"
@@ -32,9 +33,11 @@ class SteerViscousFriction(WrenchEffect):
     formula = "module torque = −coefficient · module speed"
     source = DriveViscousFriction.source
     sentence = (
-        "Friction in each steering module grows by {coefficient} N·m per rad/s; add it to the steering."
+        "Friction in each steering module grows by {coefficient} N·m per rad/s; add viscous friction to the "
+        "steering."
     )
     excitation = "turn the modules at several constant speeds"
+    symptom = "The steering torque at constant speed rises linearly with the speed."
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction on each module, N·m."""

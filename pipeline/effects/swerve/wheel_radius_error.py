@@ -1,10 +1,10 @@
-"""Wheels of a swerve drive that are smaller or greater than the platform file says."""
+"""A wheel radius of a swerve drive that differs from the platform file."""
 
 from simgap.effects.effect import ParameterError, Values
 
 
 class WheelRadiusError(ParameterError):
-    """True over nominal wheel radius."""
+    """The wheel radius differs from the platform file (ratio of true to nominal)."""
 
     name = "wheel_radius_error"
     kind = "swerve"
@@ -12,9 +12,12 @@ class WheelRadiusError(ParameterError):
     formula = "wheel_radius = ratio · nominal wheel_radius"
     source = "the platform's nominal equations"
     sentence = (
-        "The wheels' radius is {ratio} times what the platform file says, as worn treads make it; correct it."
+        "The wheel radius is {ratio} times the value in the platform file, for example from worn treads; "
+        "correct it."
     )
-    excitation = "accelerate hard in a straight line, with the chassis' own motion measured"
+    excitation = "accelerate hard in a straight line, and record the chassis' own motion"
+    symptom = "Wheel speed and chassis speed disagree by a constant factor."
+    look_alikes = ("mass_error", "motor_constant_error")
 
     def adjust(self, constants: Values, values: Values) -> dict:
         """Return the constants with the wheel radius scaled."""

@@ -1,4 +1,4 @@
-"""Wheels of a swerve drive that lose their grip."""
+"""Traction limit of the wheels of a swerve drive."""
 
 from typing import Any
 
@@ -10,13 +10,13 @@ from simgap.effects.swerve.common import wheel_angle
 from simgap.physics.shapes import Signal
 from simgap.platforms.swerve_mechanism import LEAST_SLIP, SLIDING
 
-# Of a wheel's share of the weight: accelerations shift load, a light wheel slides first and a heavy one last.
+# Share of a wheel's nominal load: acceleration shifts load, so a light wheel slides first and a heavy one last.
 _LIGHTEST, _LIGHT, _HEAVIEST = 0.7, 0.8, 1.2
-_NO_FORCE = 1e-9  # N, lest the root has no slope at rest
+_NO_FORCE = 1e-9  # N, so that the root has a finite gradient at rest
 
 
 class WheelSlip(ActuatorEffect):
-    """Each wheel pulls no harder than its grip allows, of which a curve takes a part; beyond that it slides."""
+    """Friction with the floor limits the combined pull and side force of each wheel."""
 
     order = 3
     name = "wheel_slip"
@@ -29,19 +29,20 @@ class WheelSlip(ActuatorEffect):
     )
     source = "Pacejka 2012, Tire and vehicle dynamics, §1.2.2: the friction circle"
     sentence = (
-        "The wheels slip where they pull harder than {friction_coefficient} times their load; limit the traction in "
-        "the simulator."
+        "The wheels slip when they pull harder than {friction_coefficient} times their load; limit the "
+        "traction in the simulator."
     )
-    excitation = "full-voltage steps from standstill and hard braking, straight ahead and in curves"
+    excitation = "step to full voltage from standstill and brake hard, straight ahead and in curves"
+    symptom = "At full voltage the wheels turn faster than the chassis moves."
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a scan: a grip that is never used up leaves no slope to follow."""
+        """Start from a scan: a grip that is never used up gives no gradient."""
         return [{"friction_coefficient": 0.05 * 1.5**step} for step in range(12)]
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:
-        """Return the torques that the ground can answer, and whether a wheel may slide, and has to."""
+        """Return the torques within the traction limit, and the degree of sliding of each wheel."""
         load = 0.25 * constants["mass"] * constants["gravity"]
         pull = signals["drive_torque"] / constants["wheel_radius"]
         force = torch.sqrt(pull.square() + _side_force(signals, constants).square() + _NO_FORCE**2)
@@ -56,7 +57,7 @@ class WheelSlip(ActuatorEffect):
 
 
 def _side_force(signals: Signals, constants: Values) -> Tensor:
-    """Return what keeps the robot in its curve across each wheel, (..., 4) N, the load spread evenly."""
+    """Return the centripetal force across each wheel, (..., 4) N, at equal wheel loads."""
     x, y, yaw = signals["chassis_velocity"].unbind(-1)
     angle = wheel_angle(signals["steer_angle"], constants)
     inward = torch.cos(angle) * (yaw * x)[..., None] + torch.sin(angle) * (yaw * y)[..., None]

@@ -1,1 +1,1 @@
-"""The concealed joint: one axis whose friction, gears, motor and supply are richer than the catalogue."""
+"""Concealed joint: one axis with richer friction, gears, motor and supply than the catalogue."""

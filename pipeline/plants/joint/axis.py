@@ -1,4 +1,4 @@
-"""The moving masses of a joint: one, or a motor and a load with a gap or a soft shaft between them."""
+"""Moving masses of a joint: one, or motor and load with backlash or a soft shaft."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What a concealed joint is, how it is moved, and how it is recorded."""
+"""A case of a concealed joint: its physics, motion and recording."""
 
 from dataclasses import dataclass, field
 

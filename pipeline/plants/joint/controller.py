@@ -1,4 +1,4 @@
-"""The position controller of a joint, which knows the platform file and never what is concealed."""
+"""Position controller of a joint, based on the platform file alone."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""From a command to the effort of the motor: delay, dead zone, supply, winding, inductance, limit."""
+"""Drive of a joint: delay, dead zone, supply, winding, inductance and current limit."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What a joint can conceal. Effort means N·m or N, position rad or m, as the machine has it."""
+"""Concealable effects of a joint. Effort is in N·m or N, position in rad or m."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Friction as it truly is: bristles that bend before they slide.
+"""True friction of a joint (LuGre model).
 
 Canudas de Wit, Olsson, Åström & Lischinsky 1995, "A new model for control of systems with friction" (LuGre); the
 damping of the bristles fades as they slide: Olsson 1996, "Control systems with friction", §3.6. The level of friction

@@ -1,4 +1,4 @@
-"""An elastic part that yields: how its strain follows the way that it is moved."""
+"""Hysteresis of an elastic part (Bouc-Wen and Dahl models)."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What acts on the joint besides its drive and its friction: springs, weights, magnets, a stop."""
+"""Loads on a joint: springs, weights, magnets and a hard stop."""
 
 from dataclasses import dataclass
 

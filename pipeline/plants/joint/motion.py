@@ -1,4 +1,4 @@
-"""The joint in closed loop, a thousand steps a second, all runs at once."""
+"""Closed-loop simulation of a joint at 1 kHz, all runs at once."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ SETTLING = 0.5  # s that pass before the recording starts
 
 @dataclass(frozen=True)
 class Log:
-    """What truly happened, every step from `-SETTLING` on; (steps, runs) each.
+    """True signals at every step from `-SETTLING` on; (steps, runs) each.
 
     Attributes:
         position: of the load, rad or m.

@@ -1,4 +1,4 @@
-"""Run a case of a concealed joint and seal its answer."""
+"""Recording of a joint case with a sealed answer key."""
 
 from typing import Any
 

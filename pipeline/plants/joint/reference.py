@@ -1,4 +1,4 @@
-"""What a joint is told to follow: from rich in frequencies and speeds to poor on purpose."""
+"""Reference motions of a joint, from informative to deliberately uninformative ones."""
 
 from collections.abc import Callable
 

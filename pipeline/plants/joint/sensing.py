@@ -1,4 +1,4 @@
-"""From what happened to a joint to what was recorded of it."""
+"""Sensors and logger of a joint."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""Where the effort comes from: a battery that gives way and a winding that warms up."""
+"""Supply and winding of a joint's motor: battery sag and heating."""
 
 from dataclasses import dataclass
 

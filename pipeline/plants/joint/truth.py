@@ -1,4 +1,4 @@
-"""The answer: what a case conceals, in the terms in which a diagnosis states it.
+"""Answer key of a joint case, in the terms of a diagnosis.
 
 Where the plant is richer than any law with a name, what counts as true is the law that comes nearest to it over the
 runs as they were.

@@ -1,1 +1,1 @@
-"""A quadrotor in a gimbal: it turns about a point that stays where it is, as a pilot commands its rates."""
+"""Concealed quadrotor in a gimbal: it rotates about a fixed point under a pilot's rate commands."""

@@ -1,4 +1,4 @@
-"""What a gimbal does to the body that it holds."""
+"""Gravity and friction torques of a gimbal on its body."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What a concealed attitude rig is, how it is moved, and how it is recorded."""
+"""A case of a concealed attitude rig: its physics, motion and recording."""
 
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
@@ -25,7 +25,7 @@ ACTS_AT_REST = (
 
 @dataclass
 class Gimbal:
-    """What holds the machine.
+    """The gimbal of the machine.
 
     Attributes:
         friction: of the bearings, N·m.
@@ -48,7 +48,7 @@ class Gimbal:
 
 @dataclass
 class Pilot:
-    """What the sticks do: they keep a wandering attitude, and shake.
+    """Stick inputs: a slowly varying attitude plus a pseudo-random part.
 
     Attributes:
         wander: root mean square of the attitude that is kept, about each axis, rad.

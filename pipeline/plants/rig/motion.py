@@ -1,4 +1,4 @@
-"""The rig in closed loop, a thousand steps a second, all runs at once."""
+"""Closed-loop simulation of the rig at 1 kHz, all runs at once."""
 
 import numpy as np
 

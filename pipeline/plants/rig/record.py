@@ -1,4 +1,4 @@
-"""Turn a case of a concealed rig and seal its answer."""
+"""Recording of a rig case with a sealed answer key."""
 
 from typing import Any
 

@@ -1,1 +1,1 @@
-"""The concealed swerve drive: tyres that slip, modules that rub, gears with play, eight motors on one battery."""
+"""Concealed swerve drive: tyre slip, module friction, backlash, and eight motors on one battery."""

@@ -1,4 +1,4 @@
-"""Laps of an arena: legs from stop to stop, each of another pace, with the robot's own rotation superposed."""
+"""Laps of an arena: legs from stop to stop at different speeds, with superposed rotation."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""What a concealed swerve drive is, how it is driven, and how it is recorded."""
+"""A case of a concealed swerve drive: its physics, motion and recording."""
 
 import math
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Chassis and wheels together: slow masses joined by stiff tyres.
+"""Coupled dynamics of chassis and wheels: slow masses with stiff tyres.
 
 Advanced by the semi-implicit two-step backward differences (SBDF) of Ascher, Ruuth & Wetton 1995, "Implicit-explicit
 methods for time-dependent partial differential equations", §2: second order, tyres implicit, all else extrapolated.

@@ -1,4 +1,4 @@
-"""The modules' controllers, which know the platform file and never what is concealed."""
+"""Module controllers, based on the platform file alone."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What a swerve drive can conceal; after `@` stands the group that an effect acts on."""
+"""Concealable effects of a swerve drive; the part after `@` is the group."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The swerve drive in closed loop, a thousand steps a second, all runs at once."""
+"""Closed-loop simulation of a swerve drive at 1 kHz, all runs at once."""
 
 from dataclasses import dataclass
 
@@ -25,7 +25,7 @@ _WHEEL_BRISTLES = 100.0  # rad/s at which the robot swings on the bristles of it
 
 @dataclass(frozen=True)
 class Log:
-    """What truly happened, every step from `-SETTLING` on; (steps, runs, 4) but for the last two.
+    """True signals at every step from `-SETTLING` on; (steps, runs, 4) but for the last two.
 
     Attributes:
         drive_voltage: commanded, V.

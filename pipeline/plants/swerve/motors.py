@@ -1,4 +1,4 @@
-"""Four motors of a kind behind their controllers, and the battery that all eight share."""
+"""Four motors of one group with their controllers, and the shared battery of all eight motors."""
 
 from dataclasses import dataclass
 

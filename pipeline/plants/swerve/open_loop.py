@@ -1,4 +1,4 @@
-"""Trials of a concealed swerve drive straight ahead: the drive voltages are told beforehand, and nobody corrects."""
+"""Open-loop trials of a concealed swerve drive straight ahead, with planned voltages."""
 
 import math
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ _WATCHED_AFTER = 0.5  # s that the robot is watched after the last voltage
 
 @dataclass(frozen=True)
 class Trial:
-    """What one trial truly did.
+    """True motion of one trial.
 
     Attributes:
         time: from the first voltage on, (samples,) s.

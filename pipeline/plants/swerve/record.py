@@ -1,4 +1,4 @@
-"""Drive a case of a concealed swerve drive and seal its answer."""
+"""Recording of a swerve case with a sealed answer key."""
 
 from typing import Any
 

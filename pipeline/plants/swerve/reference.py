@@ -1,4 +1,4 @@
-"""Where a swerve drive is told to go: a twist that swings in size while its direction turns."""
+"""Reference motion of a swerve drive: a twist of varying size and slowly turning direction."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ _SHIFT_SHARE = 0.5  # of a module's speed that comes from translation where the 
 
 @dataclass(frozen=True)
 class Reference:
-    """What the modules are told, (steps, runs, 4) each.
+    """Setpoints of the modules, (steps, runs, 4) each.
 
     Attributes:
         angle: of the modules, rad, never turned over at a stop.

@@ -1,4 +1,4 @@
-"""From what happened to a swerve drive to what was recorded of it."""
+"""Sensors and logger of a swerve drive."""
 
 import numpy as np
 import pandas as pd

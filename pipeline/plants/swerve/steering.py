@@ -1,4 +1,4 @@
-"""The four modules of all runs as axes that turn, with what the ground does to a tyre that is turned on it."""
+"""Steering axes of the modules, with the scrub torque of the tyres."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The answer: what a case conceals, in the terms in which a diagnosis states it."""
+"""Answer key of a swerve case, in the terms of a diagnosis."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""Tyres: what the ground does to wheels that roll nearly, but never quite, as they point."""
+"""Tyre forces from slip."""
 
 from dataclasses import dataclass
 

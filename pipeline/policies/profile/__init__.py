@@ -1,1 +1,1 @@
-"""Motion profiles: from rest to rest along a straight line, as fast as a drive's voltage allows."""
+"""Motion profiles: time-efficient straight motions from rest to rest within a drive's voltage."""

@@ -1,4 +1,4 @@
-"""All that is held against a policy: the classical profiles, and the bound."""
+"""Baselines of a policy: the classical profiles and the time-optimal bound."""
 
 import math
 from dataclasses import replace
@@ -51,7 +51,7 @@ def _followed(reference: Reference, task: Profile, drive: Drive) -> Motion:
 
 
 def measures(motion: Motion, task: Profile) -> dict[str, float]:
-    """Return what is told of a motion: duration until it keeps to the target, where it ends, and what it takes.
+    """Return the measures of a motion: time to the target, end position and voltage.
 
     `time` in s, NaN where it never does, `miss` at the end in m, `peak_voltage` in V, `mean_square_voltage` in V² while
     it lasts.

@@ -1,4 +1,4 @@
-"""Driving a straight way from rest to rest: the policy says which speed it desires, the feedforward does the rest."""
+"""Environment of a straight drive from rest to rest: the policy sets a speed for the feedforward."""
 
 import torch
 from torch import Tensor
@@ -17,10 +17,10 @@ _FROM_REST, _DIFFICULTY, _ENDED, _ARRIVED = "from_rest", "difficulty", "ended", 
 class MotionProfile(Environment):
     """Identified drives, each on a way of its own.
 
-    The state is the position, m, the speeds of the four wheels, m/s along the ground, and the voltages that act. The
-    action is the desired speed over its limit. The observation has the distance that is left and its square root, with
-    which the speed goes from which a constant deceleration just stops, the mean speed enlarged near standstill, and the
-    speeds.
+    The state is the position, m, the speeds of the four wheels, m/s along the ground, and the acting voltages. The
+    action is the desired speed over its limit. The observation holds the remaining distance and its square root, which
+    is proportional to the speed from which a constant deceleration stops at the target. It also holds the mean speed,
+    enlarged near standstill, and the wheel speeds.
 
     Attributes:
         task: the way and what counts as arriving.

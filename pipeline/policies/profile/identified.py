@@ -1,4 +1,4 @@
-"""From what sysid found of a swerve drive to the drive that profiles are made for."""
+"""Model of a straight drive from the system identification of a swerve drive."""
 
 import math
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What a drive does: time, position, velocity and the voltages that made it."""
+"""Motion of a drive: time, position, velocity and voltages."""
 
 from dataclasses import dataclass
 

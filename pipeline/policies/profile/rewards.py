@@ -1,4 +1,4 @@
-"""What a control step on the way is worth."""
+"""Rewards of a motion profile."""
 
 from torch import Tensor
 
@@ -13,10 +13,9 @@ def step_reward(
     voltage: Tensor,
     before: Tensor,
 ) -> Tensor:
-    """Return the reward of a step that ends nothing, (batch,).
+    """Return the reward of a step within an episode, (batch,).
 
-    Progress is rewarded; what the drive cannot give, energy, wheels that disagree, jumps of the voltage and time are
-    penalised.
+    Progress is rewarded. Unavailable voltage, energy, differences between wheels, voltage steps and time are penalised.
 
     Args:
         task: with the weights.
@@ -39,7 +38,7 @@ def step_reward(
 
 
 def final_reward(task: Profile, arrived: Tensor, failed: Tensor, speed: Tensor) -> Tensor:
-    """Return what an attempt is worth where it ends, and zero elsewhere, (batch,).
+    """Return the reward at the end of an episode, and zero elsewhere, (batch,).
 
     Args:
         task: with the weights.

@@ -1,4 +1,4 @@
-"""What a trained policy does with the identified drive."""
+"""Rollout of a trained policy with the identified drive."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What a person may change about a motion profile."""
+"""Configuration of a motion profile."""
 
 from dataclasses import dataclass, field
 

@@ -1,4 +1,4 @@
-"""Voltages without jumps, by a moving average."""
+"""Smoothing of voltages by a moving average."""
 
 import torch
 from torch import Tensor
@@ -10,8 +10,8 @@ from simgap.policies.profile.motion import Motion
 def smoothed(drive: Drive, motion: Motion, window: int) -> Tensor:
     """Return the voltages of a forward motion as a moving average, (steps + window - 1, wheels) V.
 
-    What friction takes is left out of the average and put back for as long as the motion now lasts. From rest to rest
-    ∫(V − kS) dt = kV·y: the distance stays what it was.
+    The friction voltage is excluded from the average and added again over the longer motion. From rest to rest
+    ∫(V − kS) dt = kV·y, so the distance does not change.
 
     Args:
         drive: identified, whose friction is known.

@@ -1,4 +1,4 @@
-"""The bound: nothing within the limits of a drive brings it from rest to rest over a distance in less time."""
+"""Time-optimal bound: the fastest motion from rest to rest within the limits of a drive."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""Machines that are no simulator's, flown by the flight controller that the simulator has."""
+"""Races of machines outside a simulator, with the simulator's flight controller."""
 
 from collections.abc import Callable
 from typing import Any

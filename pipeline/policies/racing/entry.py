@@ -1,4 +1,4 @@
-"""A race from its configuration, and a policy that was trained for one."""
+"""Construction of a race from its configuration or from a trained policy."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, replace

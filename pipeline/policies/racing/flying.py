@@ -1,4 +1,4 @@
-"""A batch of quadrotors that fly as one compiled loop."""
+"""Batched flight of quadrotors in one compiled loop."""
 
 from typing import Any, Protocol, runtime_checkable
 

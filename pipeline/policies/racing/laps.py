@@ -1,4 +1,4 @@
-"""Flying laps, and what is to be said of them. A lap with a crash is no lap."""
+"""Laps of a race and their statistics. A lap with a crash does not count."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

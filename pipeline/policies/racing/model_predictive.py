@@ -1,8 +1,8 @@
-"""Model-predictive control along a lap: what a time-optimal plan is flown with.
+"""Model-predictive control that tracks a time-optimal lap.
 
-At each step the motion over a horizon is predicted by the rigid body's motion linearised about the lap, and the
-commands that keep closest to it within the machine's limits are found: a quadratic programme with bounds, condensed to
-the commands alone. Nothing but the machine's error is new from lap to lap, so that its matrices are worked out once.
+Each step predicts the motion over a horizon by the rigid body linearised about the lap. It finds the commands within
+the machine's limits that track the lap best: a quadratic programme with bounds, condensed to the commands alone. Only
+the tracking error changes from lap to lap, so the matrices are computed once.
 
 Sources: Foehn, Romero & Scaramuzza 2021, "Time-optimal planning for quadrotor waypoint flight", Science Robotics 6
 (the lap, tracked by model-predictive control); Boyd et al. 2011, "Distributed optimization and statistical learning

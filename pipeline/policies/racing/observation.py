@@ -1,4 +1,4 @@
-"""What a racing policy sees, in ℝ³¹, and what its critic sees besides."""
+"""Observations of a racing policy (31 numbers), and the privileged ones of its critic."""
 
 import torch
 from torch import Tensor

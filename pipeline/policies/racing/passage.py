@@ -1,4 +1,4 @@
-"""Whether a machine has passed a gate, or hit one."""
+"""Detection of passing a gate or hitting its frame."""
 
 from dataclasses import dataclass
 

@@ -21,7 +21,7 @@ _COUNTED = ("gates", "crashes", "steps")
 
 @runtime_checkable
 class Misjudging(Protocol):
-    """What on-board estimates get wrong, as one of several functions of what they estimate."""
+    """Errors of on-board estimates, as functions of the true state."""
 
     def __len__(self) -> int:
         """Return how many functions there are."""

@@ -1,4 +1,4 @@
-"""Domain randomisation: every episode has forces and torques of its own that no simulator names.
+"""Domain randomisation: random forces and torques for every episode.
 
 Tobin et al. 2017, "Domain randomization for transferring deep neural networks", arXiv 1703.06907.
 """

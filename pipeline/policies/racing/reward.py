@@ -48,7 +48,7 @@ def racing_reward(
 def reward_at(settings: Reward, share: float) -> Reward:
     """Return the weights when a share of the training, 0 to 1, is done.
 
-    Where a crash costs much from the beginning, machines learn to fly slowly first, and faster only long after.
+    A high crash cost from the beginning leads to slow policies that become faster only much later.
     """
     if settings.first_crash is None:
         return settings

@@ -1,4 +1,4 @@
-"""What a person may change about racing."""
+"""Configuration of racing."""
 
 from dataclasses import dataclass, field
 
@@ -81,7 +81,7 @@ class Flying:
 
 @dataclass
 class Randomisation:
-    """Bounds of what is drawn for every episode; all zero: nothing is."""
+    """Bounds of the random dynamics of each episode; all zero: none."""
 
     drag: float = 0.0  # 1/s, of the force against the velocity along each body axis
     thrust: float = 0.0  # share by which the thrust differs from the commanded one
@@ -95,7 +95,7 @@ class Randomisation:
 
 @dataclass
 class RacingSettings:
-    """What a race is flown with, and how it is rewarded."""
+    """Settings of a race and its reward."""
 
     episode_steps: int = 1500
     missed: float = 2.0  # m beside the next gate's frame, within which flying past it counts as a crash

@@ -1,9 +1,9 @@
-"""Where episodes start: states in which machines have passed the gates, perturbed within bounds.
+"""Initial states of episodes: states of passing a gate, perturbed within bounds.
 
-Those of each gate lie in this order: slow ones, planned ones of the time-optimal lap, and those that were seen.
+The states of each gate are ordered: slow ones, planned ones of the time-optimal lap, and recorded ones.
 
-However it is perturbed, a machine starts on the far side of its gate: on the near side, and off the middle of the
-opening, it would hit the frame that it has passed.
+A perturbed machine always starts behind its gate. In front of it and off the centre of the opening, it would hit the
+frame.
 """
 
 import torch
@@ -19,7 +19,7 @@ from simgap.policies.racing.track import Track
 def first_starts(track: Track, settings: Starts, planned: Tensor | None = None) -> Tensor:
     """Return states to start from before any machine has passed a gate, (gates, kept, 13).
 
-    The machine is in the middle of the gate, level, and flies out of it; where it is planned, it is as the plan says.
+    The machine is in the middle of the gate, level, and flies out of it; planned states are those of the plan.
 
     Args:
         track: its gates.

@@ -1,1 +1,1 @@
-"""What a simulator still misses, found in recorded flights of a policy (Kaufmann et al. 2023, Nature 620, Methods)."""
+"""Residual models from recorded flights of a policy (Kaufmann et al. 2023, Nature 620, Methods)."""

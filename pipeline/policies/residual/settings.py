@@ -1,4 +1,4 @@
-"""What a person may change about residual models."""
+"""Configuration of residual models."""
 
 from dataclasses import dataclass, field
 

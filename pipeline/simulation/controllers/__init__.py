@@ -1,4 +1,4 @@
-"""What flies a simulated machine: from the action of a policy to the command of its actuators."""
+"""Flight controllers of simulated machines: from the action of a policy to actuator commands."""
 
 from simgap.simulation.controllers.betaflight import Betaflight
 

@@ -1,4 +1,4 @@
-"""Betaflight's rate controller, with the peculiarities that a policy trained in simulation has to know.
+"""Betaflight's rate controller, with the details that matter to a policy trained in simulation.
 
 Kaufmann et al. 2023, "Champion-level drone racing using deep reinforcement learning", Nature 620, Methods; defaults
 from the firmware's documentation (betaflight.com/docs, CLI reference).

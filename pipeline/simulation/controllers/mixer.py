@@ -1,4 +1,4 @@
-"""From a wanted thrust and torque to the thrust of each rotor, for any rotor geometry."""
+"""Control allocation: from commanded thrust and torque to rotor thrusts, for any rotor geometry."""
 
 import torch
 from jaxtyping import Float
@@ -21,7 +21,7 @@ def allocation(platform: Quadrotor) -> Float[Tensor, "4 4"]:
 
 
 def distribution(platform: Quadrotor) -> Float[Tensor, "4 4"]:
-    """Return the inverse of the allocation, (4, 4) float64: column 0 spreads a thrust that turns nothing.
+    """Return the inverse of the allocation, (4, 4) float64: column 0 spreads a thrust without torque.
 
     Raises:
         InputError: when the rotors cannot hold the body level, or not turn it about every axis.

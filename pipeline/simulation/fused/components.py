@@ -1,8 +1,8 @@
-"""From a traced step to arithmetic on components: every entry of every small tensor becomes a series over the batch.
+"""Scalar form of a traced step: every entry of every small tensor becomes a series over the batch.
 
-A step works on tensors (1, ...) of a few entries each: vectors, quaternions, matrices. Entry by entry, what it does is
-plain arithmetic, and moving entries about costs nothing. Written so, a whole control step is one loop over the batch,
-which a compiler keeps in registers.
+A step works on tensors (1, ...) of a few entries each: vectors, quaternions and matrices. Per entry its work is plain
+arithmetic, and moving entries costs nothing. In this form a whole control step is one loop over the batch, and the
+compiler keeps its values in registers.
 """
 
 from collections.abc import Callable
@@ -38,8 +38,8 @@ _MADE = {_aten.zeros_like, _aten.ones_like, _aten.full_like, _aten.new_zeros, _a
 class Components:
     """Writes the graph of one step over components.
 
-    A tensor is a tensor of indices into `elements`, so that torch itself moves entries about; a tensor that holds
-    numbers only stays a tensor of numbers, and torch computes with it at once.
+    A tensor becomes a tensor of indices into `elements`, so torch itself moves its entries. A constant tensor stays a
+    tensor of numbers, and torch computes with it directly.
     """
 
     def __init__(self, dtype: torch.dtype) -> None:

@@ -29,8 +29,8 @@ class FusedStep:
     """The same step as an eager function, in one pass over memory.
 
     State and memory are rows (components, batch), so that neighbours in memory are the same component of neighbouring
-    machines. It is compiled at its first call, once for small batches and once for large ones, and keeps no gradients:
-    the eager function is for that. What differs from machine to machine may travel in the memory.
+    machines. The first call compiles the step, once for small and once for large batches. It keeps no gradients; use
+    the eager function for those. Numbers that differ between machines may be part of the memory.
     """
 
     def __init__(

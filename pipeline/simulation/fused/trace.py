@@ -1,4 +1,4 @@
-"""Writing down what a step does, once, and writing it anew over components."""
+"""Tracing of a step, and its rewriting in scalar components."""
 
 import itertools
 from collections.abc import Callable
@@ -19,7 +19,7 @@ _aten = torch.ops.aten
 def component_graph(
     function: Callable[..., list[Signal]], examples: list[list[Signal]], dtype: torch.dtype
 ) -> fx.GraphModule:
-    """Return a module that does over components what a function does to tensors of a batch of one.
+    """Return a module that applies a function of batch-one tensors to components over the batch.
 
     Args:
         function: takes all tensors of all groups in order, returns tensors.

@@ -83,7 +83,7 @@ def test_a_section_is_replaced_and_the_others_stay(tmp_path):
     assert after.index("## Anew") < after.index("## Title other")
     assert "## Title one" not in after
     assert after.split("<!-- sweep: other -->")[1] == before.split("<!-- sweep: other -->")[1]
-    assert "`simgap train -m …`\n\nMade on 2 cores: 4 jobs, 2.0 minutes of computing in all" in after
+    assert "`simgap train -m …`\n\nMeasured on 2 cores. The 4 jobs took 2.0 minutes in sequence" in after
     assert (docs / "images" / "results_one.svg").exists()
     assert "](images/results_one.svg)" in after
     write_section(tmp_path / "one", docs)

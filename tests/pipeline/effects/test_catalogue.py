@@ -35,11 +35,21 @@ def test_an_effect_is_in_the_file_of_its_name(effect):
 
 @EFFECT
 def test_everything_is_said_about_an_effect(effect):
-    for text in (effect.formula, effect.source, effect.sentence, effect.excitation, type(effect).__doc__):
+    said = (
+        effect.formula,
+        effect.source,
+        effect.sentence,
+        effect.symptom,
+        effect.excitation,
+        type(effect).__doc__,
+    )
+    for text in said:
         assert text
         assert text.strip() == text
         assert "\n" not in text
     assert effect.sentence.endswith(".")
+    assert effect.symptom.endswith(".")
+    assert not effect.excitation.endswith(".")
     assert effect.parameters
     assert effect.acts_on in PLACES[effect.kind]
 

@@ -3,7 +3,7 @@
 import pytest
 
 from simgap.effects import effect_by_key, effects_of, kinds
-from simgap.effects.listing import description, facts, listing, meaning, shown_parameters
+from simgap.effects.listing import description, facts, listing, look_alikes, meaning, shown_parameters
 from simgap.effects.page import catalogue_page
 from tests.pipeline.platforms.machines import EVERY_EFFECT, MACHINES, identity
 
@@ -26,7 +26,17 @@ def test_an_effect_is_what_it_is_in_one_sentence(effect):
 @EFFECT
 def test_everything_about_an_effect_is_described(effect):
     text = " ".join(description(effect).split())
-    for part in (effect.key, effect.acts_on, effect.formula, effect.source, effect.excitation, *effect.needs):
+    manoeuvre = effect.excitation[1:] + "."
+    said = (
+        effect.key,
+        effect.acts_on,
+        effect.formula,
+        effect.symptom,
+        effect.source,
+        manoeuvre,
+        *effect.needs,
+    )
+    for part in said:
         assert " ".join(part.split()) in text
     for parameter in effect.parameters:
         numbers = (
@@ -41,8 +51,10 @@ def test_everything_about_an_effect_is_described(effect):
 def test_the_page_has_everything_about_an_effect(effect):
     section = catalogue_page().partition(f"### {effect.kind} {effect.key}\n")[2].partition("\n##")[0]
     assert meaning(effect) in section
-    for _, text in facts(effect):
-        assert text in section
+    for name, text in facts(effect):
+        assert name == "Look-alikes" or text in section
+    for other in look_alikes(effect):
+        assert f"[`{other.key}`](#" in section
     for p in effect.parameters:
         assert (
             f"| `{p.name}` | {p.unit} | {p.default:g} | {p.low:g} | {p.high:g} | {p.neutral:g} |" in section
@@ -67,4 +79,21 @@ def test_of_many_parameters_the_first_ones_are_listed():
 
 def test_what_yields_to_another_name_says_so():
     said = dict(facts(effect_by_key("joint", "sensor_time_offset")))["Diagnosis"]
-    assert said.endswith("Where nothing tells them apart, command_delay is named instead.")
+    assert said.endswith("If the recording cannot separate them, the diagnosis names command_delay.")
+
+
+@EFFECT
+def test_a_look_alike_exists_and_names_the_effect_too(effect):
+    names = {other.name for other in effects_of(effect.kind) if other.names_physics}
+    assert set(effect.look_alikes) <= names - {effect.name}
+    for other in look_alikes(effect):
+        assert effect in look_alikes(other)
+
+
+def test_look_alikes_act_on_one_group_of_a_swerve_drive():
+    like_delay = {other.key for other in look_alikes(effect_by_key("swerve", "command_delay@drive"))}
+    assert like_delay == {"motor_inductance@drive", "sensor_time_offset@chassis"}
+
+
+def test_an_effect_that_is_never_named_is_like_none():
+    assert look_alikes(effect_by_key("quadrotor", "grey_box_aerodynamics")) == []
