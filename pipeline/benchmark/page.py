@@ -11,6 +11,7 @@ from simgap.benchmark import measures
 from simgap.benchmark.intervals import Share, quantile
 from simgap.benchmark.published import published_rows
 from simgap.benchmark.reliability import reliability_figure
+from simgap.benchmark.seeds import markdown_table, read_seeds, seeds_text
 
 DOCS = PROJECT_ROOT / "docs"
 FIGURE = "images/reliability.svg"
@@ -32,7 +33,10 @@ def results_text(results: Sequence[measures.Result], command: str) -> str:
         parts += _concealed(concealed)
     if published:
         head = ["recording", "known", "named", "gap closed", "taken out and found first again", "seconds"]
-        parts += ["Published recordings, whose answer is known:", _table(head, published_rows(published))]
+        parts += [
+            "Published recordings, whose answer is known:",
+            markdown_table(head, published_rows(published)),
+        ]
     return "\n\n".join(parts) + "\n"
 
 
@@ -42,12 +46,14 @@ def _concealed(results: Sequence[measures.Result]) -> list[str]:
     return [
         f"{len(results)} concealed cases; {drawn - len(results)} more were drawn in which no strength that a machine "
         "has shows as clearly, or as faintly, as the case wants.",
-        _table(["measured", "bar", "", *kinds], _bar_rows(results, kinds)),
-        _table(["also", "", *kinds], _other_rows(results, kinds)),
+        markdown_table(["measured", "bar", "", *kinds], _bar_rows(results, kinds)),
+        markdown_table(["also", "", *kinds], _other_rows(results, kinds)),
         "Every effect: how often it is named first, the median error of its strength, the median of the gap closed.",
-        _table(["kind", "effect", "clear", "faint", "error", "gap closed"], _effect_rows(results)),
+        markdown_table(["kind", "effect", "clear", "faint", "error", "gap closed"], _effect_rows(results)),
         "What was taken for what, the most frequent first:",
-        _table(["concealed", "named first", "cases"], [list(map(str, row)) for row in _worst(results)]),
+        markdown_table(
+            ["concealed", "named first", "cases"], [list(map(str, row)) for row in _worst(results)]
+        ),
     ]
 
 
@@ -56,13 +62,9 @@ def write_docs(results: Sequence[measures.Result], command: str) -> None:
     stated = measures.stated([result for result in results if "case" in result])
     (DOCS / FIGURE).write_text(reliability_figure(stated), encoding="utf-8")
     figure = f"![Stated probabilities against the share that is there]({FIGURE})"
-    text = f"{_INTRODUCTION.read_text(encoding='utf-8')}\n{results_text(results, command)}\n{figure}\n"
-    (DOCS / "proof.md").write_text(text, encoding="utf-8")
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    parts = [_INTRODUCTION.read_text(encoding="utf-8"), results_text(results, command), figure]
+    text = "\n".join([*parts, "", seeds_text(read_seeds())])
+    (DOCS / "proof.md").write_text(f"{text}\n", encoding="utf-8")
 
 
 def _bar_rows(results: Sequence[measures.Result], kinds: Sequence[str]) -> list[list[str]]:
