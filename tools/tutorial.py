@@ -7,6 +7,7 @@ import argparse
 import ast
 import contextlib
 import io
+import re
 import sys
 import traceback
 from pathlib import Path
@@ -62,7 +63,8 @@ def _run(cell: Cell, script: Path, names: dict[str, Any]) -> Any:
 
 def _shown(value: Any) -> str:
     if hasattr(value, "_repr_html_"):
-        lines = (line for line in value._repr_html_().splitlines() if line.strip())
+        unstyled = re.sub(r"<style.*?</style>", "", value._repr_html_(), flags=re.DOTALL)
+        lines = (line for line in unstyled.splitlines() if line.strip())
         return "\n".join(['<div class="output">', *lines, "</div>"])
     return code_block(repr(value), "text")
 

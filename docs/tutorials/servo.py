@@ -119,9 +119,39 @@ print(f"gap closed: {answer.fit.gap_closed:.0%}")
 #
 # The page shows the evidence: where the simulator failed, what was tried, and how sure the answer is.
 # It opens without a network.
+# `save` writes it as `answer/report.html`, beside the simulator that now has the friction.
 
 # %%
-answer.report("page.html")
+answer.save("answer")
+
+# %% [markdown]
+# ## The simulator
+#
+# Load it, and drive it with the voltages of the first trial.
+# A state holds position and velocity. A rollout returns the state at every sample.
+
+# %%
+machine = simgap.load_simulator("answer/simulator")
+first = log[log["run"] == "trial_1"]
+voltages = first[list(machine.command_names)].to_numpy()
+start = first[list(machine.state_names)].to_numpy()[0]
+after = machine.rollout(start, voltages, dt=1 / RATE, substeps=STEPS)
+after.shape
+
+# %% [markdown]
+# The rollout knows only the first sample, and the voltages.
+# Compare it with the log, and with the simulator as it was before.
+
+# %%
+import matplotlib.pyplot as plt
+
+before = answer.nominal.rollout(start, voltages, dt=1 / RATE, substeps=STEPS)
+figure, axes = plt.subplots(figsize=(7, 3))
+axes.plot(time, first["position"], "k", label="log")
+axes.plot(time, before[:-1, 0], "C1", label="simulator before")
+axes.plot(time, after[:-1, 0], "C0--", label="simulator after")
+axes.set(xlabel="time (s)", ylabel="position (rad)")
+_ = axes.legend()
 
 # %% [markdown]
 # On the command line the same question is:
@@ -135,9 +165,11 @@ answer.report("page.html")
 # ## What next
 #
 # - [A log that goes wrong](wrong_log.md) shows what a sign error looks like.
-# - [The Python API](api.md) loads the simulator that now has the friction.
+# - [The Python API](api.md) shows what else the answer and the simulator can do.
 # - [Joint effects](../effects.md#joint) lists everything that can be named.
 
 # %%
 assert answer.verdict == "missing_physics"
 assert [effect.name for effect in answer.effects if effect.probability > 0.5] == ["coulomb_friction"]
+errors = [np.abs(states[:-1, 0] - first["position"].to_numpy()).max() for states in (before, after)]
+assert errors[1] < 0.2 * errors[0]

@@ -2,7 +2,7 @@
 # # A log that goes wrong
 #
 # Most bad answers come from bad logs.
-# A sign is reversed, an angle is in degrees, or two clocks differ.
+# A sign is reversed, an angle is in degrees, or a column is missing.
 # This tutorial breaks a good log in three ways, and shows what `simgap` says.
 #
 # ## A good log
@@ -39,7 +39,13 @@ def trial(name):
     position, velocity = swing(effort)
     noise = random.normal(0, [[2e-4], [0.02]], (2, time.size))
     return pd.DataFrame(
-        {"run": name, "t": time, "position": position + noise[0], "velocity": velocity + noise[1], "effort": effort}
+        {
+            "run": name,
+            "t": time,
+            "position": position + noise[0],
+            "velocity": velocity + noise[1],
+            "effort": effort,
+        }
     )
 
 
@@ -89,8 +95,19 @@ assert not [effect for effect in answer.effects if effect.probability > 0.5]
 assert answer.warnings
 
 # %% [markdown]
-# In Parquet a column may declare its unit, and is then converted.
-# The [contract](../contract.md) says how.
+# The answer asks about degrees.
+# Say the units, and the log is good again.
+
+# %%
+answer = simgap.diagnose(degrees, platform=platform, units={"position": "deg", "velocity": "deg/s"})
+print(answer.verdict)
+
+# %%
+assert answer.verdict == "none"
+
+# %% [markdown]
+# In a Parquet file each column may declare its unit.
+# The [contract](../contract.md#recording) says how.
 #
 # ## A column that is missing
 #
