@@ -1,0 +1,7 @@
+# %% [markdown]
+# # The Python API
+
+# %%
+import simgap
+
+simgap.__doc__
