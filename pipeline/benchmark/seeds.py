@@ -1,11 +1,16 @@
-"""Which seeds of the benchmark were used for what, and what earlier runs of it scored: `seeds.csv` as a page."""
+"""Which seeds of the benchmark were used for what, and what earlier runs of it scored: `seeds.csv` as a part of the page.
 
+python -m simgap.benchmark.seeds docs/proof.md
+"""
+
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 
 TABLE = Path(__file__).with_name("seeds.csv")
+HEADING = "## Seeds"
 _SEEN = ["seeds", "use", "kinds", "cases", "remark"]
 
 
@@ -19,7 +24,7 @@ def seeds_text(seeds: pd.DataFrame) -> str:
     scored = seeds["use"] == "scored"
     return "\n\n".join(
         [
-            "## Seeds",
+            HEADING,
             "The engine was developed on some seeds, and its probabilities were fitted on others. "
             "A score on such a seed is no evidence for a new machine.",
             _table(seeds.loc[~scored, _SEEN]),
@@ -41,3 +46,13 @@ def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def _table(rows: pd.DataFrame) -> str:
     return markdown_table(list(rows.columns), rows.to_numpy().tolist())
+
+
+def show_seeds(page: Path) -> None:
+    """Write the table into a page that is there: as its last section, in place of the one before."""
+    above = page.read_text(encoding="utf-8").partition(f"{HEADING}\n")[0].rstrip()
+    page.write_text(f"{above}\n\n{seeds_text(read_seeds())}\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    show_seeds(Path(sys.argv[1]))
