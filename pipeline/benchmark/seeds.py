@@ -1,4 +1,4 @@
-"""Which seeds of the benchmark were used for what, and what earlier runs of it scored: `seeds.csv` as a part of the page.
+"""Which seeds of the benchmark were used for what, and what its earlier runs scored: `seeds.csv` as a section.
 
 python -m simgap.benchmark.seeds docs/proof.md
 """
