@@ -3,16 +3,25 @@
 import re
 from dataclasses import dataclass
 
-_MARK = re.compile(r"^# %%[^\S\n]*(\[markdown\])?.*\n", re.MULTILINE)
+_MARK = re.compile(r"^# %%[^\S\n]*(\[markdown\])?(.*)\n", re.MULTILINE)
+_HIDDEN = "remove-cell"  # the tag of a cell that is run but not shown, as Jupyter Book has it
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of a script: Python, or prose in Markdown; and the line of the file at which its text begins."""
+    """A cell of a script: Python, or prose in Markdown.
+
+    Attributes:
+        text: prose without its comment signs.
+        is_prose: whether it is no Python.
+        line: of the file, at which the text begins.
+        is_hidden: whether a page leaves it out, such as checks of what the page says.
+    """
 
     text: str
     is_prose: bool
     line: int
+    is_hidden: bool = False
 
 
 def cells(script: str) -> list[Cell]:
@@ -25,13 +34,14 @@ def cells(script: str) -> list[Cell]:
         line = script.count("\n", 0, mark.end()) + 1 + len(text) - len(text.lstrip("\n"))
         text = text.strip("\n")
         if text:
-            found.append(Cell(_uncommented(text) if is_prose else text, is_prose, line))
+            found.append(Cell(_uncommented(text) if is_prose else text, is_prose, line, _HIDDEN in mark[2]))
     return found
 
 
 def as_markdown(script: str) -> str:
     """Return a script as a page: its prose, and its Python as blocks of code."""
-    return "\n\n".join(each.text if each.is_prose else code_block(each.text) for each in cells(script)) + "\n"
+    shown = [each for each in cells(script) if not each.is_hidden]
+    return "\n\n".join(each.text if each.is_prose else code_block(each.text) for each in shown) + "\n"
 
 
 def code_block(code: str, language: str = "python") -> str:

@@ -15,6 +15,11 @@ from typing import Any
 
 from tools.percent import Cell, as_markdown, cells, code_block
 
+# Of a table of pandas; the site has its own.
+_STYLE = re.compile(
+    r'<style.*?</style>| border="1"| class="dataframe"| style="text-align: right;"', re.DOTALL
+)
+
 
 def write_page(script: Path, folder: Path) -> None:
     """Run a script and write its page and figures; what the script writes lies in the working directory.
@@ -26,10 +31,11 @@ def write_page(script: Path, folder: Path) -> None:
     sys.argv, names = [str(script)], {"__name__": "__main__", "__file__": str(script)}
     parts = []
     for each in cells(script.read_text(encoding="utf-8")):
-        parts.append(each.text if each.is_prose else code_block(each.text))
+        shown = [each.text if each.is_prose else code_block(each.text)]
         if not each.is_prose:
-            parts += _output(each, script, names)
-            parts += _figures(folder, f"{script.stem}_{each.line}")
+            shown += _output(each, script, names)
+            shown += _figures(folder, f"{script.stem}_{each.line}")
+        parts += [] if each.is_hidden else shown
     (folder / f"{script.stem}.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 
@@ -63,7 +69,7 @@ def _run(cell: Cell, script: Path, names: dict[str, Any]) -> Any:
 
 def _shown(value: Any) -> str:
     if hasattr(value, "_repr_html_"):
-        unstyled = re.sub(r"<style.*?</style>", "", value._repr_html_(), flags=re.DOTALL)
+        unstyled = _STYLE.sub("", value._repr_html_())
         lines = (line for line in unstyled.splitlines() if line.strip())
         return "\n".join(['<div class="output">', *lines, "</div>"])
     return code_block(repr(value), "text")

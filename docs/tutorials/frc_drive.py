@@ -25,13 +25,17 @@ module_positions:              # m, x forward, y left
 wheel_radius: 0.0508           # m
 drive:
   gear_ratio: 6.75
-  motor: {nominal_voltage: 12.0, free_speed: 594.4, stall_torque: 2.6, stall_current: 105.0}
+  motor: &neo                  # V, rad/s, N·m, A
+    nominal_voltage: 12.0
+    free_speed: 594.4
+    stall_torque: 2.6
+    stall_current: 105.0
 steer:
   gear_ratio: 21.428571
-  motor: {nominal_voltage: 12.0, free_speed: 594.4, stall_torque: 2.6, stall_current: 105.0}
+  motor: *neo
   inertia: 0.03                # kg·m², at the module
 """
-Path("robot.yaml").write_text(ROBOT)
+_ = Path("robot.yaml").write_text(ROBOT)
 
 # %% [markdown]
 # ## The recording
@@ -46,15 +50,22 @@ Path("robot.yaml").write_text(ROBOT)
 # We conceal one effect in it: **0.35 N·m of Coulomb friction at each driven wheel**.
 
 # %%
+import shlex
 import subprocess
 import sys
 
-command = [sys.executable, "-m", "simgap.stages", "record", "platform=swerve_robot", "record=swerve_robot"]
-options = ["dataset.source=reality", "record.runs=8", "record.duration=8", "tracking.enabled=false"]
-concealed = ["record.effects={coulomb_friction@drive: {level: 0.35}}", "output=drive"]
-print(subprocess.run([*command, *options, *concealed], check=True, capture_output=True, text=True).stdout)
+RECORD = """
+-m simgap.stages record
+platform=swerve_robot record=swerve_robot dataset.source=reality
+record.runs=8 record.duration=8
+'record.effects={coulomb_friction@drive: {level: 0.35}}'
+tracking.enabled=false output=drive
+"""
+_ = subprocess.run([sys.executable, *shlex.split(RECORD)], check=True)
 
 # %% [markdown]
+# This is the command `simgap record` with its options.
+#
 # The eight runs weave, spin, shuttle and curve.
 # Each motion occurs twice, so that one of the two can be held out.
 
@@ -80,7 +91,8 @@ answer
 
 # %%
 friction = answer.effects[0]
-print(friction.name, friction.acts_on, f"{friction.parameters['level'].value:.3f} N·m")
+level = friction.parameters["level"]
+print(f"{friction.name} ({friction.acts_on}): {level.value:.3f} N·m")
 
 # %% [markdown]
 # ## What to do with it
@@ -89,7 +101,7 @@ print(friction.name, friction.acts_on, f"{friction.parameters['level'].value:.3f
 # A wheel torque becomes a motor voltage by the gear and the motor:
 
 # %%
-motor_torque = friction.parameters["level"].value / 6.75
+motor_torque = level.value / 6.75
 print(f"kS = {12.0 * motor_torque / 2.6:.3f} V")
 
 # %% [markdown]
@@ -102,7 +114,7 @@ print(f"kS = {12.0 * motor_torque / 2.6:.3f} V")
 #
 # The [swerve effects](../effects.md#swerve) list the manoeuvre for every name.
 
-# %%
+# %% tags=["remove-cell"]
 assert answer.verdict == "missing_physics"
 assert (friction.name, friction.acts_on) == ("coulomb_friction", "drive")
-assert abs(friction.parameters["level"].value - 0.35) < 0.05
+assert abs(level.value - 0.35) < 0.05

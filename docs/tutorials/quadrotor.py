@@ -15,15 +15,21 @@
 # At hover speed of the rotors, each m/s of airspeed then costs 0.35 m/s² of lateral acceleration.
 
 # %%
+import shlex
 import subprocess
 import sys
 
-command = [sys.executable, "-m", "simgap.stages", "record", "platform=racer", "record=embedded"]
-options = ["dataset.source=reality", "record.runs=6", "record.duration=8", "tracking.enabled=false"]
-concealed = ["record.effects={rotor_drag: 0.35}", "output=flights"]
-print(subprocess.run([*command, *options, *concealed], check=True, capture_output=True, text=True).stdout)
+RECORD = """
+-m simgap.stages record
+platform=racer record=embedded dataset.source=reality
+record.runs=6 record.duration=8 'record.effects={rotor_drag: 0.35}'
+tracking.enabled=false output=flights
+"""
+_ = subprocess.run([sys.executable, *shlex.split(RECORD)], check=True)
 
 # %% [markdown]
+# This is the command `simgap record` with its options.
+#
 # ## The question
 #
 # The package brings the platform file of this racer, so its name is enough.
@@ -55,12 +61,16 @@ start = machine.state(position_z=10.0, velocity_x=8.0)
 import numpy as np
 
 racer = machine.platform
-hover = np.sqrt(racer.mass * racer.gravity / (4 * racer.thrust_coefficient)) / racer.motor_speed_max
+hover = (
+    np.sqrt(racer.mass * racer.gravity / (4 * racer.thrust_coefficient))
+    / racer.motor_speed_max
+)
 commands = np.full((50, 4), hover)
 after = machine.rollout(start, commands, dt=0.01)
 before = answer.nominal.rollout(start, commands, dt=0.01)
 speed = machine.state_names.index("velocity_x")
-print(f"forward speed after 0.5 s: {before[-1, speed]:.2f} m/s before, {after[-1, speed]:.2f} m/s with drag")
+print(f"without drag {before[-1, speed]:.2f} m/s after 0.5 s")
+print(f"with drag    {after[-1, speed]:.2f} m/s after 0.5 s")
 
 # %% [markdown]
 # Without drag the racer keeps its 8 m/s.
@@ -78,8 +88,8 @@ print(batch.shape)
 # - [Racing](../racing.md) trains a policy in this simulator.
 # - [Quadrotor effects](../effects.md#quadrotor) lists everything that can be named.
 
-# %%
-drag = next(effect for effect in answer.effects if effect.name == "rotor_drag")
+# %% tags=["remove-cell"]
+drag = next(each for each in answer.effects if each.name == "rotor_drag")
 assert drag.probability > 0.5
 assert abs(drag.parameters["coefficient"].value - 0.35) < 0.03
 assert after[-1, speed] < 0.9 * before[-1, speed]

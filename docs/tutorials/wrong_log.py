@@ -14,14 +14,22 @@
 import numpy as np
 import pandas as pd
 
-platform = {"kind": "joint", "inertia": 0.02, "gravity_torque": 0.8}  # kg·m²; N·m, zero hangs down
-RATE, STEPS = 200, 10  # Hz of the log; steps of the simulation from sample to sample
+platform = {
+    "kind": "joint",
+    "inertia": 0.02,  # kg·m²
+    "gravity_torque": 0.8,  # N·m; zero position hangs down
+}
+RATE = 200  # Hz, of the log
+STEPS = 10  # of the simulation, from sample to sample
 random = np.random.default_rng(seed=2)
 time = np.arange(8 * RATE) / RATE
 
 
 def swing(effort):
-    """Return position (rad) and velocity (rad/s) at each sample, for torques (N·m) that are held in between."""
+    """Return position (rad) and velocity (rad/s) at each sample.
+
+    A torque (N·m) is held from its sample to the next.
+    """
     step, position, velocity = 1 / (RATE * STEPS), 0.0, 0.0
     samples = []
     for torque in effort:
@@ -33,23 +41,23 @@ def swing(effort):
     return np.array(samples).T
 
 
-def trial(name):
-    frequencies, phases = random.uniform(0.2, 4.0, 6), random.uniform(0, 2 * np.pi, 6)
-    effort = 0.12 * np.sin(2 * np.pi * frequencies * time[:, None] + phases).sum(axis=1)
+def trial(number):
+    frequencies = random.uniform(0.2, 4.0, 6)  # Hz
+    phases = random.uniform(0, 2 * np.pi, 6)
+    waves = np.sin(2 * np.pi * frequencies * time[:, None] + phases)
+    effort = 0.12 * waves.sum(axis=1)
     position, velocity = swing(effort)
-    noise = random.normal(0, [[2e-4], [0.02]], (2, time.size))
-    return pd.DataFrame(
-        {
-            "run": name,
-            "t": time,
-            "position": position + noise[0],
-            "velocity": velocity + noise[1],
-            "effort": effort,
-        }
-    )
+    columns = {
+        "run": f"trial_{number}",
+        "t": time,
+        "position": position + random.normal(0, 2e-4, time.size),
+        "velocity": velocity + random.normal(0, 0.02, time.size),
+        "effort": effort,
+    }
+    return pd.DataFrame(columns)
 
 
-good = pd.concat([trial(f"trial_{number}") for number in range(1, 5)], ignore_index=True)
+good = pd.concat(map(trial, range(4)), ignore_index=True)
 
 # %%
 import simgap
@@ -75,8 +83,8 @@ print(*answer.warnings, sep="\n")
 # The machine accelerates against its command, and no physics in the catalogue does that.
 # Mend the sign in the log, and ask again.
 
-# %%
-assert not [effect for effect in answer.effects if effect.probability > 0.5]
+# %% tags=["remove-cell"]
+assert not [each for each in answer.effects if each.probability > 0.5]
 assert answer.warnings
 
 # %% [markdown]
@@ -85,13 +93,15 @@ assert answer.warnings
 # Many servos log degrees. The contract wants radians.
 
 # %%
-degrees = good.assign(position=np.rad2deg(good["position"]), velocity=np.rad2deg(good["velocity"]))
+degrees = good.assign(
+    position=np.rad2deg(good["position"]), velocity=np.rad2deg(good["velocity"])
+)
 answer = simgap.diagnose(degrees, platform=platform)
 print(answer.verdict)
 print(*answer.warnings, sep="\n")
 
-# %%
-assert not [effect for effect in answer.effects if effect.probability > 0.5]
+# %% tags=["remove-cell"]
+assert not [each for each in answer.effects if each.probability > 0.5]
 assert answer.warnings
 
 # %% [markdown]
@@ -99,10 +109,12 @@ assert answer.warnings
 # Say the units, and the log is good again.
 
 # %%
-answer = simgap.diagnose(degrees, platform=platform, units={"position": "deg", "velocity": "deg/s"})
+answer = simgap.diagnose(
+    degrees, platform=platform, units={"position": "deg", "velocity": "deg/s"}
+)
 print(answer.verdict)
 
-# %%
+# %% tags=["remove-cell"]
 assert answer.verdict == "none"
 
 # %% [markdown]
@@ -115,11 +127,9 @@ assert answer.verdict == "none"
 # Then there is no answer, but one line: what is wrong, where, and what to do.
 
 # %%
-from simgap.errors import InputError
-
 try:
     simgap.diagnose(good.drop(columns="effort"), platform=platform)
-except InputError as error:
+except simgap.InputError as error:
     print(error)
 
 # %% [markdown]

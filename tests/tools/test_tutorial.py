@@ -24,6 +24,10 @@ _ = plt.figure()
 
 # %%
 pd.DataFrame({"column": [x]})
+
+# %% tags=["remove-cell"]
+assert x == 20
+print("hidden")
 """
 
 
@@ -43,6 +47,8 @@ def test_a_page_shows_what_each_cell_printed_returned_and_drew(tmp_path):
     assert "```text\nsaid\n```\n\n```text\n21\n```" in page
     assert '<div class="output">' in page
     assert "<td>20</td>" in page
+    assert "<style" not in page
+    assert "hidden" not in page
     (figure,) = (tmp_path / "page").glob("*.svg")
     assert f"_ = plt.figure()\n```\n\n![]({figure.name})" in page
     assert (tmp_path / "log.csv").exists()
