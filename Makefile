@@ -45,6 +45,7 @@ site: $(STAMP)
 docs: $(STAMP)
 	@$(BIN)/python -m tools.sentences README.md docs
 	@SIMGAP_RUN_TUTORIALS=1 $(MAKE) --no-print-directory site
+	@echo "the site: build/site/index.html"
 
 bench: $(STAMP) .venv-bench/.installed
 	@$(BIN)/python -m benchmarks --peers .venv-bench/bin/python --output docs/benchmark.md

@@ -61,10 +61,7 @@ start = machine.state(position_z=10.0, velocity_x=8.0)
 import numpy as np
 
 racer = machine.platform
-hover = (
-    np.sqrt(racer.mass * racer.gravity / (4 * racer.thrust_coefficient))
-    / racer.motor_speed_max
-)
+hover = np.sqrt(racer.mass * racer.gravity / (4 * racer.thrust_coefficient)) / racer.motor_speed_max
 commands = np.full((50, 4), hover)
 after = machine.rollout(start, commands, dt=0.01)
 before = answer.nominal.rollout(start, commands, dt=0.01)

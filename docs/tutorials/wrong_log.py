@@ -93,9 +93,7 @@ assert answer.warnings
 # Many servos log degrees. The contract wants radians.
 
 # %%
-degrees = good.assign(
-    position=np.rad2deg(good["position"]), velocity=np.rad2deg(good["velocity"])
-)
+degrees = good.assign(position=np.rad2deg(good["position"]), velocity=np.rad2deg(good["velocity"]))
 answer = simgap.diagnose(degrees, platform=platform)
 print(answer.verdict)
 print(*answer.warnings, sep="\n")
@@ -109,9 +107,7 @@ assert answer.warnings
 # Say the units, and the log is good again.
 
 # %%
-answer = simgap.diagnose(
-    degrees, platform=platform, units={"position": "deg", "velocity": "deg/s"}
-)
+answer = simgap.diagnose(degrees, platform=platform, units={"position": "deg", "velocity": "deg/s"})
 print(answer.verdict)
 
 # %% tags=["remove-cell"]

@@ -67,3 +67,10 @@ def test_the_readme_says_how_many_effects_have_names():
     for kind, row in {"quadrotor": "quadrotor", "swerve": "swerve drive", "joint": "single joint"}.items():
         names = {effect.name for effect in effects_of(kind) if effect.names_physics}
         assert f"| {row} | {len(names)} |" in readme
+
+
+@pytest.mark.slow
+def test_a_page_shows_a_file_of_the_repository_as_it_is(site):
+    page = (site / "how_to" / "effect.html").read_text(encoding="utf-8")
+    assert "ViscousFriction" in page
+    assert "8&lt;--" not in page
