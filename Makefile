@@ -1,6 +1,7 @@
 # Everything a person needs to type. Only Python 3.11+, git and make have to be there.
 #   make run     install what is pinned, reproduce the default branch, say where the page is (BRANCH=NAME for another one)
 #   make test    install if need be, run linters, type checker, import contracts and tests
+#   make docs    build the documentation site into build/site, with what each tutorial prints and draws (some minutes)
 #   make prove   the concealed benchmark: SEED=1 CASES=60 (of each kind) KIND=quadrotor,joint,swerve
 #   make bench   measure the simulator beside its peers, write docs/benchmark.md (leave the machine alone meanwhile)
 #   make bench-training   measure training beside its bare loop, write docs/benchmark_training.md
@@ -17,12 +18,12 @@ KIND ?= quadrotor,joint,swerve
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-.PHONY: run test prove bench bench-training bench-policies lint install
+.PHONY: run test docs site prove bench bench-training bench-policies lint install
 
 run: $(STAMP)
 	@$(BIN)/simgap reproduce $(BRANCH)
 
-test: lint
+test: lint site
 	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal -m "not slow"
 	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal -m slow
 
@@ -35,6 +36,16 @@ lint: $(STAMP)
 	@$(BIN)/python -m tools.link_package build/package
 	@$(BIN)/mypy
 	@PYTHONPATH=build/package $(BIN)/lint-imports
+
+# The site with warnings as errors; quick, because tutorials are shown without being run.
+site: $(STAMP)
+	@$(BIN)/python -m tools.link_package build/package
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
+docs: $(STAMP)
+	@$(BIN)/python -m tools.sentences README.md docs
+	@SIMGAP_RUN_TUTORIALS=1 $(MAKE) --no-print-directory site
+	@echo "the site: build/site/index.html"
 
 bench: $(STAMP) .venv-bench/.installed
 	@$(BIN)/python -m benchmarks --peers .venv-bench/bin/python --output docs/benchmark.md

@@ -11,6 +11,8 @@ from simgap.benchmark import measures
 from simgap.benchmark.intervals import Share, quantile
 from simgap.benchmark.published import published_rows
 from simgap.benchmark.reliability import reliability_figure
+from simgap.benchmark.seeds import HEADING as SEEDS
+from simgap.benchmark.seeds import markdown_table, read_seeds, seeds_text
 
 DOCS = PROJECT_ROOT / "docs"
 FIGURE = "images/reliability.svg"
@@ -35,7 +37,7 @@ def results_text(results: Sequence[measures.Result], command: str) -> str:
         parts += _concealed(concealed)
     if published:
         head = ["recording", "known", "named", "gap closed", "removed and named first again", "seconds"]
-        parts += ["Published recordings with known effects:", _table(head, published_rows(published))]
+        parts += ["Published recordings with known effects:", markdown_table(head, published_rows(published))]
     return "\n\n".join(parts) + "\n"
 
 
@@ -45,12 +47,14 @@ def _concealed(results: Sequence[measures.Result]) -> list[str]:
     return [
         f"{len(results)} concealed cases. {drawn - len(results)} more were drawn, but no realistic effect size reaches "
         "what their category demands.",
-        _table(["measured", "bar", "", *kinds], _bar_rows(results, kinds)),
-        _table(["also", "", *kinds], _other_rows(results, kinds)),
+        markdown_table(["measured", "bar", "", *kinds], _bar_rows(results, kinds)),
+        markdown_table(["also", "", *kinds], _other_rows(results, kinds)),
         "Per effect: how often it is named first, median error of its first parameter, median of the gap closed.",
-        _table(["kind", "effect", "clear", "faint", "error", "gap closed"], _effect_rows(results)),
+        markdown_table(["kind", "effect", "clear", "faint", "error", "gap closed"], _effect_rows(results)),
         "Wrong first names, most frequent first:",
-        _table(["concealed", "named first", "cases"], [list(map(str, row)) for row in _worst(results)]),
+        markdown_table(
+            ["concealed", "named first", "cases"], [list(map(str, row)) for row in _worst(results)]
+        ),
     ]
 
 
@@ -76,12 +80,9 @@ def renew_introduction() -> None:
 
 def _write_page(results: str) -> None:
     introduction = _INTRODUCTION.read_text(encoding="utf-8")
-    (DOCS / "proof.md").write_text(f"{introduction}\n{RESULTS}\n\n{results}", encoding="utf-8")
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    measured = results.partition(f"{SEEDS}\n")[0].rstrip()
+    text = "\n\n".join([introduction.rstrip(), RESULTS, measured, seeds_text(read_seeds())])
+    (DOCS / "proof.md").write_text(f"{text}\n", encoding="utf-8")
 
 
 def _bar_rows(results: Sequence[measures.Result], kinds: Sequence[str]) -> list[list[str]]:
