@@ -11,13 +11,13 @@ from simgap.physics import rotations
 from simgap.physics.cable import Cable, across, along, pooled, pull, swing
 from simgap.physics.shapes import Value
 
-_COARSE = 0.15  # rad that a cable swings by in a step: an error of the start is no finer than what is felt
+_COARSE_ANGLE = 0.15  # rad that a cable swings by in a step: an error of the start is no finer
 _USUAL = 1.0  # rad, by which a cable may be off the apparent gravity at first
 _GROWING = (0.25, 0.5, 0.75, 1.0)  # of what was felt: the shorter, the fewer the valleys of a wild swing
 _CORRECTIONS = 3  # on each of them
 _DAMPING = 0.01  # of a correction, at first
 _EASED, _TIGHTENED = 0.25, 8.0  # what becomes of it where a correction helps, and where it does not
-_SLIGHT = 1e-3  # rad, by which it is turned to see what that changes
+_SLIGHT_ANGLE = 1e-3  # rad, by which it is turned to see what that changes
 _MEMORY = 0.2  # s, after which what is felt tells something new
 
 
@@ -67,7 +67,7 @@ def first_swing(
         counts: which samples count, (cables, samples).
         mass_ratio: of load and machine.
     """
-    stride = cable.stride(_COARSE)
+    stride = cable.stride(_COARSE_ANGLE)
     means = pooled(apparent, stride)
     middles = (stride * torch.arange(means.shape[1]) + stride // 2).clamp_max(apparent.shape[1] - 1)
     felt = Felt(means, attitude[:, middles], counts[:, middles])
@@ -139,7 +139,7 @@ class _Search:
     def swung(self, off: Tensor) -> Swung:
         """Return what starts lead to, and how that changes with them."""
         units = torch.eye(4, dtype=off.dtype)
-        aside = _SLIGHT * torch.cat([torch.zeros_like(units[:1]), units])
+        aside = _SLIGHT_ANGLE * torch.cat([torch.zeros_like(units[:1]), units])
         direction, rate = self.turned(off + aside[:, None])
         apparent = self.felt.apparent.expand(5, *self.felt.apparent.shape)
         swung = self.cable.steps(
@@ -148,7 +148,7 @@ class _Search:
         towards, turning = (each.unflatten(0, (5, -1)) for each in swung)
         shown = self.felt.sideways(self.mass_ratio * pull(towards, turning, apparent, self.cable.length))
         error = self.felt.sideways(-self.felt.apparent) - shown[0]
-        return Swung(off, error, ((shown[1:] - shown[0]) / _SLIGHT).movedim(0, -1))
+        return Swung(off, error, ((shown[1:] - shown[0]) / _SLIGHT_ANGLE).movedim(0, -1))
 
     def correction(self, swung: Swung, damping: Tensor) -> Tensor:
         """Return by how much starts have to be turned further, (cables, 4)."""

@@ -15,7 +15,9 @@ from simgap.effects.quadrotor.common import rotor_speed_ratio
 from simgap.effects.scan import scan
 from simgap.physics.shapes import Channels, Signal
 
-_SLOWEST = 0.1  # of the hover rotor speed; slower, a rotor lifts a hundredth of the weight and its tilt hardly counts
+_SLOWEST_ROTOR = (
+    0.1  # of the hover speed; slower, a rotor lifts a hundredth of the weight: its tilt hardly counts
+)
 
 
 class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
@@ -85,7 +87,7 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
 
 def _steady_tilt(signals: Signals, values: Values, constants: Values) -> tuple[Tensor, Tensor]:
     """Return the tilt (..., 2) away from +x and +y that the discs tend to, rad, and the time it takes, s."""
-    ratio = rotor_speed_ratio(signals, constants).clamp_min(_SLOWEST)[..., None]
+    ratio = rotor_speed_ratio(signals, constants).clamp_min(_SLOWEST_ROTOR)[..., None]
     time_constant = values["time_constant"] / ratio
     # The discs keep their plane in space while the body turns away under them.
     roll, pitch, _ = signals["body_rate"].unbind(-1)
