@@ -11,13 +11,13 @@ from simgap.physics import rotations
 from simgap.physics.cable import Cable, across, along, pooled, pull, swing
 from simgap.physics.shapes import Value
 
-_COARSE = 0.15  # rad of swing in a coarse step: finer steps do not improve the start
+_COARSE_ANGLE = 0.15  # rad of swing in a coarse step: finer steps do not improve the start
 _USUAL = 1.0  # rad, prior deviation of the cable from the apparent gravity
 _GROWING = (0.25, 0.5, 0.75, 1.0)  # parts of the record: a shorter part has fewer local minima
 _CORRECTIONS = 3  # Levenberg-Marquardt steps on each part
 _DAMPING = 0.01  # initial damping of a step
 _EASED, _TIGHTENED = 0.25, 8.0  # its factor after a better and after a worse step
-_SLIGHT = 1e-3  # rad, step of the finite differences
+_SLIGHT_ANGLE = 1e-3  # rad, step of the finite differences
 _MEMORY = 0.2  # s, correlation time of the accelerations
 
 
@@ -67,7 +67,7 @@ def first_swing(
         counts: mask of valid samples, (cables, samples).
         mass_ratio: mass of the load over mass of the machine.
     """
-    stride = cable.stride(_COARSE)
+    stride = cable.stride(_COARSE_ANGLE)
     means = pooled(apparent, stride)
     middles = (stride * torch.arange(means.shape[1]) + stride // 2).clamp_max(apparent.shape[1] - 1)
     felt = Felt(means, attitude[:, middles], counts[:, middles])
@@ -139,7 +139,7 @@ class _Search:
     def swung(self, off: Tensor) -> Swung:
         """Return the swings from these starts, with their derivatives."""
         units = torch.eye(4, dtype=off.dtype)
-        aside = _SLIGHT * torch.cat([torch.zeros_like(units[:1]), units])
+        aside = _SLIGHT_ANGLE * torch.cat([torch.zeros_like(units[:1]), units])
         direction, rate = self.turned(off + aside[:, None])
         apparent = self.felt.apparent.expand(5, *self.felt.apparent.shape)
         swung = self.cable.steps(
@@ -148,7 +148,7 @@ class _Search:
         towards, turning = (each.unflatten(0, (5, -1)) for each in swung)
         shown = self.felt.sideways(self.mass_ratio * pull(towards, turning, apparent, self.cable.length))
         error = self.felt.sideways(-self.felt.apparent) - shown[0]
-        return Swung(off, error, ((shown[1:] - shown[0]) / _SLIGHT).movedim(0, -1))
+        return Swung(off, error, ((shown[1:] - shown[0]) / _SLIGHT_ANGLE).movedim(0, -1))
 
     def correction(self, swung: Swung, damping: Tensor) -> Tensor:
         """Return the next step of the starts, (cables, 4)."""

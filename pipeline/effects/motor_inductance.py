@@ -9,7 +9,7 @@ from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.lag import lag_along_time, lag_step
 from simgap.physics.shapes import Signal
 
-_SLOWEST = 0.05  # s; a few milliseconds are usual, for large machines some twenty
+_LONGEST_TIME = 0.05  # s; a few milliseconds are usual, for large machines some twenty
 
 
 class MotorInductance(ActuatorEffect):
@@ -36,8 +36,8 @@ class MotorInductance(ActuatorEffect):
 
     def unphysical(self, values: Values, constants: Values) -> str:
         """Return a reason if the current would rise more slowly than in any winding of such a machine."""
-        slow = self._time_constant(values, constants) > _SLOWEST
-        return f"no winding takes longer than {_SLOWEST} s" if slow else ""
+        slow = self._time_constant(values, constants) > _LONGEST_TIME
+        return f"no winding takes longer than {_LONGEST_TIME} s" if slow else ""
 
     def lateness(self, values: Values, constants: Values) -> float:
         """Return the winding's time constant."""

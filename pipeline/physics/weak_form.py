@@ -98,14 +98,14 @@ def moving_mean_of(
     window: MovingWindow, series: Float[Tensor, "*batch samples"]
 ) -> Float[Tensor, "*batch windows"]:
     """Return the weighted means (..., windows) of a series (..., samples); none where it is too short."""
-    return _moved(window.weights, window.stride, series)
+    return _averaged(window.weights, window.stride, series)
 
 
 def moving_mean_rate_of(
     window: MovingWindow, series: Float[Tensor, "*batch samples"]
 ) -> Float[Tensor, "*batch windows"]:
     """Return the weighted means (..., windows) of the rate of a series (..., samples)."""
-    return _moved(window.slopes, window.stride, series)
+    return _averaged(window.slopes, window.stride, series)
 
 
 def moving_centres(window: MovingWindow, samples: int) -> Int[Tensor, " windows"]:
@@ -128,7 +128,7 @@ def _test_functions(offset: Tensor, half: int, time_step: float) -> tuple[Tensor
     return weights / weights.sum(-1, keepdim=True), slopes / moment
 
 
-def _moved(function: Tensor, stride: int, series: Tensor) -> Tensor:
+def _averaged(function: Tensor, stride: int, series: Tensor) -> Tensor:
     if series.shape[-1] < len(function):
         return series.new_zeros(*series.shape[:-1], 0)
     return series.unfold(-1, len(function), stride) @ function

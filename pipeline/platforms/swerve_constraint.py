@@ -48,11 +48,11 @@ def rolling_projection(
     )  # k costs single precision 4 digits
     lengths = _lengths(angle, constants)
     positions = constants["module_positions"]
-    across = _first(lateral_matrix(angle, positions) / lengths)
-    rate = _first(lateral_matrix_rate(angle, turning, positions) / lengths)
+    across = _indices_first(lateral_matrix(angle, positions) / lengths)
+    rate = _indices_first(lateral_matrix_rate(angle, turning, positions) / lengths)
     square, half = _product(across.transpose(0, 1), across), _product(rate.transpose(0, 1), across)
     turned = _product(square, half + half.transpose(0, 1))
-    projection = _inverse(_unit(square) + _SHARPNESS * _product(square, square))
+    projection = _inverse(_unit_matrix(square) + _SHARPNESS * _product(square, square))
     changed = _product(projection, _product(turned + turned.transpose(0, 1), projection))
     to_momentum = lengths[:, None] / lengths
     found = projection, -_SHARPNESS * changed
@@ -73,9 +73,9 @@ def along_the_wheels(twist: Vector, angle: PerModule, constants: Mapping[str, An
     """
     lengths = _lengths(angle, constants)
     scaled = twist * lengths
-    across = _first(lateral_matrix(angle, constants["module_positions"]) / lengths)
+    across = _indices_first(lateral_matrix(angle, constants["module_positions"]) / lengths)
     square = _product(across.transpose(0, 1), across)
-    easy = _inverse(_unit(square) * _FLOOR + square) * scaled.movedim(-1, 0)
+    easy = _inverse(_unit_matrix(square) * _FLOOR + square) * scaled.movedim(-1, 0)
     easy = easy.sum(1).movedim(0, -1)
     easy = easy / easy.norm(dim=-1, keepdim=True).clamp_min(1e-12)
     return easy * (easy * scaled).sum(-1, keepdim=True) / lengths
@@ -88,13 +88,13 @@ def _lengths(angle: Tensor, constants: Mapping[str, Any]) -> Tensor:
     return torch.stack([torch.ones_like(gyration), torch.ones_like(gyration), gyration])
 
 
-def _unit(matrix: Tensor) -> Tensor:
+def _unit_matrix(matrix: Tensor) -> Tensor:
     """Return the unit matrix in the shape of matrices (3, 3, ...)."""
     unit = torch.eye(3, dtype=matrix.dtype, device=matrix.device)
     return unit.reshape(3, 3, *[1] * (matrix.ndim - 2))
 
 
-def _first(matrix: Tensor) -> Tensor:
+def _indices_first(matrix: Tensor) -> Tensor:
     """Return matrices (..., rows, columns) with their indices first."""
     return matrix.movedim((-2, -1), (0, 1)).contiguous()
 

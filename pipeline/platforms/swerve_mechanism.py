@@ -79,12 +79,12 @@ class SwerveMechanism(Mechanism):
         measured = signals["drive_velocity"]
         motor = (
             motor
-            + sliding * _beyond(measured - motor, constants["creep"] * per_speed)
+            + sliding * _beyond_creep(measured - motor, constants["creep"] * per_speed)
             + per_speed * least_slip
         )
         rolling = {f"rolling_{n + 1}": (measured[..., n], motor[..., n]) for n in range(4)}
         along = along_the_wheels(twist, angle, constants)
-        along = along + sliding.mean(-1, keepdim=True) * _beyond(twist - along, constants["creep"])
+        along = along + sliding.mean(-1, keepdim=True) * _beyond_creep(twist - along, constants["creep"])
         across = {name: (twist[..., n], along[..., n]) for n, name in enumerate(_ACROSS)}
         return rolling | across
 
@@ -196,7 +196,7 @@ class SwerveMechanism(Mechanism):
         return {"drive_x": drive, "drive_y": drive} | {f"steer_{module}": steer for module in range(1, 5)}
 
 
-def _beyond(speed: Tensor, creep: Any) -> Tensor:
+def _beyond_creep(speed: Tensor, creep: Any) -> Tensor:
     """Return what of a speed is beyond creep."""
     return speed.sign() * (speed.abs() - creep).clamp_min(0.0)
 

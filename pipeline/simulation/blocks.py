@@ -95,7 +95,7 @@ class Blocks:
             return self.signals | self.resolution
         means = self.acting_after(0.5)
         for position, velocity in self.rates.items():
-            change = _next(self.signals[velocity]) - self.signals[velocity]
+            change = _one_later(self.signals[velocity]) - self.signals[velocity]
             means[position] = means[position] - self.time_step / 12.0 * change
         return means
 
@@ -103,7 +103,7 @@ class Blocks:
         """Return what acts when a part of each step is over, by name, where commands are known step by step."""
         known = self.signals | self.resolution
         states = {name: series for name, series in known.items() if name not in self.held_commands}
-        moved = {name: (1.0 - part) * series + part * _next(series) for name, series in states.items()}
+        moved = {name: (1.0 - part) * series + part * _one_later(series) for name, series in states.items()}
         return moved | self.held_commands
 
     def acting_inside(self, series: Float[Tensor, "blocks long *rest"]) -> Series:
@@ -204,7 +204,7 @@ def _kept_signals(
     return next(padded), next(padded)
 
 
-def _next(series: Tensor) -> Tensor:
+def _one_later(series: Tensor) -> Tensor:
     """Return a series (blocks, samples, ...) one sample on; the last one stays."""
     return torch.cat([series[:, 1:], series[:, -1:]], dim=1)
 

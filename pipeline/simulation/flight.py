@@ -16,7 +16,7 @@ from simgap.simulation.powertrain import Powertrain, powertrain_values
 from simgap.simulation.rollout import step
 from simgap.simulation.simulator import FittedEffect, Simulator
 
-_RATE = QuadrotorMotion.parts["body_rate"]
+_BODY_RATE_PART = QuadrotorMotion.parts["body_rate"]
 
 Memory = tuple[Any, Any]
 """Of the controller and of the simulator's effects."""
@@ -80,7 +80,9 @@ class Flight:
         """Advance a batch by one inner step with what `acting` returned at the start of the period."""
         regulating, effects = memory or (None, ())
         inner = self.period / self.substeps
-        throttle, regulating = self.controller.command(state[..., _RATE], acting[..., :4], regulating, inner)
+        throttle, regulating = self.controller.command(
+            state[..., _BODY_RATE_PART], acting[..., :4], regulating, inner
+        )
         command = {"motor_command": throttle}
         if self.residual is not None:
             command["residual"] = acting[..., 4:]

@@ -14,7 +14,7 @@ from simgap.simulation.motion import motion_of
 from simgap.simulation.rollout import rollout
 from simgap.simulation.simulator import Simulator
 
-_FEW = 12  # blocks that tell how fine the steps have to be
+_TRIAL_BLOCKS = 12  # blocks that tell how fine the steps have to be
 _MOST_SUBSTEPS = 16
 
 
@@ -96,7 +96,7 @@ def substeps_for(
         steps: of the predictions.
         tolerance: of each component of the state, (n,).
     """
-    few = blocks.thinned(_FEW)
+    few = blocks.thinned(_TRIAL_BLOCKS)
     motion = motion_of(simulator.platform)
     initial = motion.pack({name: few.inner(series)[:, 0] for name, series in few.signals.items()})
     substeps, coarse = 1, replay(simulator, few, initial, steps)

@@ -51,7 +51,7 @@ def _quadrotor(frame: pd.DataFrame, held: bool) -> dict[str, Tensor]:
         "body_rate": _columns(frame, "body_rate", _AXES),
         "specific_force": _columns(frame, "specific_force", _AXES),
         "rotor_speed": _columns(frame, "motor_speed", _FOUR),
-        "motor_command": _acting(_columns(frame, "motor_command", _FOUR), held),
+        "motor_command": _mean_while_held(_columns(frame, "motor_command", _FOUR), held),
         "battery_voltage": _column(frame, "battery_voltage"),
     }
     present = {name: series for name, series in signals.items() if series is not None}
@@ -63,8 +63,8 @@ def _joint(frame: pd.DataFrame, platform: Joint, held: bool) -> dict[str, Tensor
     signals = {
         "position": _column(frame, "position"),
         "velocity": _column(frame, "velocity"),
-        "effort": _acting(_column(frame, "effort"), held),
-        "voltage": _acting(_column(frame, "voltage"), held),
+        "effort": _mean_while_held(_column(frame, "effort"), held),
+        "voltage": _mean_while_held(_column(frame, "voltage"), held),
         "battery_voltage": _column(frame, "battery_voltage"),
         "temperature": _column(frame, "temperature"),
     }
@@ -79,8 +79,8 @@ def _joint(frame: pd.DataFrame, platform: Joint, held: bool) -> dict[str, Tensor
 
 def _swerve(frame: pd.DataFrame, platform: Swerve, held: bool) -> dict[str, Tensor]:
     signals = {
-        "drive_voltage": _acting(_columns(frame, "drive_voltage", _FOUR), held),
-        "steer_voltage": _acting(_columns(frame, "steer_voltage", _FOUR), held),
+        "drive_voltage": _mean_while_held(_columns(frame, "drive_voltage", _FOUR), held),
+        "steer_voltage": _mean_while_held(_columns(frame, "steer_voltage", _FOUR), held),
         "drive_velocity": _columns(frame, "drive_velocity", _FOUR),
         "steer_velocity": _columns(frame, "steer_velocity", _FOUR),
         "steer_angle": _columns(frame, "steer_angle", _FOUR),
@@ -112,7 +112,7 @@ def _columns(frame: pd.DataFrame, stem: str, suffixes: tuple[str, ...]) -> Tenso
     return torch.stack(complete, dim=-1) if len(complete) == len(series) else None
 
 
-def _acting(series: Tensor | None, held: bool) -> Tensor | None:
+def _mean_while_held(series: Tensor | None, held: bool) -> Tensor | None:
     if series is None or not held:
         return series
     return 0.5 * (series + torch.cat([series[:1], series[:-1]]))

@@ -59,7 +59,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         """Return the relative deflection and its position; it starts at zero."""
         position = signals["position"]
         deflection, place = (torch.zeros_like(position), position) if memory is None else memory
-        deflection = _moved(deflection, position - place, values["displacement"])
+        deflection = _deflected(deflection, position - place, values["displacement"])
         out = {"hysteresis_deflection": deflection, "hysteresis_position": position}
         return out, (deflection, position)
 
@@ -77,11 +77,11 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the resistance on the axis, N·m or N."""
         moved = signals["position"] - signals["hysteresis_position"]
-        deflection = _moved(signals["hysteresis_deflection"], moved, values["displacement"])
+        deflection = _deflected(signals["hysteresis_deflection"], moved, values["displacement"])
         return on_axis(constants, -values["level"] * deflection)
 
 
-def _moved(deflection: Tensor, way: Tensor, displacement: Tensor | float) -> Tensor:
+def _deflected(deflection: Tensor, way: Tensor, displacement: Tensor | float) -> Tensor:
     """Return the relative deflection after motion without reversal: dz = (1 − z·sign(way)) · way / displacement."""
     towards, left = _remainder(way, displacement)
     return towards + (deflection - towards) * left

@@ -15,7 +15,7 @@ from simgap.effects.quadrotor.common import rotor_speed_ratio
 from simgap.effects.scan import scan
 from simgap.physics.shapes import Channels, Signal
 
-_SLOWEST = (
+_SLOWEST_ROTOR = (
     0.1  # of the hover rotor speed; below, a rotor lifts a hundredth of the weight and its tilt has no effect
 )
 
@@ -88,7 +88,7 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
 
 def _steady_tilt(signals: Signals, values: Values, constants: Values) -> tuple[Tensor, Tensor]:
     """Return the steady tilt (..., 2) of the discs away from +x and +y, rad, and the time constant, s."""
-    ratio = rotor_speed_ratio(signals, constants).clamp_min(_SLOWEST)[..., None]
+    ratio = rotor_speed_ratio(signals, constants).clamp_min(_SLOWEST_ROTOR)[..., None]
     time_constant = values["time_constant"] / ratio
     # The discs keep their plane in space while the body rotates.
     roll, pitch, _ = signals["body_rate"].unbind(-1)

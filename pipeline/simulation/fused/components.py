@@ -26,7 +26,7 @@ _MOVES = {
     _aten.slice_scatter, _aten.split, _aten.split_with_sizes, _aten.squeeze, _aten.stack, _aten.t, _aten.transpose,
     _aten.unbind, _aten.unsqueeze, _aten._unsafe_view, _aten.view,
 }  # fmt: skip
-_FOLDS = {
+_REDUCTIONS = {
     _aten.sum: _aten.add.Tensor,
     _aten.prod: _aten.mul.Tensor,
     _aten.amax: _aten.maximum.default,
@@ -78,8 +78,8 @@ class Components:
             return self._moved(target, args, kwargs)
         if packet is _aten.copy:
             return Entries(self.entries(args[1]).places.expand(self.entries(args[0]).places.shape))
-        if packet in _FOLDS:
-            return self._folded(_FOLDS[packet], args[0], *args[1:], **_without_dtype(kwargs))
+        if packet in _REDUCTIONS:
+            return self._folded(_REDUCTIONS[packet], args[0], *args[1:], **_without_dtype(kwargs))
         if packet is _aten._to_copy:
             return self._converted(args[0], node)
         if torch.Tag.pointwise in target.tags:

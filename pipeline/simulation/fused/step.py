@@ -19,8 +19,8 @@ Function = Callable[
 """From state (batch, n), action (batch, k) and memory to state and memory."""
 
 # The whole step is one kernel: splitting it gains nothing, and intermediate results would leave the registers.
-_OPTIONS: dict[str, Any] = {"max_fusion_size": 1_000_000}
-_ALONE: dict[str, Any] = _OPTIONS | {"cpp.threads": 1}
+_COMPILER_OPTIONS: dict[str, Any] = {"max_fusion_size": 1_000_000}
+_ALONE: dict[str, Any] = _COMPILER_OPTIONS | {"cpp.threads": 1}
 _WORTH_SHARING = 1024  # machines: fewer are done before a second thread has begun
 _MANY = 2**16  # machines in the example from which the compiler decides whether threads share the work
 
@@ -108,7 +108,9 @@ class FusedStep:
             raise InputError("is not contiguous", "rows or action", "use pack and action.T.contiguous()")
         shared = rows.shape[1] >= _WORTH_SHARING
         if shared not in self._compiled:
-            self._compiled[shared] = _compiled(self._graph, rows, action, _OPTIONS if shared else _ALONE)
+            self._compiled[shared] = _compiled(
+                self._graph, rows, action, _COMPILER_OPTIONS if shared else _ALONE
+            )
         run = self._compiled[shared]
         for _ in range(self._repeats):
             rows = run(rows, action)
