@@ -189,7 +189,7 @@ def test_a_policy_flies_only_the_machine_that_it_was_trained_for(trained, stage,
     with pytest.raises(SystemExit) as ended:
         main(stage, ["platform=crazyflie_brushless", f"artifacts={trained}", "tracking.enabled=false"])
     assert ended.value.code == 2
-    assert "trained for another machine" in capsys.readouterr().err
+    assert "trained for another platform" in capsys.readouterr().err
 
 
 def test_an_evaluation_says_how_the_race_went(trained, capsys):

@@ -31,4 +31,4 @@ def test_an_axis_is_coarse_that_settles_within_two_samples_and_leaves_more_than_
 def test_a_coarse_axis_is_said_with_both_times():
     assert coarseness_of({}, 0.02) == []
     (sentence,) = coarseness_of({"torque": 0.02}, 0.05)
-    assert "torque: what moves settles within 0.02 s, and samples are 0.05 s apart" in sentence
+    assert "torque: the axis settles within 0.02 s, but samples are 0.05 s apart" in sentence
