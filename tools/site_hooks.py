@@ -32,7 +32,8 @@ def _pages(script: Path) -> dict[str, bytes]:
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch, "page")
         command = [sys.executable, "-m", "tools.tutorial", str(script), str(folder)]
-        environment = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1"}
+        found = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
+        environment = {**os.environ, "PYTHONPATH": found, "MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1"}
         done = subprocess.run(command, cwd=scratch, env=environment, capture_output=True, text=True)
         if done.returncode:
             raise PluginError(done.stderr)

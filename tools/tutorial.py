@@ -77,7 +77,7 @@ def _shown(value: Any) -> str:
 
 def _figures(folder: Path, name: str) -> list[str]:
     """Save and close the figures that are open; return the lines that show them."""
-    pyplot = sys.modules.get("matplotlib.pyplot")
+    pyplot: Any = sys.modules.get("matplotlib.pyplot")
     lines = []
     for number in pyplot.get_fignums() if pyplot else []:
         file = f"{name}_{number}.svg"

@@ -1,5 +1,6 @@
 """The site: it loads nothing from elsewhere, and shows each tutorial. `make site` builds it with warnings as errors."""
 
+import os
 import re
 import subprocess
 import sys
@@ -49,17 +50,40 @@ def test_the_readme_is_short_and_its_links_lead_somewhere():
         assert (PROJECT_ROOT / target.partition("#")[0]).exists(), target
 
 
+def build(folder, pages, **environment):
+    """Build a small site of these pages by the project's own configuration."""
+    whole = yaml.safe_load((PROJECT_ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
+    kept = ("site_name", "theme", "markdown_extensions", "use_directory_urls", "validation")
+    configuration = {key: whole[key] for key in kept} | {"hooks": [str(PROJECT_ROOT / "tools/site_hooks.py")]}
+    for name, text in {"mkdocs.yml": yaml.safe_dump(configuration), **pages}.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict"]
+    return subprocess.run(command, cwd=folder, env=os.environ | environment, capture_output=True, text=True)
+
+
 @pytest.mark.slow
 def test_a_broken_link_is_an_error(tmp_path):
-    configuration = yaml.safe_load((PROJECT_ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
-    (tmp_path / "docs").mkdir()
-    (tmp_path / "docs" / "index.md").write_text("[nowhere](nowhere.md)\n")
-    kept = ("site_name", "theme", "markdown_extensions", "validation")
-    (tmp_path / "mkdocs.yml").write_text(yaml.safe_dump({key: configuration[key] for key in kept}))
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    done = build(tmp_path, {"docs/index.md": "[nowhere](nowhere.md)\n"})
     assert done.returncode == 1
     assert "nowhere.md" in done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("environment", "output"), [({}, False), ({"SIMGAP_RUN_TUTORIALS": "1"}, True)])
+def test_a_tutorial_is_run_where_that_is_wanted(tmp_path, environment, output):
+    pages = {"docs/index.md": "[one](tutorials/one.md)\n", "docs/tutorials/one.py": "# %%\nprint(6 * 111)\n"}
+    done = build(tmp_path, pages, **environment)
+    assert done.returncode == 0, done.stderr
+    assert ("666" in (tmp_path / "site" / "tutorials" / "one.html").read_text(encoding="utf-8")) == output
+
+
+@pytest.mark.slow
+def test_a_tutorial_that_fails_stops_the_site(tmp_path):
+    pages = {"docs/index.md": "text\n", "docs/tutorials/one.py": "# %%\n1 / 0\n"}
+    done = build(tmp_path, pages, SIMGAP_RUN_TUTORIALS="1")
+    assert done.returncode == 1
+    assert "one.py:2: this cell failed" in done.stderr
 
 
 def test_the_readme_says_how_many_effects_have_names():
