@@ -68,6 +68,7 @@ def test_friction_that_fades_where_no_sample_tells_the_direction_is_coulombs(kin
     """Bells a sixth as wide as the sliding velocity, and half as wide again as it."""
     name, group = ("stribeck_friction", "") if kind == "joint" else ("stribeck_friction@steer", "steer_")
     speeds = torch.linspace(-6.0, 6.0, 4801, dtype=torch.float64)[None]
+    speeds = speeds if kind == "joint" else speeds[..., None].expand(1, 4801, 4)  # one for each module
     signals = {f"{group}velocity": speeds, f"{group}sliding_velocity": torch.ones_like(speeds)}
     for velocity, expected in ((1.0 / 6.0, "coulomb_friction"), (1.5, "")):
         values = {"extra_level": 0.3, "velocity": velocity}
