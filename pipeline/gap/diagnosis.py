@@ -27,6 +27,7 @@ from simgap.gap.unnamed import Unnamed, find_unnamed
 from simgap.gap.validate import Validation, validate
 from simgap.gap.whiteness import Memory, memories_of, remembered
 from simgap.platforms.mechanism import Channel
+from simgap.recordings.contradiction import Contradiction
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
@@ -44,7 +45,8 @@ class Diagnosis:
     """What `diagnose` found.
 
     Attributes:
-        verdict: `missing_physics`, `parameter_mismatch`, `none` or `unexplained`.
+        verdict: `missing_physics`, `parameter_mismatch`, `none`, `unexplained` or `contradiction`.
+        contradictions: of the recording with itself or the platform; nothing is named where there are any.
         warnings: doubts about recording and result.
         mismatches: where the nominal simulator fails.
         naming: the competition and its result.
@@ -62,6 +64,7 @@ class Diagnosis:
     """
 
     verdict: str
+    contradictions: tuple[Contradiction, ...]
     warnings: tuple[str, ...]
     mismatches: list[Mismatch]
     naming: Naming
@@ -103,7 +106,6 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     prepared = prepare(recording, nominal, settings)
     contradicted = contradictions(recording, prepared)
     if contradicted:
-        contradicted.append("nothing is named as long as the recording contradicts itself or the platform")
         settings = replace(settings, effects=[])
     read = name_with_hold(prepared, recording, nominal, settings)
     prepared, naming = name_with_latent_inputs(*read, settings)
@@ -153,13 +155,20 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         *unseen,
     )
     return Diagnosis(
-        verdict=_verdict(naming, features, gap, _remains(naming, problem, validation)),
-        warnings=tuple(dict.fromkeys((*contradicted, *recording.warnings, *prepared.remarks, *doubts))),
+        verdict="contradiction"
+        if contradicted
+        else _verdict(naming, features, gap, _remains(naming, problem, validation)),
+        contradictions=tuple(contradicted),
+        warnings=tuple(
+            dict.fromkeys(
+                (*(c.sentence for c in contradicted), *recording.warnings, *prepared.remarks, *doubts)
+            )
+        ),
         mismatches=mismatches,
         naming=naming,
         features=features,
         drifts=drifts,
-        unnamed=unnamed,
+        unnamed=[] if contradicted else unnamed,
         learned=learned,
         memories=memories,
         validation=validation,

@@ -1,6 +1,7 @@
 """Which physics is missing: effects compete to explain the residual on runs they were not fitted on."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from simgap.effects import Effect, MeasurementEffect, ParameterError
 from simgap.gap.ambiguity import Rivalry, is_beyond_chance
@@ -26,6 +27,7 @@ class Naming:
         rounds: the competition.
         rivalries: effects that this recording cannot tell apart.
         short: the named effects that make something late by less than samples can tell.
+        dropped: why an effect that was added is out again, by key.
     """
 
     base: Fit
@@ -34,6 +36,7 @@ class Naming:
     rounds: tuple[Round, ...]
     rivalries: tuple[Rivalry, ...]
     short: tuple[FittedEffect, ...] = ()
+    dropped: Mapping[str, str] = field(default_factory=dict)
 
 
 def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
@@ -75,6 +78,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         tuple(competition.rounds),
         rivalries,
         competition.short_times(),
+        competition.dropped,
     )
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from simgap.recordings.contradiction import Contradiction
 from simgap.recordings.rates import body_rate_and_derived, recorded_and_derived
 
 _DEGREE = 180 / np.pi
@@ -16,18 +17,16 @@ _SWERVE = [(f"steer_velocity_{module}", f"steer_angle_{module}") for module in "
 _QUADROTOR = [(f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
 _PAIRS = {"joint": [("velocity", "position")], "swerve": _SWERVE, "quadrotor": _QUADROTOR}
 _REMEDY = "Convert it, or declare its unit in Parquet."
-_REASONS = {
-    _DEGREE: f"degrees where radians belong? {_REMEDY}",
-    1 / _DEGREE: f"is the angle in degrees where radians belong? {_REMEDY}",
-    1000.0: f"millimetres where metres belong? {_REMEDY}",
-    1 / 1000.0: f"is the position in millimetres where metres belong? {_REMEDY}",
-    30 / np.pi: f"turns per minute where rad/s belong? {_REMEDY}",
-}
+_SUSPECTED = {
+    _DEGREE: "degrees",
+    1000.0: "millimetres",
+    30 / np.pi: "turns_per_minute",
+}  # by the ratio of two rates
 
 
 def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> Iterator[str]:
     """Yield a sentence for each channel that seems to be in another unit or frame than the contract's."""
-    yield from contradicting_rates(frame, kind)
+    yield from (contradiction.sentence for contradiction in contradicting_rates(frame, kind))
     if kind == "quadrotor":
         yield from _quadrotor(frame)
     for column in units:
@@ -40,8 +39,8 @@ def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> 
             yield f"Channel {column!r} exceeds 1000 V: millivolts where volts belong? {_REMEDY}"
 
 
-def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[str]:
-    """Yield a sentence for each rate that is not that of its angle or position."""
+def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[Contradiction]:
+    """Yield a contradiction for each rate that is not that of its angle or position."""
     for rate, angle in _PAIRS[kind]:
         yield from _compare(rate, angle, *recorded_and_derived(frame, rate, angle))
     if kind == "quadrotor":
@@ -49,7 +48,7 @@ def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[str]:
             yield from _compare(f"body_rate_{axis}", "attitude", *body_rate_and_derived(frame, axis))
 
 
-def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -> Iterator[str]:
+def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -> Iterator[Contradiction]:
     if len(recorded) < _SAMPLES:
         return
     # corrupted samples must not decide: leave out the extreme hundredth of either
@@ -63,12 +62,21 @@ def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -
     if abs(correlation) < _CORRELATION:
         return
     if correlation < 0:
-        yield f"Channel {rate!r} runs against the change of {angle!r}: another sign or frame?"
+        evidence = f"Channel {rate!r} runs against the change of {angle!r} (correlation {correlation:.2f})"
+        yield Contradiction(rate, "sign", evidence, f"Negate {rate!r}, or {angle!r}.")
     ratio = float(recorded.std() / derived.std())
-    reason = next((text for factor, text in _REASONS.items() if abs(ratio / factor - 1) < _TOLERANCE), "")
-    if reason or not 0.4 < ratio < 2.5:
-        reason = reason or "their units do not agree."
-        yield f"Channel {rate!r} is {ratio:.3g} times the rate of change of {angle!r}: {reason}"
+    evidence = f"Channel {rate!r} is {ratio:.3g} times the rate of change of {angle!r}"
+    for factor, suspected in _SUSPECTED.items():
+        for column, times in ((rate, factor), (angle, 1.0 / factor)):
+            if abs(ratio / times - 1) < _TOLERANCE:
+                yield Contradiction(
+                    column, suspected, evidence, f"Convert {column!r}, or declare its unit in Parquet."
+                )
+                return
+    if not 0.4 < ratio < 2.5:
+        yield Contradiction(
+            rate, "unit", evidence, f"Convert {rate!r} or {angle!r}: their units do not agree."
+        )
 
 
 def _quadrotor(frame: pd.DataFrame) -> Iterator[str]:

@@ -44,7 +44,10 @@ def test_body_rate_in_degrees(doubted, noise):
 
 def test_body_rate_of_another_frame(doubted):
     said = doubted(lambda frame: frame.assign(body_rate_y=-frame["body_rate_y"]), "quadrotor")
-    assert said == "Channel 'body_rate_y' runs against the change of 'attitude': another sign or frame?"
+    assert (
+        said
+        == "Channel 'body_rate_y' runs against the change of 'attitude' (correlation -1.00): another sign or frame? Negate 'body_rate_y', or 'attitude'."
+    )
 
 
 def test_attitude_from_world_to_body(doubted):
@@ -67,7 +70,7 @@ def test_the_sign_of_a_quaternion_does_not_matter(doubted):
 
 def test_joint_position_in_degrees(doubted):
     said = doubted(lambda frame: frame.assign(position=np.degrees(frame["position"])), samples=400)
-    assert "is the angle in degrees" in said
+    assert "degrees where radians belong? Convert 'position'" in said
     assert "swings over more than two turns" in said
 
 
