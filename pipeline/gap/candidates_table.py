@@ -9,7 +9,7 @@ from simgap.gap.diagnosis import Diagnosis
 from simgap.gap.probability import presence_of
 from simgap.simulation import FittedEffect
 
-_MATTERS = 0.1  # of what was left in a channel: what explains less in every round is not listed
+_MATTERS = 0.1  # of what was left in a channel, and of the noise: what explains less at best is not listed
 _MOST = 12  # that are out
 
 
@@ -52,7 +52,7 @@ def _history(diagnosis: Diagnosis) -> Iterator[tuple[Candidate, Candidate, bool]
     rivals = {rival.key for rivalry in diagnosis.naming.rivalries for rival in rivalry.rivals}
     for key, entries in met.items():
         best = added.get(key) or max(entries, key=lambda candidate: candidate.share)
-        if key not in named and (key in added or key in rivals or best.share >= _MATTERS):
+        if key not in named and (key in added or key in rivals or min(best.share, best.signal) >= _MATTERS):
             yield best, entries[-1], key in added
 
 

@@ -151,7 +151,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         *_disproved(naming, validation),
         *_shortness(problem),
         *coarseness_of(coarse, fitted.time_step),
-        *_doubts(naming, drifts, memories, held_out),
+        *_doubts(naming, drifts, () if contradicted else memories, held_out),
         *unseen,
     )
     return Diagnosis(

@@ -44,10 +44,8 @@ def test_body_rate_in_degrees(doubted, noise):
 
 def test_body_rate_of_another_frame(doubted):
     said = doubted(lambda frame: frame.assign(body_rate_y=-frame["body_rate_y"]), "quadrotor")
-    assert (
-        said
-        == "Channel 'body_rate_y' runs against the change of 'attitude' (correlation -1.00): another sign or frame? Negate 'body_rate_y', or 'attitude'."
-    )
+    assert said.startswith("Channel 'body_rate_y' runs against the change of 'attitude' (correlation -1.00)")
+    assert "another sign or frame?" in said
 
 
 def test_attitude_from_world_to_body(doubted):
