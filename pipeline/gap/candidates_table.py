@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from simgap.effects import Effect
 from simgap.gap.candidate import Candidate
+from simgap.gap.competition import spoken
 from simgap.gap.diagnosis import Diagnosis
 from simgap.gap.probability import presence_of
 from simgap.simulation import FittedEffect
@@ -17,8 +17,8 @@ def candidates(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """Return what was named, the most probable first, then what was added and dropped, then what came close.
 
     Each entry holds `name`, `status` (`in`, `rival`, `dropped` or `out`), `probability` (None where none was worked
-    out), `parameters` (value, std, unit by name; as the candidate was fitted last before it went), `share` of what was
-    left in a channel that it explained at best, and `why`.
+    out), `parameters` (value, std, unit by name; of the final fit, or of the best fit of what is out), `share`
+    of what was left in a channel that it explained at best, and `why`.
     """
     named = sorted(diagnosis.naming.named, key=lambda c: -diagnosis.probabilities[c.effect.key])
     inside = [_inside(diagnosis, candidate) for candidate in named]
@@ -34,7 +34,7 @@ def _inside(diagnosis: Diagnosis, candidate: Candidate) -> dict[str, Any]:
     why = f"explains {min(candidate.share, 1.0):.0%} of what the other effects leave in {channel}, on runs left out"
     rivalry = next((r for r in diagnosis.naming.rivalries if r.winner.key == candidate.effect.key), None)
     if rivalry:
-        why += f"; not told apart from {', '.join(_words(rival) for rival in rivalry.rivals)}"
+        why += f"; not told apart from {', '.join(spoken(rival) for rival in rivalry.rivals)}"
     probability = diagnosis.probabilities[candidate.effect.key]
     return _entry(diagnosis, fitted, "in", probability, candidate.share, why)
 
@@ -63,7 +63,7 @@ def _outside(diagnosis: Diagnosis, best: Candidate, last: Candidate, added: bool
         weights = {rival.key: weight for rival, weight in zip(rivalry.rivals, rivalry.others, strict=False)}
         if effect.key in weights:
             presence = presence_of(diagnosis.features[rivalry.winner.key])
-            why = f"could stand in for {_words(rivalry.winner)}, which is in"
+            why = f"could stand in for {spoken(rivalry.winner)}"
             return _entry(diagnosis, fitted, "rival", presence * weights[effect.key], best.share, why)
     if added:
         reason = diagnosis.naming.dropped.get(effect.key) or "another effect predicts better in its place"
@@ -72,7 +72,7 @@ def _outside(diagnosis: Diagnosis, best: Candidate, last: Candidate, added: bool
 
 
 def _why_out(diagnosis: Diagnosis, last: Candidate) -> str:
-    named = ", ".join(_words(candidate.effect) for candidate in diagnosis.naming.named)
+    named = ", ".join(spoken(candidate.effect) for candidate in diagnosis.naming.named)
     beside = f"beside {named}: " if named else ""
     return beside + (last.refusal or f"explains {min(max(last.share, 0.0), 1.0):.0%} of what is left")
 
@@ -98,7 +98,3 @@ def _entry(
         "share": share,
         "why": why,
     }
-
-
-def _words(effect: Effect) -> str:
-    return effect.key.replace("_", " ")

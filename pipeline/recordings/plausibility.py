@@ -17,11 +17,8 @@ _SWERVE = [(f"steer_velocity_{module}", f"steer_angle_{module}") for module in "
 _QUADROTOR = [(f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
 _PAIRS = {"joint": [("velocity", "position")], "swerve": _SWERVE, "quadrotor": _QUADROTOR}
 _REMEDY = "Convert it, or declare its unit in Parquet."
-_SUSPECTED = {
-    _DEGREE: "degrees",
-    1000.0: "millimetres",
-    30 / np.pi: "turns_per_minute",
-}  # by the ratio of two rates
+_RATES = {_DEGREE: "degrees", 1000.0: "millimetres", 30 / np.pi: "turns_per_minute"}  # by how often too large
+_ANGLES = {1 / _DEGREE: "degrees", 1 / 1000.0: "millimetres"}  # by how small they make their rate look
 
 
 def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> Iterator[str]:
@@ -66,12 +63,11 @@ def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -
         yield Contradiction(rate, "sign", evidence, f"Negate {rate!r}, or {angle!r}.")
     ratio = float(recorded.std() / derived.std())
     evidence = f"Channel {rate!r} is {ratio:.3g} times the rate of change of {angle!r}"
-    for factor, suspected in _SUSPECTED.items():
-        for column, times in ((rate, factor), (angle, 1.0 / factor)):
-            if abs(ratio / times - 1) < _TOLERANCE:
-                yield Contradiction(
-                    column, suspected, evidence, f"Convert {column!r}, or declare its unit in Parquet."
-                )
+    for column, factors in ((rate, _RATES), (angle, _ANGLES)):
+        for factor, suspected in factors.items():
+            if abs(ratio / factor - 1) < _TOLERANCE:
+                remedy = f"Convert {column!r}, or declare its unit in Parquet."
+                yield Contradiction(column, suspected, evidence, remedy)
                 return
     if not 0.4 < ratio < 2.5:
         yield Contradiction(
