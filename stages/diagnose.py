@@ -12,10 +12,6 @@ from simgap.recordings.recording import Recording
 from simgap.runner import StageConfig, StageRun, stage
 from simgap.simulation.settings import SimulatorSettings
 
-_TIMES_NOISE = (
-    2.0  # times the noise's standard deviation, left beside which nobody should believe that all is found
-)
-
 
 @dataclass
 class DiagnoseStage(StageConfig):
@@ -37,6 +33,7 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     from simgap.gap.contract import diagnosis_document, write_json
     from simgap.gap.diagnosis import diagnose as find_gap
     from simgap.gap.evidence import write_evidence
+    from simgap.report.terminal import terminal_lines
     from simgap.simulation import read_simulator, write_simulator
 
     # The tensors of a diagnosis are small: a second thread waits more than it works.
@@ -60,7 +57,7 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     run.log_metrics({key: value for key, value in fit.items() if value is not None})
     if own:
         _write_page(config, run)
-    _say(document)
+    print(*terminal_lines(document), sep="\n")
 
 
 def _recording_and_nominal(config: DiagnoseStage, run: StageRun, nominal: Any) -> tuple[Recording, Any]:
@@ -91,37 +88,11 @@ def _write_page(config: DiagnoseStage, run: StageRun) -> None:
 
     clean = run.output / "clean"
     name = Path(config.recording or config.name).name
-    inputs = ReportInputs(diagnose=run.output, clean=clean if clean.is_dir() else None, name=name)
-    write_page(inputs, run.output / "report.html")
-
-
-def _say(document: dict[str, Any]) -> None:
-    print(f"verdict: {document['verdict']}")
-    for effect in document["effects"]:
-        perhaps = "" if effect["probability"] >= 0.5 else "perhaps: "
-        print(f"  {effect['name']} (probability {effect['probability']:.2f}): {perhaps}{effect['statement']}")
-    for rivals in document["ambiguous"]:
-        print(f"  not told apart here: {', '.join(rivals['names'])}. To tell them: {rivals['separate_by']}")
-    for unnamed in document["unnamed"]:
-        print(
-            f"  no name for {unnamed['share']:.0%} of the error in {unnamed['channel']}: {unnamed['formula']}"
-        )
-    if document["effects"]:
-        _say_what_closed(document["fit"])
-
-
-def _say_what_closed(fit: dict[str, Any]) -> None:
-    """Print the share of the gap that closed, never rounded up to all of it, and how much is left beside the noise."""
-    from simgap.report.text import NARROW_SPACE, percent
-
-    closed, left = fit["gap_closed"], fit["after"] / fit["noise_floor"] if fit["noise_floor"] else None
-    if closed is None:
-        return
-    share = percent(closed).replace(NARROW_SPACE, "")
-    rest = (
-        f" (what is left is {left:.2g} times the noise)" if left is not None and left > _TIMES_NOISE else ""
+    simulator = f"{config.output or config.artifact('diagnose', '')}/simulator"
+    inputs = ReportInputs(
+        diagnose=run.output, clean=clean if clean.is_dir() else None, name=name, simulator=simulator
     )
-    print(f"gap closed on held-out runs: {share}{rest}")
+    write_page(inputs, run.output / "report.html")
 
 
 if __name__ == "__main__":

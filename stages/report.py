@@ -21,7 +21,8 @@ class ReportStage(StageConfig):
 @stage(ReportStage)
 def report(config: ReportStage, run: StageRun) -> None:
     """Write one self-contained page: the verdict, its evidence, and the origin of the data."""
-    inputs = ReportInputs.of_branch(Path(config.artifacts), config.name)
+    simulator = f"{config.artifact('diagnose', 'simulator')}"
+    inputs = ReportInputs.of_branch(Path(config.artifacts), config.name, simulator)
     for folder in inputs.folders:
         run.input(folder)
     write_page(inputs, run.output / "report.html", config.report)

@@ -47,7 +47,8 @@ def write_first_page(artifacts: Path, branch: str) -> Path:
 
     page = artifacts / "diagnosis.html"
     clean, sysid, diagnosis = (artifacts / stage for stage in ("clean", "sysid", "diagnose"))
-    write_page(ReportInputs(diagnosis, clean, sysid, name=branch), page)
+    simulator = f"artifacts/{branch}/diagnose/simulator"
+    write_page(ReportInputs(diagnosis, clean, sysid, name=branch, simulator=simulator), page)
     return page
 
 

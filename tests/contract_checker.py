@@ -5,7 +5,8 @@ import math
 from pathlib import Path
 from typing import Any
 
-VERDICTS = {"missing_physics", "parameter_mismatch", "none", "unexplained"}
+VERDICTS = {"missing_physics", "parameter_mismatch", "none", "unexplained", "contradiction"}
+SUSPECTED = {"sign", "degrees", "millimetres", "turns_per_minute", "motor_order", "unit"}
 ACTS_ON = {
     "quadrotor": {"command", "actuator", "force", "torque", "measurement"},
     "joint": {"command", "actuator", "force", "torque", "measurement"},
@@ -95,7 +96,7 @@ def read_diagnosis(path: Path, kind: str) -> dict[str, Any]:
 
 def check_diagnosis(document: dict[str, Any], kind: str) -> None:
     """Assert that a diagnosis is what the contract says, keys and meaning."""
-    _keys(document, "schema verdict warnings mismatch effects ambiguous unnamed fit")
+    _keys(document, "schema verdict contradictions warnings mismatch effects ambiguous unnamed fit")
     assert document["schema"] == "simgap.diagnosis/1"
     assert document["verdict"] in VERDICTS
     assert all(_sentence(warning) for warning in document["warnings"])
@@ -111,12 +112,26 @@ def check_diagnosis(document: dict[str, Any], kind: str) -> None:
         assert len(ambiguity["names"]) >= 2
         assert _sentence(ambiguity["separate_by"])
     for unnamed in document["unnamed"]:
-        _keys(unnamed, "channel depends_on formula share")
+        _keys(unnamed, "channel depends_on formula share size")
+        _keys(unnamed["size"], "value noise unit")
+        assert _number(unnamed["size"]["value"], 0.0)
+        assert _number(unnamed["size"]["noise"], 0.0)
         assert unnamed["formula"]
         assert isinstance(unnamed["depends_on"], list)
         assert _number(unnamed["share"], 0.0, 1.0)
+    for contradiction in document["contradictions"]:
+        _check_contradiction(contradiction)
     _check_fit(document["fit"], document["warnings"])
     _check_verdict(document)
+
+
+def _check_contradiction(contradiction: dict[str, Any]) -> None:
+    _keys(contradiction, "column runs suspected evidence remedy")
+    assert contradiction["suspected"] in SUSPECTED
+    assert contradiction["column"]
+    assert contradiction["runs"]
+    assert _sentence(contradiction["evidence"])
+    assert _sentence(contradiction["remedy"])
 
 
 def _keys(entry: dict[str, Any], names: str) -> None:
@@ -183,6 +198,10 @@ def _check_fit(fit: dict[str, Any], warnings: list[str]) -> None:
 def _check_verdict(document: dict[str, Any]) -> None:
     names = [effect["name"] for effect in document["effects"]]
     verdict = document["verdict"]
+    assert bool(document["contradictions"]) == (verdict == "contradiction")
+    if verdict == "contradiction":
+        assert not names
+        assert not document["unnamed"]
     if verdict == "none":
         assert not names
         assert not document["unnamed"]

@@ -100,7 +100,7 @@ def outcome_of(
     if not concealed:
         return "wrong" if named else "right"
     if not named:
-        return "unnamed" if diagnosis["verdict"] == "unexplained" else "missed"
+        return "unnamed" if diagnosis["verdict"] in ("unexplained", "contradiction") else "missed"
     if named[0] in concealed:
         return "right"
     bare = {name.partition("@")[0] for name in concealed} if grouped else set(concealed)

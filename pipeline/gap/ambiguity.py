@@ -29,11 +29,13 @@ class Rivalry:
         winner: the named effect.
         rivals: its look-alikes.
         weight: posterior weight of the winner among all of them, 0..1.
+        others: the same of each look-alike.
     """
 
     winner: Effect
     rivals: tuple[Effect, ...]
     weight: float
+    others: tuple[float, ...] = ()
 
 
 def rivals_of(winner: Candidate, others: list[Candidate], cluster: Tensor) -> list[Candidate]:
@@ -71,8 +73,8 @@ def rivalry_of(winner: Candidate, rivals: list[Candidate], cluster: Tensor) -> R
         - penalty * (len(rival.effect.parameters) - len(winner.effect.parameters))
         for rival in rivals
     ]
-    weight = float(torch.softmax(torch.tensor(evidence, dtype=torch.float64), dim=0)[0])
-    return Rivalry(winner.effect, tuple(rival.effect for rival in rivals), weight)
+    weight, *others = torch.softmax(torch.tensor(evidence, dtype=torch.float64), dim=0).tolist()
+    return Rivalry(winner.effect, tuple(rival.effect for rival in rivals), weight, tuple(others))
 
 
 def _evidence_for(first: Candidate, second: Candidate, cluster: Tensor) -> float:

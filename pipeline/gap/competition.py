@@ -41,6 +41,11 @@ class Round:
     winner: Candidate | None
 
 
+def spoken(effect: Effect) -> str:
+    """Return an effect's key as words."""
+    return effect.key.replace("_", " ")
+
+
 def _is_preferred(effect: Effect, other: Effect) -> bool:
     return effect.name in other.yields_to or len(effect.parameters) < len(other.parameters)
 
@@ -66,12 +71,12 @@ class Competition:
         self.judge = Judge(problem, settings, self.base, len(self.catalogue), resting)
         self.starts = Starts(problem.blocks.signals)
         self.rounds: list[Round] = []
-        self.dropped: set[str] = set()
+        self.dropped: dict[str, str] = {}  # why each was, by key
 
     def run(self, contestants: list[Effect]) -> None:
         """Add effects until all candidates are refused."""
         while len(self.current.simulator.free) < self.settings.most_effects:
-            tried = [effect for effect in contestants if effect.key not in self.names() | self.dropped]
+            tried = [effect for effect in contestants if effect.key not in self.names() | self.dropped.keys()]
             named = ", ".join(sorted(self.names())) or "none"
             _pace.tell(f"trying {len(tried)} effects (named so far: {named})")
             candidates = [self.candidate(effect) for effect in tried]
@@ -186,9 +191,9 @@ class Competition:
     def prune(self) -> None:
         """Backward elimination: drop each refused effect, the one with the least gain first, for good."""
         while refused := [candidate for candidate in self.named() if candidate.refusal]:
-            needless = min(refused, key=lambda candidate: candidate.gain).effect
-            if not self.simplify(needless):
-                self.drop(needless)
+            needless = min(refused, key=lambda candidate: candidate.gain)
+            if not self.simplify(needless.effect):
+                self.drop(needless.effect, needless.refusal)
 
     def simplify(self, effect: Effect) -> bool:
         """Replace a named effect by the law that it equals in this recording, if possible; return whether it did."""
@@ -199,7 +204,8 @@ class Competition:
         fitted = fit(extend(removed, simpler, self.problem).simulator, self.problem)
         if self.judge(simpler, self.without(effect), fitted).refusal:
             return False
-        self.dropped = (self.dropped | {effect.key}) - {simpler.key}
+        self.dropped[effect.key] = f"comes down to {spoken(simpler)} here"
+        self.dropped.pop(simpler.key, None)
         self.become(fitted)
         return True
 
@@ -224,11 +230,12 @@ class Competition:
             if not doubtful:
                 return
             before, worst = self.current, min(doubtful, key=lambda key: doubtful[key])
-            self.drop(next(f.effect for f in before.simulator.free if f.effect.key == worst))
+            effect = next(f.effect for f in before.simulator.free if f.effect.key == worst)
+            self.drop(effect, f"probability of only {doubtful[worst]:.0%}")
             carries = doubtful[worst] > _INCREDIBLE and not believed.keys() <= self.beliefs()[0].keys()
             if carries:
                 self.become(before)
-                self.dropped.discard(worst)
+                self.dropped.pop(worst, None)
                 companions.add(worst)
 
     def beliefs(self) -> tuple[dict[str, float], dict[str, float]]:
@@ -242,10 +249,10 @@ class Competition:
         """Return every named effect, scored as if it had entered last."""
         return [self.alone(fitted.effect) for fitted in self.current.simulator.free]
 
-    def drop(self, effect: Effect) -> None:
+    def drop(self, effect: Effect, why: str) -> None:
         """Remove an effect for good and refit the others."""
         without = self.without(effect).simulator
-        self.dropped.add(effect.key)
+        self.dropped[effect.key] = why
         self.become(fit(without, self.problem))
 
     def condense(self) -> None:
@@ -275,7 +282,7 @@ class Competition:
                 return
             _, candidates, winner = max(better, key=lambda swap: swap[0])
             self.rounds.append(Round(candidates, winner))
-            self.dropped.discard(winner.effect.key)
+            self.dropped.pop(winner.effect.key, None)
             self.take(winner)
             self.run(self.catalogue)
             if self.names() in seen:

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "verdict": diagnosis.verdict,
+        "contradictions": [asdict(contradiction) for contradiction in diagnosis.contradictions],
         "warnings": list(diagnosis.warnings),
         "mismatch": [_mismatch(m) for m in diagnosis.mismatches],
         "effects": sorted(effects, key=lambda effect: -effect["probability"]),
@@ -33,6 +35,7 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
                 "depends_on": list(u.depends_on),
                 "formula": u.formula,
                 "share": u.share,
+                "size": {"value": u.size, "noise": u.noise, "unit": u.channel.unit},
             }
             for u in diagnosis.unnamed
         ],

@@ -15,6 +15,7 @@ from simgap.gap.candidates import candidates_for
 from simgap.gap.fit import Problem
 from simgap.gap.prepare import Prepared
 from simgap.gap.residuals import channels_on
+from simgap.recordings.contradiction import Contradiction
 from simgap.recordings.plausibility import contradicting_rates
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
@@ -44,22 +45,31 @@ class Agreement:
     ratio: float
 
 
-def contradictions(recording: Recording, prepared: Prepared) -> list[str]:
-    """Return a sentence for each contradiction of a recording with itself or with the platform.
+def contradictions(recording: Recording, prepared: Prepared) -> list[Contradiction]:
+    """Return all in a recording that contradicts itself or the platform, so that nothing can be named.
+
+    What a rate of another unit needs of the commands says nothing more: the commands are asked where rates agree.
 
     Args:
         recording: cleaned.
         prepared: of it.
     """
-    return [*contradicting_rates(recording.frame, recording.kind), *_driven_otherwise(prepared)]
+    found = [*contradicting_rates(recording.frame, recording.kind)] or [
+        *_driven_otherwise(recording, prepared)
+    ]
+    runs = tuple(dict.fromkeys(recording.frame["run"].astype(str)))
+    return [replace(contradiction, runs=runs) for contradiction in found]
 
 
-def _driven_otherwise(prepared: Prepared) -> Iterator[str]:
+def _driven_otherwise(recording: Recording, prepared: Prepared) -> Iterator[Contradiction]:
     for channel, agreement in agreements(prepared.nominal, prepared.problem).items():
+        column = _driving_column(recording, prepared.nominal, channel)
         if agreement.correlation < _AGAINST:
-            yield (
-                f"{channel}: the motion opposes the commands (correlation {agreement.correlation:.2f}); check the "
-                "signs, the frames and the order of the motors against the platform file"
+            yield Contradiction(
+                column,
+                "motor_order" if recording.kind == "quadrotor" else "sign",
+                f"{channel}: the motion opposes the commands (correlation {agreement.correlation:.2f})",
+                f"Compare sign, frame and numbering of {column!r} with the platform file; mend what is wrong.",
             )
         elif (
             agreement.correlation > _ALIKE
@@ -67,10 +77,23 @@ def _driven_otherwise(prepared: Prepared) -> Iterator[str]:
         ):
             ratio = agreement.ratio
             much = f"{ratio:.0f} times" if ratio > 1.0 else f"1/{1.0 / ratio:.0f} of"
-            yield (
-                f"{channel}: by the platform file, the motion needs {much} the effort that was commanded; check the "
-                "unit of the commands (mN·m instead of N·m?), the gear ratio and the inertia"
+            yield Contradiction(
+                column,
+                "unit",
+                f"{channel}: by the platform file, the motion needs {much} the effort that was commanded",
+                f"Check the unit of {column!r} (mN·m for N·m?), and gear ratio and inertia in the platform file.",
             )
+
+
+def _driving_column(recording: Recording, simulator: Simulator, channel: str) -> str:
+    """Return the recorded column, or group of columns, that drives a channel."""
+    signals = sorted(simulator.mechanism.actuator_signals, key=lambda name: name[:5] != channel[:5])
+    for signal in (name.replace("rotor", "motor") for name in signals):
+        if signal in recording.frame:
+            return signal
+        if f"{signal}_1" in recording.frame:
+            return f"{signal}_1..4"
+    return channel
 
 
 def agreements(simulator: Simulator, problem: Problem) -> dict[str, Agreement]:

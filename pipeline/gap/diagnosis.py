@@ -27,6 +27,7 @@ from simgap.gap.unnamed import Unnamed, find_unnamed
 from simgap.gap.validate import Validation, validate
 from simgap.gap.whiteness import Memory, memories_of, remembered
 from simgap.platforms.mechanism import Channel
+from simgap.recordings.contradiction import Contradiction
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
@@ -44,7 +45,8 @@ class Diagnosis:
     """The result of `diagnose`.
 
     Attributes:
-        verdict: `missing_physics`, `parameter_mismatch`, `none` or `unexplained`.
+        verdict: `missing_physics`, `parameter_mismatch`, `none`, `unexplained` or `contradiction`.
+        contradictions: of the recording with itself or the platform; nothing is named where there are any.
         warnings: doubts about recording and result.
         mismatches: where the nominal simulator fails.
         naming: the selection of effects and its result.
@@ -62,6 +64,7 @@ class Diagnosis:
     """
 
     verdict: str
+    contradictions: tuple[Contradiction, ...]
     warnings: tuple[str, ...]
     mismatches: list[Mismatch]
     naming: Naming
@@ -103,9 +106,6 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     prepared = prepare(recording, nominal, settings)
     contradicted = contradictions(recording, prepared)
     if contradicted:
-        contradicted.append(
-            "no effect is named, because the recording contradicts itself or the platform file; correct that first"
-        )
         settings = replace(settings, effects=[])
     read = name_with_hold(prepared, recording, nominal, settings)
     prepared, naming = name_with_latent_inputs(*read, settings)
@@ -151,17 +151,24 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         *_disproved(naming, validation),
         *_shortness(problem),
         *coarseness_of(coarse, fitted.time_step),
-        *_doubts(naming, drifts, memories, held_out),
+        *_doubts(naming, drifts, () if contradicted else memories, held_out),
         *unseen,
     )
     return Diagnosis(
-        verdict=_verdict(naming, features, gap, _remains(naming, problem, validation)),
-        warnings=tuple(dict.fromkeys((*contradicted, *recording.warnings, *prepared.remarks, *doubts))),
+        verdict="contradiction"
+        if contradicted
+        else _verdict(naming, features, gap, _remains(naming, problem, validation)),
+        contradictions=tuple(contradicted),
+        warnings=tuple(
+            dict.fromkeys(
+                (*(c.sentence for c in contradicted), *recording.warnings, *prepared.remarks, *doubts)
+            )
+        ),
         mismatches=mismatches,
         naming=naming,
         features=features,
         drifts=drifts,
-        unnamed=unnamed,
+        unnamed=[] if contradicted else unnamed,
         learned=learned,
         memories=memories,
         validation=validation,

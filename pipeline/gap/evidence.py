@@ -10,6 +10,7 @@ import torch
 from torch import Tensor
 
 from simgap.gap.candidate import Candidate
+from simgap.gap.candidates_table import candidates
 from simgap.gap.contract import write_json
 from simgap.gap.diagnosis import Diagnosis, regimes_on
 from simgap.gap.learned import LearnedResidual
@@ -33,6 +34,7 @@ def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
     traces(diagnosis).to_parquet(folder / "traces.parquet", index=False)
     residuals(diagnosis).to_parquet(folder / "residuals.parquet", index=False)
     write_json(competition(diagnosis), folder / "competition.json")
+    write_json(candidates(diagnosis), folder / "candidates.json")
     write_json(
         {key: asdict(features) for key, features in diagnosis.features.items()}, folder / "features.json"
     )
@@ -157,7 +159,7 @@ def competition(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _entry(candidate: Candidate, chosen: bool, kept: bool) -> dict[str, Any]:
-    dropped = "removed later: other effects made it unnecessary or unlikely" if chosen and not kept else ""
+    dropped = "dropped later" if chosen and not kept else ""
     return {
         "name": candidate.effect.key,
         "gain": candidate.share,

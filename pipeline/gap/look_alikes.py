@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from simgap.effects import Effect
 from simgap.gap.ambiguity import Rivalry, is_as_good, is_beyond_chance
-from simgap.gap.competition import Competition, Round
+from simgap.gap.competition import Competition, Round, spoken
 from simgap.gap.fit import Fit, fit
 from simgap.gap.refit import extend, shrink
 
@@ -23,10 +23,13 @@ def substitute(contest: Competition, rivalries: Sequence[Rivalry]) -> bool:
     if not exchanged:
         return False
     pairs, best = max(exchanged, key=lambda each: float(contest.scores(each[1]).sum()))
-    before, dropped, rounds = contest.current, contest.dropped, list(contest.rounds)
+    before, dropped, rounds = contest.current, dict(contest.dropped), list(contest.rounds)
     if not is_beyond_chance(contest.scores(best) - contest.scores(before)):
         return False
-    contest.dropped = (dropped | {old.key for old, _ in pairs}) - {new.key for _, new in pairs}
+    for old, new in pairs:
+        contest.dropped[old.key] = f"{spoken(new)} predicts better in its place"
+    for _, new in pairs:
+        contest.dropped.pop(new.key, None)
     contest.become(best)
     contest.starts.forget()
     contest.rounds.append(Round(tuple(contest.named()), contest.alone(pairs[-1][1])))
@@ -81,7 +84,8 @@ def _taken_for_both(contest: Competition, effect: Effect, first: Effect, second:
     if candidate.refusal or not is_as_good(contest.scores(united), contest.scores()):
         return False
     contest.rounds.append(Round((candidate,), candidate))
-    contest.dropped = (contest.dropped | {first.key, second.key}) - {effect.key}
+    contest.dropped |= dict.fromkeys((first.key, second.key), f"{spoken(effect)} alone explains as much")
+    contest.dropped.pop(effect.key, None)
     contest.become(united)
     contest.prune()
     return True

@@ -1,6 +1,7 @@
 """Selection of the missing effects: the order of the selection's moves."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from simgap.effects import Effect, MeasurementEffect, ParameterError
 from simgap.gap.ambiguity import Rivalry, is_beyond_chance
@@ -26,6 +27,7 @@ class Naming:
         rounds: all rounds of the selection.
         rivalries: named effects with look-alikes.
         short: named effects whose delay is shorter than the sampling can show.
+        dropped: why an effect that was added is out again, by key.
     """
 
     base: Fit
@@ -34,6 +36,7 @@ class Naming:
     rounds: tuple[Round, ...]
     rivalries: tuple[Rivalry, ...]
     short: tuple[FittedEffect, ...] = ()
+    dropped: Mapping[str, str] = field(default_factory=dict)
 
 
 def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
@@ -74,6 +77,7 @@ def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
         tuple(competition.rounds),
         rivalries,
         competition.short_times(),
+        competition.dropped,
     )
 
 

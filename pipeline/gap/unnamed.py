@@ -29,12 +29,16 @@ class Unnamed:
         depends_on: the signals in the formula.
         formula: the residual in the channel's unit, signals in SI units.
         share: of what the nominal simulator leaves unexplained in that channel above the noise.
+        size: RMS of what the formula explains, in the channel's unit.
+        noise: RMS of the sensors' noise in that channel, in the same unit.
     """
 
     channel: Channel
     depends_on: tuple[str, ...]
     formula: str
     share: float
+    size: float
+    noise: float
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,8 @@ def find_unnamed(
         if chosen and explained > least:
             formula = _formula(chosen, left)
             signals = tuple(dict.fromkeys(signal for term in chosen for signal in term.signals))
-            found.append(Unnamed(channel, signals, formula, min(explained / excess, 1.0)))
+            share = min(explained / excess, 1.0)
+            found.append(Unnamed(channel, signals, formula, share, explained**0.5, noise**0.5))
     return found
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from simgap.recordings.contradiction import Contradiction
 from simgap.recordings.rates import body_rate_and_derived, recorded_and_derived
 
 _DEGREE = 180 / np.pi
@@ -15,19 +16,14 @@ _FEWEST_SAMPLES = 20
 _SWERVE = [(f"steer_velocity_{module}", f"steer_angle_{module}") for module in "1234"]
 _QUADROTOR = [(f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
 _PAIRS = {"joint": [("velocity", "position")], "swerve": _SWERVE, "quadrotor": _QUADROTOR}
-_REMEDY = "Convert it, or declare its unit in the Parquet file."
-_REASONS = {
-    _DEGREE: f"is the rate in degrees instead of radians? {_REMEDY}",
-    1 / _DEGREE: f"is the angle in degrees instead of radians? {_REMEDY}",
-    1000.0: f"is the rate in millimetres instead of metres? {_REMEDY}",
-    1 / 1000.0: f"is the position in millimetres instead of metres? {_REMEDY}",
-    30 / np.pi: f"is the rate in turns per minute instead of rad/s? {_REMEDY}",
-}
+_REMEDY = "Convert it, or declare its unit in Parquet."
+_RATES = {_DEGREE: "degrees", 1000.0: "millimetres", 30 / np.pi: "turns_per_minute"}  # by how often too large
+_ANGLES = {1 / _DEGREE: "degrees", 1 / 1000.0: "millimetres"}  # by how small they make their rate look
 
 
 def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> Iterator[str]:
-    """Yield a sentence for each channel whose unit or frame seems to differ from the contract."""
-    yield from contradicting_rates(frame, kind)
+    """Yield a sentence for each channel that seems to be in another unit or frame than the contract's."""
+    yield from (contradiction.sentence for contradiction in contradicting_rates(frame, kind))
     if kind == "quadrotor":
         yield from _quadrotor(frame)
     for column in units:
@@ -40,8 +36,8 @@ def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> 
             yield f"Channel {column!r} exceeds 1000 V: is it in millivolts? {_REMEDY}"
 
 
-def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[str]:
-    """Yield a sentence for each rate that differs from the derivative of its angle or position."""
+def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[Contradiction]:
+    """Yield a contradiction for each rate that is not that of its angle or position."""
     for rate, angle in _PAIRS[kind]:
         yield from _compare(rate, angle, *recorded_and_derived(frame, rate, angle))
     if kind == "quadrotor":
@@ -49,7 +45,7 @@ def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[str]:
             yield from _compare(f"body_rate_{axis}", "attitude", *body_rate_and_derived(frame, axis))
 
 
-def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -> Iterator[str]:
+def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -> Iterator[Contradiction]:
     if len(recorded) < _FEWEST_SAMPLES:
         return
     # corrupted samples must not decide: leave out the extreme hundredth of either
@@ -63,14 +59,22 @@ def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -
     if abs(correlation) < _CORRELATION:
         return
     if correlation < 0:
-        yield f"Channel {rate!r} has the opposite sign of the rate of change of {angle!r}: check sign and frame."
+        evidence = (
+            f"Channel {rate!r} runs against the rate of change of {angle!r} (correlation {correlation:.2f})"
+        )
+        yield Contradiction(rate, "sign", evidence, f"Negate {rate!r}, or {angle!r}.")
     ratio = float(recorded.std() / derived.std())
-    reason = next(
-        (text for factor, text in _REASONS.items() if abs(ratio / factor - 1) < _RATIO_TOLERANCE), ""
-    )
-    if reason or not 0.4 < ratio < 2.5:
-        reason = reason or "their units do not match."
-        yield f"Channel {rate!r} is {ratio:.3g} times the rate of change of {angle!r}: {reason}"
+    evidence = f"Channel {rate!r} is {ratio:.3g} times the rate of change of {angle!r}"
+    for column, factors in ((rate, _RATES), (angle, _ANGLES)):
+        for factor, suspected in factors.items():
+            if abs(ratio / factor - 1) < _RATIO_TOLERANCE:
+                remedy = f"Convert {column!r}, or declare its unit in Parquet."
+                yield Contradiction(column, suspected, evidence, remedy)
+                return
+    if not 0.4 < ratio < 2.5:
+        yield Contradiction(
+            rate, "unit", evidence, f"Convert {rate!r} or {angle!r}: their units do not agree."
+        )
 
 
 def _quadrotor(frame: pd.DataFrame) -> Iterator[str]:

@@ -1,26 +1,37 @@
-"""How sure: the competition that the named effects won."""
+"""How sure: what became of every candidate that mattered, and, folded away, the search that decided it."""
 
 from typing import Any
 
-from simgap.report.figure import AFTER, FAINT, GRID, INK, Figure, axis, distances, encode, label, layout
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
 from simgap.report.text import is_number, percent, spoken
+from simgap.report.verdict import BELIEVED, parameters
 
-_DRAWN = 12  # candidates drawn per step; the table lists all
+_STATUS = {"rival": "cannot be told", "dropped": "out", "out": "out"}
 
 
 def competition_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
-    """Show, step by step, which effects competed, what each would gain, and which was chosen."""
-    competition = inputs.evidence("competition.json")
-    if not competition or not competition.get("steps"):
+    """List the candidates, in or out, and fold the steps of the search away."""
+    competition = inputs.evidence("competition.json") or {}
+    candidates = [_candidate(entry) for entry in inputs.evidence("candidates.json") or []]
+    steps = [_step(entry) for entry in competition.get("steps") or []]
+    if not (candidates or steps):
         return None
-    steps = [_step(entry) for entry in competition["steps"]]
-    return Section(
-        "competition",
-        "How sure",
-        {"steps": steps, "metric": competition.get("metric") or "", "shown": drawing.competition_steps},
+    content = {"candidates": candidates, "steps": steps, "metric": competition.get("metric") or ""}
+    return Section("competition", "How sure", content)
+
+
+def bounded(share: object) -> str:
+    """Write a share between none and all of it: what lies outside is the noise of the estimate."""
+    return percent(min(max(share, 0.0), 1.0)) if is_number(share) else ""
+
+
+def _candidate(entry: dict[str, Any]) -> dict[str, Any]:
+    likely = (entry.get("probability") or 0.0) >= BELIEVED
+    status = (
+        ("in" if likely else "perhaps") if entry["status"] == "in" else _STATUS.get(entry["status"], "out")
     )
+    return entry | {"said": status, "values": parameters(entry)}
 
 
 def _step(entry: dict[str, Any]) -> dict[str, Any]:
@@ -32,45 +43,5 @@ def _step(entry: dict[str, Any]) -> dict[str, Any]:
         ),
     )
     chosen = next((candidate["name"] for candidate in candidates if candidate.get("chosen")), None)
-    drawn = [candidate for candidate in candidates if is_number(candidate.get("gain"))][:_DRAWN]
-    figure = _figure(drawn) if drawn else None
-    return {
-        "step": entry["step"],
-        "chosen": chosen,
-        "outcome": spoken(chosen) if chosen else "nothing",
-        "candidates": candidates,
-        "figure": figure,
-    }
-
-
-def _figure(candidates: list[dict[str, Any]]) -> Figure:
-    gains = [candidate["gain"] for candidate in candidates]
-    lows, highs = ([candidate.get(key) for candidate in candidates] for key in ("gain_low", "gain_high"))
-    colours = [AFTER if candidate.get("chosen") else FAINT for candidate in candidates]
-    points = {
-        "type": "scatter",
-        "mode": "markers",
-        "x": encode(gains),
-        "y": list(range(len(candidates))),
-        "error_x": distances(gains, lows, highs) | {"color": FAINT, "thickness": 1.5, "width": 4},
-        "marker": {"color": colours, "size": 10},
-        "hovertext": [_hover(candidate) for candidate in candidates],
-        "hoverinfo": "text",
-        "showlegend": False,
-    }
-    names = [label(spoken(candidate["name"])) for candidate in candidates]
-    ticktext = [
-        f"<b>{name}</b>" if candidate.get("chosen") else name
-        for name, candidate in zip(names, candidates, strict=True)
-    ]
-    y = axis(
-        "", tickvals=list(range(len(names))), ticktext=ticktext, range=[len(names) - 0.4, -0.6], ticks=""
-    )
-    x = axis("share of the remaining gap closed", tickformat=".2~%", zeroline=True, zerolinecolor=INK)
-    drawn = layout(x, y | {"gridcolor": GRID, "zeroline": False}, margin={"l": 8, "r": 16, "t": 30, "b": 44})
-    return Figure("", [points], drawn, 100 + 26 * len(candidates))
-
-
-def _hover(candidate: dict[str, Any]) -> str:
-    note = f"<br>{label(candidate['note'], 90)}" if candidate.get("note") else ""
-    return f"{label(spoken(candidate['name']))}: {percent(candidate['gain'])}{note}"
+    outcome = f"{spoken(chosen)} is added" if chosen else "nothing is added"
+    return {"step": entry["step"], "outcome": outcome, "candidates": candidates}

@@ -1,50 +1,59 @@
-"""What all figures share: plotly figures as plain data, coloured by the page's style sheet.
+"""What all figures share: lines, bands and points as plain data, which the page's own script draws as SVG.
 
-A colour is the name of a variable of the style sheet (`var(--before)`); the page's script replaces it when it
-draws, so that the light, the dark and the printed page each have their own. Numbers travel as base64 of
-float32, which plotly reads as it is and which needs a third less room than digits.
+A colour is the name of a variable of the style sheet (`var(--before)`), so that the light, the dark and the printed
+page each have their own. Long series travel as 16-bit steps in base64, which is finer than any screen.
 """
 
 import base64
-import html
 import json
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from markupsafe import Markup
 from numpy.typing import ArrayLike
 
-from simgap.report.text import Real
+from simgap.report.text import minus
 
-INK, FAINT, GRID = "var(--ink)", "var(--faint)", "var(--grid)"
+INK = "var(--ink)"
 BEFORE, AFTER, FLOOR = "var(--before)", "var(--after)", "var(--floor)"
 BEFORE_BAND, AFTER_BAND = "var(--before-band)", "var(--after-band)"
-LONGEST_LABEL = 34  # characters
+LONGEST_LABEL = 60  # characters
+_AS_TEXT = 40  # values up to which a series is written out
+_STEPS = 65534  # of a 16-bit number; the last one, 65535, is a gap
+
+Mark = dict[str, Any]
+"""A line, band or set of points; see `line`, `band` and `points`."""
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One plotly figure.
+    """One figure.
 
     Attributes:
         caption: what it shows, as a sentence; stands above the figure.
-        data: plotly traces.
-        layout: plotly layout, from `layout`.
+        x: title of the horizontal axis.
+        y: title of the vertical axis.
+        marks: what is drawn, the hindmost first.
         height: pixels.
+        log: whether the vertical axis is logarithmic.
+        zero: whether it shows zero.
     """
 
     caption: str
-    data: list[dict[str, Any]]
-    layout: dict[str, Any] = field(default_factory=dict)
-    height: int = 340
+    x: str
+    y: str
+    marks: list[Mark]
+    height: int = 320
+    log: bool = False
+    zero: bool = False
 
     @property
     def json(self) -> Markup:
         """The figure as JSON that is safe inside a script element."""
-        return script_json({"data": self.data, "layout": self.layout})
+        panel = {"title": label(self.y), "marks": self.marks, "log": self.log, "zero": self.zero}
+        return script_json({"x": label(self.x), "height": self.height, "panels": [panel]})
 
 
 def script_json(content: Any) -> Markup:
@@ -53,88 +62,61 @@ def script_json(content: Any) -> Markup:
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
 
-def encode(values: ArrayLike) -> dict[str, str]:
-    """Encode numbers of shape (n,) or (rows, columns) for plotly; None and infinities become gaps."""
+def encode(values: ArrayLike) -> list[float | None] | dict[str, Any]:
+    """Encode numbers of shape (n,) for the page's script; None and infinities become gaps.
+
+    Few are written out with six digits, many as 16-bit steps between the least and the greatest.
+    """
     array = np.asarray(values, dtype=np.float64)
-    array = np.where(np.isfinite(array), array, np.nan).astype("<f4")
-    coded = {"dtype": "f4", "bdata": base64.b64encode(array.tobytes()).decode("ascii")}
-    return coded if array.ndim == 1 else coded | {"shape": ", ".join(map(str, array.shape))}
+    known = np.isfinite(array)
+    if len(array) <= _AS_TEXT:
+        return [float(f"{value:.6g}") if there else None for value, there in zip(array, known, strict=True)]
+    low, high = (array[known].min(), array[known].max()) if known.any() else (0.0, 0.0)
+    step = (high - low) / _STEPS or 1.0
+    steps = np.where(known, np.round((np.where(known, array, low) - low) / step), _STEPS + 1).astype("<u2")
+    return {"u2": base64.b64encode(steps.tobytes()).decode("ascii"), "low": float(low), "step": float(step)}
 
 
 def label(text: object, longest: int = LONGEST_LABEL) -> str:
-    """Write text so that plotly, which reads some HTML in it, shows it as it is; shortened if need be."""
-    words = " ".join(str(text).split())
-    return html.escape(words if len(words) <= longest else f"{words[: longest - 1]}…", quote=False)
+    """Write text as a label of a figure: in one line, with the minus sign of print, shortened if need be."""
+    words = minus(" ".join(str(text).split()))
+    return words if len(words) <= longest else f"{words[: longest - 1]}…"
 
 
-def axis(title: str = "", **settings: Any) -> dict[str, Any]:
-    """Return an axis in the style of the page."""
-    plain = {
-        "title": {"text": label(title, 60), "standoff": 8},
-        "automargin": True,
-        "gridcolor": GRID,
-        "linecolor": GRID,
-        "zerolinecolor": GRID,
-        "ticks": "outside",
-        "tickcolor": GRID,
-    }
-    return plain | settings
+def line(x: ArrayLike, y: ArrayLike, name: str, colour: str, **style: Any) -> Mark:
+    """Return a line through points, in the order given.
+
+    Args:
+        x: (n,).
+        y: (n,); a gap breaks the line.
+        name: for the legend.
+        colour: of the style sheet.
+        style: `width` in pixels, `dash`, `dot`: radius of a mark at each point, in pixels.
+    """
+    return {"kind": "line", "x": encode(x), "y": encode(y), "name": label(name), "colour": colour} | style
 
 
-def layout(x: dict[str, Any], y: dict[str, Any], **settings: Any) -> dict[str, Any]:
-    """Return a layout in the style of the page, with one pair of axes."""
-    plain = {
-        "xaxis": x,
-        "yaxis": y,
-        "font": {"color": INK, "size": 12, "family": "system-ui, sans-serif"},
-        "paper_bgcolor": "rgba(0,0,0,0)",
-        "plot_bgcolor": "rgba(0,0,0,0)",
-        "margin": {"l": 56, "r": 16, "t": 52, "b": 44},
-        "legend": {"orientation": "h", "x": 0, "y": 1, "yanchor": "bottom", "xanchor": "left"},
-        "hoverlabel": {"namelength": -1},
-        "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": FAINT, "activecolor": INK},
-        "hovermode": "closest",
-    }
-    return plain | settings
+def band(x: ArrayLike, low: ArrayLike, high: ArrayLike, colour: str) -> Mark:
+    """Return the area between two curves over x; all of shape (n,)."""
+    return {"kind": "band", "x": encode(x), "low": encode(low), "high": encode(high), "colour": colour}
 
 
-def line(x: ArrayLike, y: ArrayLike, name: str, colour: str, **settings: Any) -> dict[str, Any]:
-    """Return a line through points, in the order given; `dash` and `width` style it."""
-    stroke = {"color": colour, "width": settings.pop("width", 2), "dash": settings.pop("dash", "solid")}
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "x": encode(x),
-        "y": encode(y),
-        "name": name,
-        "line": stroke,
-    } | settings
+def points(
+    x: ArrayLike, y: ArrayLike, name: str, colour: str, bounds: Sequence[ArrayLike] = (), **style: Any
+) -> Mark:
+    """Return points, with error bars between bounds where both are given; all of shape (n,).
 
-
-def band(x: Sequence[Real], low: Sequence[Real], high: Sequence[Real], colour: str) -> dict[str, Any]:
-    """Return the area between two curves over x, as one closed polygon."""
-    around = [*x, *list(x)[::-1]]
-    edge = [*high, *list(low)[::-1]]
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "x": encode(around),
-        "y": encode(edge),
-        "fill": "toself",
-        "fillcolor": colour,
-        "line": {"width": 0},
-        "hoverinfo": "skip",
-        "showlegend": False,
-    }
-
-
-def distances(centre: Sequence[Real | None], low: Sequence, high: Sequence) -> dict[str, Any]:
-    """Return error bars from bounds; a bound that is not known has none."""
-
-    def length(value: Real | None, bound: Real | None, sign: int) -> float:
-        known = value is not None and bound is not None and math.isfinite(value) and math.isfinite(bound)
-        return max(sign * (bound - value), 0.0) if known else math.nan  # type: ignore[operator]
-
-    above = [length(value, bound, 1) for value, bound in zip(centre, high, strict=True)]
-    below = [length(value, bound, -1) for value, bound in zip(centre, low, strict=True)]
-    return {"type": "data", "symmetric": False, "array": encode(above), "arrayminus": encode(below)}
+    Args:
+        x: (n,).
+        y: (n,).
+        name: for the legend.
+        colour: of the style sheet.
+        bounds: low and high ends of the error bars, or nothing.
+        style: `dot`: radius in pixels, `opacity`, `hollow`, `silent`: not said when pointed at.
+    """
+    bars = dict(zip(("low", "high"), map(encode, bounds), strict=False))
+    return (
+        {"kind": "points", "x": encode(x), "y": encode(y), "name": label(name), "colour": colour}
+        | bars
+        | style
+    )

@@ -9,9 +9,7 @@ from simgap.report.figure import (
     BEFORE_BAND,
     FLOOR,
     Figure,
-    axis,
     band,
-    layout,
     line,
 )
 from simgap.report.inputs import ReportInputs
@@ -31,6 +29,7 @@ def fit_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     learned = inputs.evidence("learned.json") or {}
     content = {
         "fit": fit,
+        "named": bool(inputs.diagnosis["effects"]),
         "unknown": why_unknown(fit),
         "bars": _bars(fit | {"learned": learned.get("after")}),
         "learned": learned.get("channels") or [],
@@ -58,22 +57,19 @@ def _bars(fit: dict[str, Any]) -> list[dict[str, Any]]:
 
 def _horizon(entry: dict[str, Any]) -> Figure:
     time = entry["horizon"]
-    data = []
-    for key, name, colour, shade in (
-        ("before", "before", BEFORE, BEFORE_BAND),
-        ("after", "after", AFTER, AFTER_BAND),
-    ):
+    marks = []
+    for key, colour, shade in (("before", BEFORE, BEFORE_BAND), ("after", AFTER, AFTER_BAND)):
         low, high = entry.get(f"{key}_low"), entry.get(f"{key}_high")
         if low and high:
-            data.append(band(time, low, high, shade))
-        data.append(line(time, entry[key], name, colour, mode="lines+markers", marker={"size": 5}))
+            marks.append(band(time, low, high, shade))
+        marks.append(line(time, entry[key], key, colour, dot=2.5))
     if floor := entry.get("noise_floor"):
         level = floor if isinstance(floor, list) else [floor] * len(time)
-        data.append(line(time, level, "noise floor", FLOOR, dash="dash", width=1.5))
+        marks.append(line(time, level, "noise floor", FLOOR, dash=True, width=1.5))
     title = quantity(f"{entry['quantity']} error", entry.get("unit"))
-    scale = {"type": "log"} if _diverges(entry) else {"rangemode": "tozero"}
-    drawn = layout(axis("horizon (s)"), axis(title, **scale))
-    return Figure(f"Error of {spoken(entry['quantity'])} over the horizon", data, drawn, 320)
+    caption = f"Error of {spoken(entry['quantity'])} over the horizon"
+    log = _diverges(entry)
+    return Figure(caption, "horizon (s)", title, marks, 300, log=log, zero=not log)
 
 
 def _diverges(entry: dict[str, Any]) -> bool:

@@ -2,6 +2,7 @@
 
 import base64
 from collections.abc import Callable
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from simgap.report.section import Drawing, Section
 from simgap.report.tables import Table
 from simgap.report.text import number, percent
 
+_COLOURS = 96
 _SAID: dict[str, tuple[str, Callable[[Any], str]]] = {
     "laps_completed": ("laps that were completed", percent),
     "completed": ("share of the gates that were passed", percent),
@@ -50,4 +52,12 @@ def _pictures(folder: Path | None, *names: str) -> list[tuple[str, str]]:
 
 
 def _encoded(path: Path) -> str:
-    return base64.b64encode(path.read_bytes()).decode("ascii")
+    """Return a picture as text; a drawing in few colours takes a third of the room."""
+    if path.suffix != ".png":
+        return base64.b64encode(path.read_bytes()).decode("ascii")
+    from PIL import Image
+
+    small = BytesIO()
+    with Image.open(path) as picture:
+        picture.convert("RGB").quantize(_COLOURS).save(small, "PNG", optimize=True)
+    return base64.b64encode(small.getvalue()).decode("ascii")

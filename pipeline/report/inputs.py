@@ -31,6 +31,7 @@ class ReportInputs:
         redeploy: as deploy, of the policy that was trained further.
         sweeps: folders of `comparison.json`.
         name: of the configuration, or of the file that was diagnosed.
+        simulator: path of the simulator with the named effects, as a person types it.
     """
 
     diagnose: Path | None = None
@@ -43,13 +44,14 @@ class ReportInputs:
     redeploy: Path | None = None
     sweeps: tuple[Path, ...] = ()
     name: str = ""
+    simulator: str = "simulator"
 
     @classmethod
-    def of_branch(cls, artifacts: Path, name: str = "") -> "ReportInputs":
+    def of_branch(cls, artifacts: Path, name: str = "", simulator: str = "simulator") -> "ReportInputs":
         """Take every stage's folder below `artifacts`; those that are not there are left out."""
         folders = {stage: artifacts / stage if (artifacts / stage).is_dir() else None for stage in _STAGES}
         sweeps = sorted(path.parent for path in artifacts.glob("sweeps/*/*/comparison.json"))
-        return cls(**folders, sweeps=tuple(sweeps), name=name)
+        return cls(**folders, sweeps=tuple(sweeps), name=name, simulator=simulator)
 
     @property
     def folders(self) -> list[Path]:

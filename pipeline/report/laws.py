@@ -5,17 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from simgap.report.figure import (
-    AFTER,
-    BEFORE,
-    INK,
-    Figure,
-    axis,
-    distances,
-    encode,
-    layout,
-    line,
-)
+from simgap.report.figure import AFTER, BEFORE, INK, Figure, Mark, line, points
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
 from simgap.report.text import quantity, spoken
@@ -42,17 +32,17 @@ def _strength(law: dict[str, Any], residuals: pd.DataFrame | None) -> float:
 
 
 def _figure(law: dict[str, Any], residuals: pd.DataFrame | None, drawing: Drawing) -> Figure:
-    data = [] if residuals is None else _clouds(law, residuals, drawing)
+    marks = [] if residuals is None else _clouds(law, residuals, drawing)
     if (law.get("bins") or {}).get("x"):
-        data.append(_means(law["bins"]))
-    data.append(line(law["x"], law["law"], "law", INK, width=2.5))
-    x = axis(quantity(law["variable"], law.get("variable_unit")))
-    y = axis(quantity(f"residual of {law['channel']}", law.get("unit")), zeroline=True)
+        marks.append(_means(law["bins"]))
+    marks.append(line(law["x"], law["law"], "law", INK, width=2.5))
+    x = quantity(law["variable"], law.get("variable_unit"))
+    y = quantity(f"residual of {law['channel']}", law.get("unit"))
     caption = f"{spoken(law['effect'])}: residual of {spoken(law['channel'])} over {spoken(law['variable'])}"
-    return Figure(caption[:1].upper() + caption[1:], data, layout(x, y), 360)
+    return Figure(caption[:1].upper() + caption[1:], x, y, marks, 340)
 
 
-def _clouds(law: dict[str, Any], residuals: pd.DataFrame, drawing: Drawing) -> list[dict[str, Any]]:
+def _clouds(law: dict[str, Any], residuals: pd.DataFrame, drawing: Drawing) -> list[Mark]:
     """Return the held-out residuals (all, where none is held out) before and after, evenly thinned."""
     variable = law["variable"]
     if variable not in residuals.columns:
@@ -62,31 +52,14 @@ def _clouds(law: dict[str, Any], residuals: pd.DataFrame, drawing: Drawing) -> l
     rows = held_out if len(held_out) else rows
     if rows.empty:
         return []
-    rows = rows.iloc[
-        np.unique(np.linspace(0, len(rows) - 1, min(len(rows), drawing.scatter_samples)).astype(int))
-    ]
+    kept = np.linspace(0, len(rows) - 1, min(len(rows), drawing.scatter_samples)).astype(int)
+    rows = rows.iloc[np.unique(kept)]
     return [
-        {
-            "type": "scatter",
-            "mode": "markers",
-            "x": encode(rows[variable]),
-            "y": encode(rows[stage]),
-            "name": f"{stage}",
-            "marker": {"color": colour, "size": 4, "opacity": 0.4},
-            "hoverinfo": "skip",
-        }
+        points(rows[variable], rows[stage], stage, colour, dot=1.8, opacity=0.4, silent=True)
         for stage, colour in (("before", BEFORE), ("after", AFTER))
     ]
 
 
-def _means(bins: dict[str, Any]) -> dict[str, Any]:
-    errors = distances(bins["mean"], bins["low"], bins["high"])
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "x": encode(bins["x"]),
-        "y": encode(bins["mean"]),
-        "error_y": errors | {"color": INK, "thickness": 1.2, "width": 3},
-        "name": "left by the others",
-        "marker": {"color": "var(--paper)", "size": 7, "line": {"color": INK, "width": 1.5}},
-    }
+def _means(bins: dict[str, Any]) -> Mark:
+    bounds = (bins["low"], bins["high"])
+    return points(bins["x"], bins["mean"], "left by the others", INK, bounds, dot=3.5, hollow=True)

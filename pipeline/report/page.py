@@ -1,4 +1,4 @@
-"""One self-contained page: sections, style, script and plotly in a single file that needs no network."""
+"""One self-contained page: sections, style and script in a single file that needs no network."""
 
 import base64
 import hashlib
@@ -12,7 +12,7 @@ from markupsafe import Markup
 from simgap.errors import InputError
 from simgap.report import text
 from simgap.report.cleaning import cleaning_section
-from simgap.report.competition import competition_section
+from simgap.report.competition import bounded, competition_section
 from simgap.report.figure import script_json
 from simgap.report.fit import fit_section
 from simgap.report.flown import flown_section
@@ -24,15 +24,16 @@ from simgap.report.provenance import provenance_section, warnings_section
 from simgap.report.section import Drawing, Section
 from simgap.report.tables import cell
 from simgap.report.traces import traces_section
+from simgap.report.use import use_section
 from simgap.report.verdict import verdict_section
 from simgap.report.what import what_section
 from simgap.report.where import where_section
 
 _SECTIONS = (
     verdict_section,
-    where_section,
     what_section,
     competition_section,
+    where_section,
     fit_section,
     traces_section,
     laws_section,
@@ -43,7 +44,16 @@ _SECTIONS = (
     flown_section,
     warnings_section,
     provenance_section,
+    use_section,
 )
+_WITH_CONTRADICTION = (
+    "verdict",
+    "traces",
+    "cleaning",
+    "warnings",
+    "provenance",
+    "use",
+)  # the rest rests on names
 _FILTERS = (
     text.number,
     text.short,
@@ -57,6 +67,8 @@ _FILTERS = (
     text.interval,
     text.spoken,
     text.listed,
+    text.breakable,
+    bounded,
     script_json,
     cell,
 )
@@ -74,7 +86,12 @@ def write_page(inputs: ReportInputs, target: Path, drawing: Drawing | None = Non
         InputError: where there is nothing to report, or an artifact cannot be read.
     """
     built = (build(inputs, drawing or Drawing()) for build in _SECTIONS)
-    sections = [section for section in built if section is not None]
+    contradicted = (inputs.diagnosis or {}).get("verdict") == "contradiction"
+    sections = [
+        section
+        for section in built
+        if section is not None and (not contradicted or section.key in _WITH_CONTRADICTION)
+    ]
     if all(section.key == "provenance" for section in sections):
         raise InputError(
             "there are no artifacts to report", inputs.name or "report", "run the stages before it"
@@ -83,17 +100,16 @@ def write_page(inputs: ReportInputs, target: Path, drawing: Drawing | None = Non
 
 
 def _render(name: str, sections: list[Section]) -> str:
-    from plotly.offline import get_plotlyjs
-
     environment = Environment(
         loader=PackageLoader("simgap.report"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=_with_minus,
     )
     environment.filters |= {function.__name__: function for function in _FILTERS}
-    scripts = [_script(get_plotlyjs()), _script(_asset("page.js"))]
+    scripts = [_script(_asset("chart.js")), _script(_asset("page.js"))]
     return environment.get_template("page.html").render(
         name=name,
         sections=sections,
@@ -101,6 +117,11 @@ def _render(name: str, sections: list[Section]) -> str:
         scripts=[Markup(script) for script in scripts],
         policy=_policy(scripts),
     )
+
+
+def _with_minus(value: object) -> object:
+    """Return text with the one minus sign of the page; markup, and what is no text, as it is."""
+    return text.minus(value) if isinstance(value, str) and not isinstance(value, Markup) else value
 
 
 def _asset(file: str) -> str:

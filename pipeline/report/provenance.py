@@ -11,7 +11,9 @@ _PARTS = {"train": "to fit", "validation": "to choose", "holdout": "held out"}
 
 def warnings_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     """List every doubt about the recording and the diagnosis."""
-    warnings = (inputs.diagnosis or {}).get("warnings") or []
+    diagnosis = inputs.diagnosis or {}
+    said = {str(c["evidence"]) for c in diagnosis.get("contradictions") or []}  # by the verdict
+    warnings = [w for w in diagnosis.get("warnings") or [] if not w.startswith(tuple(said))]
     return Section("warnings", "Warnings", {"warnings": warnings}) if warnings else None
 
 

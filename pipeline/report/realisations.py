@@ -42,4 +42,4 @@ def draw_realisations(frame: pd.DataFrame, drawn: Realisations, path: Path, seco
     figure.suptitle(
         f"what the estimate got wrong: recorded (black), {len(drawn)} draws (blue)", fontsize="medium"
     )
-    figure.savefig(path, dpi=130)
+    figure.savefig(path, dpi=100)

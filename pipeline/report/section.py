@@ -26,17 +26,13 @@ class Drawing:
     Attributes:
         trace_samples: samples kept over all measured-against-simulated traces together.
         scatter_samples: points drawn per residual law.
-        map_bins: regime bins up to which the map writes numbers into its cells.
-        maps: maps open when the page is opened; the others are folded, as are more laws and steps than these:
-        laws: residual laws open when the page is opened.
-        competition_steps: steps of the competition open when the page is opened.
+        maps: maps open when the page is opened; the others are folded.
+        laws: residual laws open when the page is opened; the others are folded.
         detail_rows: rows listed per detailed table.
     """
 
-    trace_samples: int = 60_000
-    scatter_samples: int = 1_500
-    map_bins: int = 9
+    trace_samples: int = 40_000
+    scatter_samples: int = 800
     maps: int = 3
     laws: int = 6
-    competition_steps: int = 3
     detail_rows: int = 200

@@ -5,11 +5,15 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import TypeGuard
 
+from markupsafe import Markup, escape
+
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 UNKNOWN = "unknown"
 Real = float | int
 """A number as JSON gives it."""
 NARROW_SPACE, NO_BREAK = "\u202f", "\u00a0"
+_HYPHEN_MINUS = re.compile(r"(?<![\w)\]-])-(?=[\d.])")
+_EXPONENT = re.compile(r"(?<!\w)(\d+(?:\.\d+)?)e([+-]\d+)\b")
 
 
 def is_number(value: object) -> TypeGuard[Real]:
@@ -112,6 +116,17 @@ def listed(items: Iterable[object], last: str = "and") -> str:
     """Write items as a sentence does: a, b and c."""
     words = [str(item) for item in items]
     return f" {last} ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def minus(text: str) -> str:
+    """Write every minus sign before a number as U+2212, and `1e-05` as a power of ten; names keep their hyphens."""
+    powers = _EXPONENT.sub(lambda match: f"{match[1]}×{_power(int(match[2]))}", text)
+    return _HYPHEN_MINUS.sub("−", powers)
+
+
+def breakable(name: object) -> Markup:
+    """Write a name so that it breaks after its underscores and nowhere inside a word."""
+    return Markup(str(escape(minus(str(name)))).replace("_", "_<wbr>"))
 
 
 def _minus(text: str) -> str:

@@ -1,12 +1,13 @@
 """The timeline of coverage: which stretches of each run were kept, filled, dropped or never recorded."""
 
+import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from simgap.report.figure import Figure, axis, encode, label, layout
-from simgap.report.text import spoken
+from simgap.report.text import short, spoken
 
 # The states of a stretch in the order of the legend; one that is not listed is drawn in grey.
 COLOURS = {
@@ -16,27 +17,39 @@ COLOURS = {
     "missing": "var(--faint)",
 }
 _STRETCHES = 300  # drawn per run at most
+_TICKS = 6  # of the axis at most
+_SCALE = 1000  # of the whole axis, in the units of the drawing
 
 
-def timeline(coverage: pd.DataFrame, split: dict[str, str]) -> Figure:
-    """Draw one bar per run, in seconds since the run began, coloured by what became of each stretch.
+@dataclass(frozen=True)
+class Timeline:
+    """Bars of runs over time.
+
+    Attributes:
+        legend: state and colour, of those that there are.
+        rows: name, part of the split, and stretches of each run: `x` and `width` of 1000, `colour`, `said`.
+        ticks: place along the axis in percent, and seconds as text.
+    """
+
+    legend: list[tuple[str, str]]
+    rows: list[tuple[str, str, list[dict[str, Any]]]]
+    ticks: list[tuple[float, str]]
+
+
+def timeline(coverage: pd.DataFrame, split: dict[str, str]) -> Timeline:
+    """Lay out one bar per run, in seconds since the run began, coloured by what became of each stretch.
 
     Args:
         coverage: columns run, start (s), end (s), state, reason; stretches in the order of time.
         split: part of each run, where it is known.
     """
-    runs = list(dict.fromkeys(coverage["run"].astype(str)))
-    tables = [
-        simplified(rows).assign(row=row) for row, (_, rows) in enumerate(coverage.groupby("run", sort=False))
-    ]
-    stretches = pd.concat(tables, ignore_index=True)
-    order = [*COLOURS, *sorted(set(stretches["state"]) - set(COLOURS))]
-    data = [_bars(state, rows) for state in order if len(rows := stretches[stretches["state"] == state])]
-    names = [label(f"{run} · {split[run]}" if run in split else run) for run in runs]
-    y = axis("", tickvals=list(range(len(runs))), ticktext=names, range=[len(runs) - 0.4, -0.6], ticks="")
-    x = axis("time since the run began (s)", range=[0, float(stretches["end"].max())])
-    drawn = layout(x, y | {"showgrid": False, "zeroline": False}, barmode="overlay", bargap=0.35)
-    return Figure("Which stretches of each run were used", data, drawn, 120 + 24 * len(runs))
+    runs = {str(run): simplified(rows) for run, rows in coverage.groupby("run", sort=False)}
+    longest = max(float(rows["end"].max()) for rows in runs.values()) or 1.0
+    found = {state for rows in runs.values() for state in rows["state"]}
+    order = [state for state in COLOURS if state in found] + sorted(found - set(COLOURS))
+    legend = [(spoken(state), COLOURS.get(state, "var(--faint)")) for state in order]
+    rows = [(run, split.get(run, ""), _stretches(rows, longest)) for run, rows in runs.items()]
+    return Timeline(legend, rows, _ticks(longest))
 
 
 def simplified(rows: pd.DataFrame) -> pd.DataFrame:
@@ -56,17 +69,23 @@ def simplified(rows: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame({"start": start - began, "end": end - began, "state": state, "reason": reason})
 
 
-def _bars(state: str, rows: pd.DataFrame) -> dict[str, Any]:
-    spans = "for %{x:.3~r} s from %{base:.3~r} s<br>%{hovertext}<extra></extra>"
-    return {
-        "type": "bar",
-        "orientation": "h",
-        "name": label(state),
-        "x": encode(rows["end"] - rows["start"]),
-        "base": encode(rows["start"]),
-        "y": rows["row"].tolist(),
-        "hovertext": [label(reason, 90) for reason in rows["reason"]],
-        "hovertemplate": f"{label(spoken(state))} {spans}",
-        "textposition": "none",
-        "marker": {"color": COLOURS.get(state, "var(--faint)"), "line": {"width": 0}},
-    }
+def _ticks(longest: float) -> list[tuple[float, str]]:
+    """Return round numbers of seconds along an axis, so few that they do not touch on a phone."""
+    power = 10.0 ** math.floor(math.log10(longest / _TICKS))
+    step = next(factor * power for factor in (1, 2, 5, 10) if factor * power * _TICKS >= longest)
+    return [(round(100.0 * k * step / longest, 2), short(k * step)) for k in range(int(longest / step) + 1)]
+
+
+def _stretches(rows: pd.DataFrame, longest: float) -> list[dict[str, Any]]:
+    stretches = []
+    for start, end, state, reason in rows.itertuples(index=False):
+        said = f"{spoken(state)} for {short(end - start)} s from {short(start)} s"
+        stretches.append(
+            {
+                "x": round(_SCALE * start / longest, 2),
+                "width": round(_SCALE * (end - start) / longest, 2),
+                "colour": COLOURS.get(state, "var(--faint)"),
+                "said": f"{said}: {reason}" if reason else said,
+            }
+        )
+    return stretches

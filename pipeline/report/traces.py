@@ -24,13 +24,13 @@ def traces_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     groups = list(table.groupby(["run", "channel"], sort=False))
     drawn = groups[: max(drawing.trace_samples // _FEWEST, 1)]
     keep = drawing.trace_samples // len(drawn)
-    series = [_series(str(run), str(channel), rows, keep) for (run, channel), rows in drawn]
-    content = {
-        "series": series,
-        "runs": _unique(series, "run"),
-        "channels": _unique(series, "channel"),
-        "left_out": len(groups) - len(drawn),
-    }
+    runs, channels = ([str(name) for name in dict.fromkeys(key[part] for key, _ in drawn)] for part in (0, 1))
+    series = [
+        {"run": runs.index(str(run)), "channel": channels.index(str(channel))}
+        | _series(str(channel), rows, keep)
+        for (run, channel), rows in drawn
+    ]
+    content = {"series": series, "runs": runs, "channels": channels, "left_out": len(groups) - len(drawn)}
     return Section("traces", "Measured against simulated", content)
 
 
@@ -57,20 +57,19 @@ def thin(times: np.ndarray, values: np.ndarray, keep: int) -> np.ndarray:
     return np.unique(chosen)
 
 
-def _series(run: str, channel: str, rows: pd.DataFrame, keep: int) -> dict[str, Any]:
+def _series(channel: str, rows: pd.DataFrame, keep: int) -> dict[str, Any]:
     rows = rows.sort_values("t", kind="stable")
     times = rows["t"].to_numpy(dtype=float, copy=True)
     values = rows[list(SIGNALS)].to_numpy(dtype=float, copy=True)
     times, values = _thinned_with_gaps(times - times[0], values, keep)
     unit = pretty_unit(str(rows["unit"].iloc[0])) if "unit" in rows else ""
     columns = {name: encode(values[:, index]) for index, name in enumerate(SIGNALS)}
-    return {
-        "run": run,
-        "channel": channel,
-        "title": label(spoken(channel)),
-        "unit": label(unit),
-        "t": encode(times),
-    } | columns
+    # The difference has steps of its own: it may be far smaller than the signal.
+    left = {
+        f"left_{name}": encode(values[:, 0] - values[:, index])
+        for index, name in ((1, "before"), (2, "after"))
+    }
+    return {"title": label(spoken(channel)), "unit": label(unit), "t": encode(times)} | columns | left
 
 
 def _thinned_with_gaps(times: np.ndarray, values: np.ndarray, keep: int) -> tuple[np.ndarray, np.ndarray]:
@@ -81,7 +80,3 @@ def _thinned_with_gaps(times: np.ndarray, values: np.ndarray, keep: int) -> tupl
     breaks = np.searchsorted(chosen, after_gap)
     times = np.insert(times[chosen], breaks, times[after_gap])
     return times, np.insert(values[chosen], breaks, np.nan, axis=0)
-
-
-def _unique(series: list[dict[str, Any]], key: str) -> list[str]:
-    return list(dict.fromkeys(entry[key] for entry in series))

@@ -1,8 +1,10 @@
-"""The verdict in one sentence, and the figures behind it."""
+"""The verdict in words: the one place where its sentences are made, for the page and for the terminal."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
+from simgap.recordings.contradiction import SUSPECTED
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
 from simgap.report.text import (
@@ -10,11 +12,12 @@ from simgap.report.text import (
     interval,
     is_number,
     listed,
-    number,
+    minus,
     percent,
     probability,
-    quantity,
+    short,
     spoken,
+    with_unit,
 )
 
 LABELS = {
@@ -22,34 +25,120 @@ LABELS = {
     "parameter_mismatch": "Parameters are wrong",
     "none": "Nothing is missing",
     "unexplained": "Unexplained gap",
+    "contradiction": "The recording contradicts itself or the platform",
 }
-_NAMED_IN_SENTENCE = 3
+BELIEVED = 0.5
+"""The probability from which on an effect is stated; below it stands under "perhaps"."""
+TIMES_NOISE = 2.0
+"""Times the noise, within which what is left is not mentioned."""
 
 
-def verdict_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
-    """Say in one sentence what the diagnosis found."""
-    diagnosis = inputs.diagnosis
-    if diagnosis is None:
-        return None
+@dataclass(frozen=True)
+class Named:
+    """One effect of the diagnosis in words.
+
+    Attributes:
+        name: as the contract writes it.
+        words: the same as words, with its group where two groups have it.
+        facts: its values and its probability.
+        statement: what a person can do about it.
+    """
+
+    name: str
+    words: str
+    facts: str
+    statement: str
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a diagnosis found, in sentences.
+
+    Attributes:
+        verdict: as the contract writes it.
+        label: the same in words.
+        headline: only what is believed.
+        closed: how much of the gap that closes, and what is left beside the noise; empty where it says nothing.
+        believed: the effects that the headline is about.
+        perhaps: those that are less likely than not.
+        ambiguous: what cannot be told apart, and what would tell it.
+        unnamed: what has no name, with its size in units and as a multiple of the noise.
+        contradictions: evidence and remedy of each.
+    """
+
+    verdict: str
+    label: str
+    headline: str
+    closed: str
+    believed: list[Named]
+    perhaps: list[Named]
+    ambiguous: list[str]
+    unnamed: list[str]
+    contradictions: list[str]
+
+
+def summary(diagnosis: dict[str, Any]) -> Summary:
+    """Say what a diagnosis (docs/contract.md) found."""
     verdict = diagnosis["verdict"]
-    content = {
-        "verdict": verdict,
-        "label": LABELS.get(verdict, spoken(verdict)),
-        "sentence": sentence(diagnosis),
-        "warnings": len(diagnosis.get("warnings") or []),
-    }
-    return Section("verdict", "Verdict", content)
+    contradicted = verdict == "contradiction"
+    believed, doubted = told_apart(diagnosis["effects"])
+    return Summary(
+        verdict=verdict,
+        label=LABELS.get(verdict, spoken(verdict)),
+        headline=headline(diagnosis),
+        closed="" if contradicted else _closed(diagnosis),
+        believed=_named(believed, diagnosis["effects"]),
+        perhaps=_named(doubted, diagnosis["effects"]),
+        ambiguous=[
+            f"{listed(map(spoken, entry['names']), 'or')}: this recording cannot tell. To tell them apart: "
+            f"{_small(entry['separate_by'])}"
+            for entry in diagnosis.get("ambiguous") or []
+        ],
+        unnamed=[]
+        if contradicted
+        else [_unnamed(entry) for entry in notable(diagnosis.get("unnamed") or [])],
+        contradictions=[f"{c['evidence']}. {c['remedy']}" for c in diagnosis.get("contradictions") or []],
+    )
 
 
-def sentence(diagnosis: dict[str, Any]) -> str:
-    """Return the verdict as one sentence with effects, values, probabilities and the gap closed."""
-    write = {
-        "missing_physics": _missing_physics,
-        "parameter_mismatch": _parameter_mismatch,
-        "none": _none,
-        "unexplained": _unexplained,
-    }.get(diagnosis["verdict"])
-    return write(diagnosis) if write else f"The diagnosis says “{spoken(diagnosis['verdict'])}”."
+def told_apart(effects: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Return the effects that are believed, and those that are less likely than not."""
+    believed = [effect for effect in effects if (effect.get("probability") or 0.0) >= BELIEVED]
+    return believed, [effect for effect in effects if effect not in believed]
+
+
+def notable(unnamed: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return what has no name and is more than twice the noise, or of unknown size."""
+    return [entry for entry in unnamed if (times := _times_noise(entry)) is None or times > TIMES_NOISE]
+
+
+def size_of(entry: dict[str, Any]) -> str:
+    """Write the size of what has no name in its unit and as a multiple of the noise."""
+    size, times = entry.get("size") or {}, _times_noise(entry)
+    if times is None:
+        return f"{percent(min(entry['share'], 1.0))} of the residual" if is_number(entry.get("share")) else ""
+    return f"{with_unit(short(size['value'], 2), size.get('unit'))}, {short(times, 2)} times the noise"
+
+
+def headline(diagnosis: dict[str, Any]) -> str:
+    """Return the verdict as one or two short sentences that state only what is believed."""
+    believed, _ = told_apart(diagnosis["effects"])
+    wrong = [effect for effect in believed if str(effect["name"]).endswith("_error")]
+    missing = [effect for effect in believed if effect not in wrong]
+    verdict, facts = diagnosis["verdict"], _believed(missing, wrong)
+    if verdict == "contradiction":
+        return _contradicted(diagnosis.get("contradictions") or [])
+    if verdict == "missing_physics":
+        unsure = "Physics is missing from the simulator, but no single cause is likelier than not"
+        return f"{facts if missing else unsure}."
+    if verdict == "parameter_mismatch":
+        return f"No physics is missing. {facts or 'A number of the platform file seems to be wrong'}."
+    if verdict == "none":
+        return "The simulator fits this recording: nothing is missing that it could show."
+    if verdict == "unexplained":
+        gap = "a gap remains that no known effect explains"
+        return f"{facts}, and {gap}." if facts else f"{gap[:1].upper()}{gap[1:]}."
+    return f"The diagnosis says “{spoken(verdict)}”."
 
 
 def parameters(effect: dict[str, Any]) -> list[str]:
@@ -66,70 +155,88 @@ def why_unknown(fit: dict[str, Any]) -> str:
     return "the error is too close to its floor to measure it" if held_out else "no run could be held out"
 
 
+def verdict_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
+    """Say what the diagnosis found, before everything else."""
+    diagnosis = inputs.diagnosis
+    if diagnosis is None:
+        return None
+    warnings = len(diagnosis.get("warnings") or [])
+    return Section("verdict", "Verdict", {"summary": summary(diagnosis), "warnings": warnings})
+
+
+def _believed(missing: Sequence[dict[str, Any]], wrong: Sequence[dict[str, Any]]) -> str:
+    """Return one sentence without a full stop on what is believed; empty where nothing is."""
+    left_out = f"The simulator leaves out {listed(_distinct(missing))}" if missing else ""
+    numbers = listed(name.removesuffix(" error") for name in _distinct(wrong))
+    mistaken = f"the platform file is wrong about {numbers}" if wrong else ""
+    both = f"{left_out}, and {mistaken}" if missing and wrong else left_out or mistaken
+    return both[:1].upper() + both[1:]
+
+
+def _distinct(effects: Sequence[dict[str, Any]]) -> list[str]:
+    """Name every effect once, though two groups may have it."""
+    return list(dict.fromkeys(spoken(effect["name"]) for effect in effects))
+
+
+def _contradicted(contradictions: Sequence[dict[str, Any]]) -> str:
+    suspicions = [f"{each['column']} ({_suspected(each)})" for each in contradictions]
+    suspected = f" Suspected: {listed(dict.fromkeys(suspicions))}." if suspicions else ""
+    return f"Mend the recording or the platform file first: nothing can be named.{suspected}"
+
+
+def _suspected(contradiction: dict[str, Any]) -> str:
+    return SUSPECTED.get(contradiction["suspected"], spoken(contradiction["suspected"]))
+
+
+def _named(effects: Sequence[dict[str, Any]], among: Sequence[dict[str, Any]]) -> list[Named]:
+    names = [effect["name"] for effect in among]
+    described = []
+    for effect in effects:
+        # An effect that acts on two groups of a swerve drive is two entries of one name.
+        group = f" ({spoken(effect['acts_on'])})" if names.count(effect["name"]) > 1 else ""
+        facts = [*parameters(effect), f"probability {probability(effect.get('probability'))}"]
+        words = f"{spoken(effect['name'])}{group}"
+        described.append(
+            Named(str(effect["name"]), words, ", ".join(facts), minus(str(effect.get("statement") or "")))
+        )
+    return described
+
+
+def _unnamed(entry: dict[str, Any]) -> str:
+    follows = listed(map(spoken, entry.get("depends_on") or ["no recorded signal"]))
+    return f"{spoken(entry['channel'])}: {size_of(entry)}; it follows {follows}"
+
+
+def _times_noise(entry: dict[str, Any]) -> float | None:
+    size = entry.get("size") or {}
+    value, noise = size.get("value"), size.get("noise")
+    return value / noise if is_number(value) and is_number(noise) and noise > 0 else None
+
+
 def _parameter(effect: dict[str, Any], name: str) -> str:
     is_ratio = str(effect["name"]).endswith("_error") and len(effect["parameters"]) == 1
     return "true over nominal" if is_ratio else spoken(name)
 
 
-def _missing_physics(diagnosis: dict[str, Any]) -> str:
-    corrections = [effect for effect in diagnosis["effects"] if str(effect["name"]).endswith("_error")]
-    missing = [effect for effect in diagnosis["effects"] if effect not in corrections]
-    text = f"The simulator leaves out {_named(missing)}"
-    if corrections:
-        text += f", and its nominal parameters need correcting: {_named(corrections)}"
-    return f"{text}; with that, {_closed(diagnosis)}."
-
-
-def _parameter_mismatch(diagnosis: dict[str, Any]) -> str:
-    named = _named(diagnosis["effects"])
-    return (
-        f"No physics is missing, but nominal parameters are wrong: {named}; corrected, {_closed(diagnosis)}."
-    )
-
-
-def _none(diagnosis: dict[str, Any]) -> str:
-    fit = diagnosis.get("fit") or {}
-    text = "Nothing is missing that this recording could show: the simulator fits it down to its noise floor"
-    if is_number(fit.get("before")) and is_number(fit.get("noise_floor")):
-        text += f" (error {number(fit['before'])} against a floor of {number(fit['noise_floor'])})"
-    return f"{text}."
-
-
-def _unexplained(diagnosis: dict[str, Any]) -> str:
-    remainder = [
-        f"{percent(entry.get('share'))} of the residual of {quantity(entry['channel'], None)}"
-        f" follows {listed(spoken(name) for name in entry.get('depends_on') or ['no recorded signal'])}"
-        for entry in diagnosis.get("unnamed") or []
-    ]
-    text = "A significant gap remains that no effect of the catalogue accounts for"
-    if remainder:
-        text += f": {listed(remainder[:_NAMED_IN_SENTENCE])}"
-    if diagnosis["effects"]:
-        text += f"; what could be named is {_named(diagnosis['effects'])}, and with that"
-        return f"{text} {_closed(diagnosis)}."
-    return f"{text}; {_closed(diagnosis)}."
-
-
-def _named(effects: Sequence[dict[str, Any]]) -> str:
-    """Name effects with their values and probabilities."""
-    names = [effect["name"] for effect in effects]
-    described = []
-    for effect in effects[:_NAMED_IN_SENTENCE]:
-        # An effect that acts on two groups of a swerve drive is two entries of one name.
-        place = f" ({spoken(effect['acts_on'])})" if names.count(effect["name"]) > 1 else ""
-        facts = [*parameters(effect), f"probability {probability(effect.get('probability'))}"]
-        described.append(f"{spoken(effect['name'])}{place} ({', '.join(facts)})")
-    if more := len(effects) - len(described):
-        described.append(f"{more} more")
-    return listed(described) if described else "an effect that it does not name"
-
-
 def _closed(diagnosis: dict[str, Any]) -> str:
+    """Say how much of the gap closes, never rounded up to all of it, and how much is left beside the noise."""
     fit = diagnosis.get("fit") or {}
-    if not is_number(fit.get("gap_closed")):
-        return f"how much of the gap closes is not known, because {why_unknown(fit)}"
-    bounds = interval(fit.get("gap_closed_interval"))
-    held_out = "on runs never used for fitting"
-    return f"{percent(fit['gap_closed'])} of the gap closes {held_out}" + (
-        f" (95{chr(0x202F)}% interval {bounds})" if bounds else ""
+    after, floor = fit.get("after"), fit.get("noise_floor")
+    times = after / floor if is_number(after) and is_number(floor) and floor > 0 else None
+    if not diagnosis["effects"]:
+        return "" if times is None else f"Its error is {short(times, 2)} times the noise."
+    left = (
+        f" What is left is {short(times, 2)} times the noise."
+        if times is not None and times > TIMES_NOISE
+        else ""
     )
+    if not is_number(fit.get("gap_closed")):
+        return f"How much of the gap closes is not known: {why_unknown(fit)}.{left}"
+    bounds = interval(fit.get("gap_closed_interval"))
+    sure = f" (95{chr(0x202F)}% interval {bounds})" if bounds else ""
+    share = percent(fit["gap_closed"])
+    return f"The corrected simulator closes {share} of the gap on runs never used for fitting{sure}.{left}"
+
+
+def _small(sentence: str) -> str:
+    return f"{sentence[:1].lower()}{sentence[1:]}"

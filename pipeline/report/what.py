@@ -2,7 +2,7 @@
 
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
-from simgap.report.verdict import parameters
+from simgap.report.verdict import notable, parameters, size_of, told_apart
 
 
 def what_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
@@ -10,10 +10,15 @@ def what_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     diagnosis = inputs.diagnosis
     if diagnosis is None:
         return None
-    effects = [effect | {"values": parameters(effect)} for effect in diagnosis["effects"]]
+    believed, doubted = (
+        [effect | {"values": parameters(effect)} for effect in effects]
+        for effects in told_apart(diagnosis["effects"])
+    )
+    unnamed = [entry | {"size": size_of(entry)} for entry in notable(diagnosis.get("unnamed") or [])]
     content = {
-        "effects": effects,
+        "believed": believed,
+        "doubted": doubted,
         "ambiguous": diagnosis.get("ambiguous") or [],
-        "unnamed": diagnosis.get("unnamed") or [],
+        "unnamed": unnamed,
     }
     return Section("what", "What it is", content)

@@ -15,7 +15,7 @@ def where_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     regimes = inputs.evidence("regimes.json") or []
     units = {entry["variable"]: entry.get("unit") for entry in regimes}
     rows = [_row(entry, units) for entry in inputs.diagnosis.get("mismatch") or []]
-    maps = regime_maps(regimes, drawing)
+    maps = regime_maps(regimes)
     content = {"verdict": inputs.diagnosis["verdict"], "rows": rows, "maps": maps, "shown": drawing.maps}
     return Section("where", "Where it fails", content)
 

@@ -77,7 +77,10 @@ def _run(stage: Stage[Any], flags: argparse.Namespace, unknown: list[str]) -> No
         print(OmegaConf.to_yaml(OmegaConf.structured(typed(stage.config_class, values))), end="")
         return
     _warn_unread(stage, overrides, values)
-    logging.getLogger("simgap").info("%s: wrote %s", stage.name, stage.run(values))
+    output = stage.run(values)
+    logging.getLogger("simgap").info("%s: wrote %s", stage.name, output)
+    if (page := output / "report.html").exists():
+        print(page)  # the last line: what a person opens next
 
 
 def _warn_unread(stage: Stage[Any], overrides: Sequence[str], values: dict[str, Any]) -> None:

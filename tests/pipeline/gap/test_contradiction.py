@@ -1,16 +1,20 @@
 """Recordings that were not read as they were made: whatever were named there would be made up."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from simgap.gap.contract import diagnosis_document
 from simgap.gap.contradiction import agreements, contradictions
 from simgap.gap.prepare import prepare
 from simgap.gap.settings import Gap
 from simgap.platforms import Joint
+from simgap.recordings.contradiction import Contradiction
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
+from tests.contract_checker import check_diagnosis
 from tests.pipeline.gap.problems import named, quick
 from tests.pipeline.gap.recordings import (
     JOINT,
@@ -46,7 +50,7 @@ def exchanged(recording: Recording, order: str) -> Recording:
     return replace(recording, frame=recording.frame.rename(columns=columns))
 
 
-def said(recording: Recording, simulator: Simulator) -> list[str]:
+def said(recording: Recording, simulator: Simulator) -> list[Contradiction]:
     return contradictions(recording, prepare(recording, simulator, Gap()))
 
 
@@ -58,8 +62,11 @@ def test_a_plant_with_more_physics_than_the_simulator_contradicts_nothing(plant)
 @pytest.mark.parametrize("plant", PLANTS)
 def test_a_voltage_of_the_other_sign_is_no_physics(plant):
     backwards = scaled(joint_recording(plant), "voltage", -1.0)
-    (sentence,) = said(backwards, joint_simulator())
-    assert sentence.startswith("torque: the motion opposes the commands (correlation -")
+    (found,) = said(backwards, joint_simulator())
+    assert (found.column, found.suspected) == ("voltage", "sign")
+    assert found.evidence.startswith("torque: the motion opposes the commands (correlation -")
+    assert "'voltage'" in found.remedy
+    assert found.runs == tuple(dict.fromkeys(backwards.frame["run"]))
 
 
 def test_a_spring_that_is_pulled_slowly_moves_against_its_acceleration():
@@ -72,29 +79,33 @@ def test_a_spring_that_is_pulled_slowly_moves_against_its_acceleration():
 
 @pytest.mark.parametrize("plant", PLANTS)
 def test_commands_in_another_unit_are_no_physics(plant):
-    (sentence,) = said(scaled(joint_recording(plant), "voltage", 1000.0), joint_simulator())
-    assert sentence.startswith("torque: by the platform file, the motion needs 1/")
-    assert "of the effort that was commanded; check the unit" in sentence
+    (found,) = said(scaled(joint_recording(plant), "voltage", 1000.0), joint_simulator())
+    assert (found.column, found.suspected) == ("voltage", "unit")
+    assert found.evidence.startswith("torque: by the platform file, the motion needs 1/")
 
 
 def test_an_inertia_in_another_unit_is_no_physics():
     pulled = pulled_slowly(Plant(viscous=0.5, other=lambda position, velocity: -5.0 * position))
-    (sentence,) = said(pulled, Simulator(Joint(inertia=1000.0 * JOINT.inertia)))
-    assert sentence.startswith("torque: by the platform file, the motion needs 999 times the effort")
+    (found,) = said(pulled, Simulator(Joint(inertia=1000.0 * JOINT.inertia)))
+    assert (found.column, found.suspected) == ("effort", "unit")
+    assert found.evidence.startswith("torque: by the platform file, the motion needs 999 times the effort")
 
 
 def test_nothing_is_named_there_and_it_is_said_first():
     backwards = scaled(joint_recording(PLANTS[0]), "voltage", -1.0)
     found = quick(backwards, joint_simulator())
-    assert (found.verdict, named(found)) == ("unexplained", [])
-    assert "opposes the commands" in found.warnings[0]
-    assert "no effect is named" in found.warnings[1]
+    assert (found.verdict, named(found), found.unnamed) == ("contradiction", [], [])
+    assert found.warnings[0] == found.contradictions[0].sentence
+    (written,) = diagnosis_document(found)["contradictions"]
+    assert list(written) == ["column", "suspected", "evidence", "remedy", "runs"]
+    check_diagnosis(json.loads(json.dumps(diagnosis_document(found))), "joint")
 
 
 def test_nothing_is_named_with_a_rate_that_is_not_that_of_its_angle():
     found = quick(scaled(joint_recording(PLANTS[0]), "velocity", 60 / 6.2832), joint_simulator())
-    assert (found.verdict, named(found)) == ("unexplained", [])
-    assert "turns per minute" in found.warnings[0]
+    assert (found.verdict, named(found)) == ("contradiction", [])
+    (rate,) = found.contradictions
+    assert (rate.column, rate.suspected) == ("velocity", "turns_per_minute")
 
 
 def test_what_is_not_driven_has_no_direction():
@@ -108,6 +119,7 @@ def test_motors_in_another_order_are_no_physics(order, axes):
     """Numbered from another corner, a machine turns about two axes the wrong way, and as told about the third."""
     recording = flight(("rotor_drag", 0.35))
     assert said(recording, Simulator(racer())) == []
-    sentences = said(exchanged(recording, order), Simulator(racer()))
-    told = {sentence.partition(":")[0] for sentence in sentences}
+    found = said(exchanged(recording, order), Simulator(racer()))
+    assert {each.suspected for each in found} == {"motor_order"}
+    told = {each.evidence.partition(":")[0] for each in found}
     assert told == {f"torque_{axis}" for axis in axes}

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-VERDICTS = ("missing_physics", "parameter_mismatch", "none", "unexplained")
+VERDICTS = ("missing_physics", "parameter_mismatch", "none", "unexplained", "contradiction")
 RUNS = ("melon_run1", "melon_run4", "melon_run5")
 
 _EFFECTS: dict[str, list[dict[str, Any]]] = {
@@ -37,6 +37,14 @@ _EFFECTS: dict[str, list[dict[str, Any]]] = {
     ],
     "none": [],
     "unexplained": [],
+    "contradiction": [],
+}
+DOUBTED = {
+    "name": "blade_flapping_moment",
+    "probability": 0.31,
+    "acts_on": "torque",
+    "parameters": {"coefficient": {"value": -0.0123, "std": 0.004, "unit": "N*m/(m/s)"}},
+    "statement": "Flapping blades pitch the vehicle up by -0.012 N·m for every m/s of airspeed.",
 }
 
 
@@ -47,13 +55,13 @@ def diagnosis(verdict: str, *, bare: bool = False, text: str = "") -> dict[str, 
         "metric": text or "RMS of the specific force over one step, m/s²",
         "held_out_runs": [] if bare else [text or RUNS[0], *RUNS[1:]],
         "before": None if bare else 0.184,
-        "after": None if bare else (0.184 if verdict in ("none", "unexplained") else 0.031),
+        "after": None if bare else (0.031 if effects else 0.184),
         "noise_floor": None if bare else (0.18 if verdict == "none" else 0.027),
-        "gap_closed": None if bare or verdict == "none" else (0.0 if verdict == "unexplained" else 0.974),
+        "gap_closed": None if bare or verdict == "none" else (0.974 if effects else 0.0),
         "gap_closed_interval": None
         if bare or verdict == "none"
         else [0.0, 0.03]
-        if verdict == "unexplained"
+        if not effects
         else [0.95, 0.98],
     }
     mismatch = [
@@ -72,6 +80,7 @@ def diagnosis(verdict: str, *, bare: bool = False, text: str = "") -> dict[str, 
     return {
         "schema": "simgap.diagnosis/1",
         "verdict": verdict,
+        "contradictions": _contradictions(text) if verdict == "contradiction" else [],
         "warnings": ["one run only: nothing could be held out"] if bare else _warnings(text),
         "mismatch": [] if bare or verdict == "none" else [_mismatch(*entry, text) for entry in mismatch],
         "effects": [] if bare else effects,
@@ -79,6 +88,17 @@ def diagnosis(verdict: str, *, bare: bool = False, text: str = "") -> dict[str, 
         "unnamed": _unnamed(text) if verdict in ("missing_physics", "unexplained") and not bare else [],
         "fit": fit,
     }
+
+
+def _contradictions(text: str) -> list[dict]:
+    entry = {
+        "column": "voltage",
+        "runs": list(RUNS),
+        "suspected": "sign",
+        "evidence": "torque: the machine moves against what is commanded (correlation -0.99)",
+        "remedy": "Compare the sign of 'voltage' with the platform file.",
+    }
+    return [entry | (dict.fromkeys(("column", "suspected", "evidence", "remedy"), text) if text else {})]
 
 
 def _mismatch(
@@ -115,5 +135,6 @@ def _unnamed(text: str) -> list[dict]:
         "depends_on": ["velocity_x", "motor_speed"],
         "formula": formula,
         "share": 0.12,
+        "size": {"value": 0.21, "noise": 0.05, "unit": "N·m"},
     }
     return [entry | ({"channel": text, "depends_on": [text], "formula": text} if text else {})]

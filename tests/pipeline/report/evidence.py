@@ -23,6 +23,7 @@ def write_evidence(folder: Path, verdict: str, text: str, random: np.random.Gene
     _traces(runs, text, random).to_parquet(folder / "traces.parquet")
     _residuals(runs, text, random).to_parquet(folder / "residuals.parquet")
     write_json(folder / "competition.json", _competition(verdict, text, random))
+    write_json(folder / "candidates.json", _candidates(verdict, text))
     write_json(
         folder / "laws.json",
         [_law("force_x", text), _law("force_y", text)] if verdict == "missing_physics" else [],
@@ -111,6 +112,27 @@ def _competition(verdict: str, text: str, random: np.random.Generator) -> dict[s
         "steps": steps,
         "metric": text or "error of the specific force, cross-validated over training runs",
     }
+
+
+def _candidates(verdict: str, text: str) -> list[dict[str, Any]]:
+    drag = {"coefficient": {"value": 0.4512, "std": 0.0083, "unit": "1/s"}}
+    entries = [
+        ("rotor_drag", "in", 0.998, drag, "explains 91% of what the other effects leave in force_x"),
+        (
+            "blade_flapping_moment",
+            "in",
+            0.31,
+            drag,
+            "explains 12% of what the other effects leave in torque_y",
+        ),
+        ("body_drag", "rival", 0.4, drag, "could stand in for rotor_drag, which is in"),
+        ("steady_wind", "dropped", None, {}, "added, then dropped: probability of only 4%"),
+        ("motor_lag", "out", None, {}, "beside rotor drag: not significant (gain of -0.02)"),
+    ]
+    keys = ("name", "status", "probability", "parameters", "why")
+    shown = entries if verdict == "missing_physics" else entries[3:]
+    hostile = {"name": text, "why": text} if text else {}
+    return [dict(zip(keys, entry, strict=True)) | {"share": 0.5} | hostile for entry in shown]
 
 
 def _law(channel: str, text: str) -> dict[str, Any]:

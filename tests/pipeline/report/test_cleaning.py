@@ -4,7 +4,6 @@ from simgap.report.cleaning import cleaning_section, condensed, summary
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing
 from tests.pipeline.report.artifacts import make_branch
-from tests.pipeline.report.decode import decode
 
 
 def test_the_summary_counts_the_column_most_concerned_once_per_run():
@@ -37,11 +36,12 @@ def test_columns_are_written_as_the_contract_does():
 
 
 def test_the_timeline_covers_every_run_from_its_own_start(tmp_path):
-    content = cleaning_section(ReportInputs.of_branch(make_branch(tmp_path)), Drawing()).content
-    assert [trace["name"] for trace in content["figure"].data] == ["kept", "interpolated", "dropped"]
-    drawn = sum(decode(trace["x"]).sum() for trace in content["figure"].data)
-    assert abs(drawn - 7 * 60.0) < 1e-3
-    assert min(decode(trace["base"]).min() for trace in content["figure"].data) == 0.0
+    drawn = cleaning_section(ReportInputs.of_branch(make_branch(tmp_path)), Drawing()).content["figure"]
+    assert [state for state, _ in drawn.legend] == ["kept", "interpolated", "dropped"]
+    assert len(drawn.rows) == 7
+    for _, _, stretches in drawn.rows:
+        assert stretches[0]["x"] == 0.0
+        assert abs(sum(stretch["width"] for stretch in stretches) - 1000) < 0.1
 
 
 def test_details_are_bounded_and_say_so(tmp_path):

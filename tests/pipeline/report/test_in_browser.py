@@ -28,10 +28,8 @@ def test_the_page_draws_everything_and_asks_for_nothing(tmp_path, browser, text)
     assert browser.evaluate("document.querySelectorAll('img[src=x]').length") == 0
     browser.evaluate("document.querySelectorAll('details').forEach(folded => folded.open = true)")
     browser.evaluate("new Promise(done => setTimeout(done, 500))")
-    drawn = (
-        "[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('svg.main-svg').length)"
-    )
-    assert len(browser.evaluate(drawn)) == 14
+    drawn = "[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('svg path').length)"
+    assert len(browser.evaluate(drawn)) == 5
     assert all(browser.evaluate(drawn))
     _choose_every_trace(browser)
     assert browser.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
@@ -50,6 +48,44 @@ def test_an_attempt_to_reach_the_network_or_to_add_a_script_is_refused(tmp_path,
     browser.evaluate(added)
     assert browser.evaluate("window.hacked") is None
     assert browser.evaluate("fetch('data:,x').then(() => 'reached', () => 'refused')") == "refused"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1400, 390])
+def test_no_tick_labels_touch_and_nothing_is_wider_than_the_screen(tmp_path, browser, width):
+    page = tmp_path / "report.html"
+    write_page(ReportInputs.of_branch(make_branch(tmp_path), "nanodrone"), page)
+    browser.open(page, width=width)
+    touching = """[...document.querySelectorAll('.plot svg, .ticks div')].flatMap((drawn) => {
+      const labels = [...drawn.querySelectorAll('text:not(.title), span')]
+        .map((text) => [text.textContent, text.getBoundingClientRect()]);
+      return labels.flatMap(([one, a], i) => labels.slice(i + 1)
+        .filter(([, b]) => a.left < b.right && b.left < a.right && a.top < b.bottom - 2 && b.top < a.bottom - 2)
+        .map(([other]) => [one, other]));
+    })"""
+    assert browser.evaluate(touching) == []
+    assert browser.evaluate("document.documentElement.scrollWidth") <= width
+
+
+@pytest.mark.slow
+def test_a_stretch_is_enlarged_by_dragging_and_shown_whole_again(tmp_path, browser):
+    page = tmp_path / "report.html"
+    write_page(ReportInputs.of_branch(make_branch(tmp_path), "nanodrone"), page)
+    browser.open(page)
+    ticks = """[...document.querySelectorAll('.traces svg text[text-anchor=middle]')].map((text) => text.textContent)"""
+    whole = browser.evaluate(ticks)
+    browser.evaluate("""(() => {
+      const svg = document.querySelector('.traces svg'), box = svg.getBoundingClientRect();
+      for (const [type, x] of [['pointerdown', 300], ['pointermove', 350], ['pointerup', 400]]) {
+        const at = { clientX: box.left + x, clientY: box.top + 60, pointerType: 'mouse', bubbles: true };
+        svg.dispatchEvent(new PointerEvent(type, at));
+      }
+    })()""")
+    enlarged = browser.evaluate(ticks)
+    assert enlarged != whole
+    assert float(enlarged[-1]) < float(whole[-1])
+    browser.evaluate("document.querySelector('.traces svg').dispatchEvent(new MouseEvent('dblclick'))")
+    assert browser.evaluate(ticks) == whole
 
 
 def _choose_every_trace(browser: Browser) -> None:

@@ -3,18 +3,19 @@ import re
 import shutil
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from simgap.errors import InputError
 from simgap.report import ReportInputs, write_page
 from tests.pipeline.report.artifacts import HOSTILE, make_branch
-from tests.pipeline.report.diagnoses import VERDICTS
+from tests.pipeline.report.diagnoses import DOUBTED, VERDICTS
 
 ORDER = [
     "verdict",
-    "where",
     "what",
     "competition",
+    "where",
     "fit",
     "traces",
     "laws",
@@ -22,7 +23,10 @@ ORDER = [
     "parameters",
     "model",
 ]
-ORDER += ["warnings", "provenance"]
+ORDER += ["warnings", "provenance", "use"]
+
+
+MOST_BYTES = 1.5e6
 
 
 def page_of(inputs: ReportInputs, folder: Path) -> str:
@@ -47,7 +51,6 @@ def test_the_sections_stand_in_order(tmp_path):
         ("train", "model"),
         ("diagnose/evidence/traces.parquet", "traces"),
         ("diagnose/evidence/laws.json", "laws"),
-        ("diagnose/evidence/competition.json", "competition"),
     ],
 )
 def test_a_section_without_its_artifact_is_left_out(tmp_path, absent, section):
@@ -55,6 +58,15 @@ def test_a_section_without_its_artifact_is_left_out(tmp_path, absent, section):
     shutil.rmtree(path) if path.is_dir() else path.unlink()
     page = page_of(ReportInputs.of_branch(tmp_path), tmp_path)
     assert sections(page) == [key for key in ORDER if key != section]
+
+
+def test_without_candidates_and_steps_there_is_no_section_of_how_sure(tmp_path):
+    evidence = make_branch(tmp_path) / "diagnose" / "evidence"
+    (evidence / "competition.json").unlink()
+    assert sections(page_of(ReportInputs.of_branch(tmp_path), tmp_path)) == ORDER
+    (evidence / "candidates.json").unlink()
+    without = [key for key in ORDER if key != "competition"]
+    assert sections(page_of(ReportInputs.of_branch(tmp_path), tmp_path)) == without
 
 
 def test_where_nothing_was_trained_there_is_no_section_of_a_model(tmp_path):
@@ -72,10 +84,58 @@ def test_without_a_diagnosis_the_other_stages_are_reported(tmp_path):
 
 @pytest.mark.parametrize("bare", [False, True])
 @pytest.mark.parametrize("verdict", VERDICTS)
-def test_every_verdict_has_a_page_under_8_megabytes(tmp_path, verdict, bare):
+def test_every_verdict_has_a_page_under_one_and_a_half_megabytes(tmp_path, verdict, bare):
     page = page_of(ReportInputs.of_branch(make_branch(tmp_path, verdict, bare=bare)), tmp_path)
     assert f'class="verdict {verdict}"' in page
-    assert len(page.encode()) < 8e6
+    assert len(page.encode()) < MOST_BYTES
+
+
+def test_a_page_full_of_evidence_stays_under_the_bound(tmp_path):
+    branch = make_branch(tmp_path)
+    evidence = branch / "diagnose" / "evidence"
+    traces = pd.read_parquet(evidence / "traces.parquet")
+    many = [traces.assign(run=[f"{run}_{k}" for run in traces["run"]]) for k in range(8)]
+    pd.concat(many).to_parquet(evidence / "traces.parquet")
+    laws = json.loads((evidence / "laws.json").read_text())
+    (evidence / "laws.json").write_text(json.dumps(laws * 12))
+    page = page_of(ReportInputs.of_branch(branch), tmp_path)
+    assert page.count('class="figure"') == 26
+    assert len(page.encode()) < MOST_BYTES
+
+
+def test_a_contradiction_leaves_out_what_rests_on_names(tmp_path):
+    page = page_of(ReportInputs.of_branch(make_branch(tmp_path, "contradiction")), tmp_path)
+    assert sections(page) == ["verdict", "traces", "cleaning", "warnings", "provenance", "use"]
+    assert "Suspected: voltage (another sign or frame)" in page
+    assert "Compare the sign of &#39;voltage&#39; with the platform file." in page
+    assert "nexplained" not in page
+    assert "of the gap" not in page
+
+
+def test_a_minus_is_one_sign_on_the_whole_page(tmp_path):
+    branch = make_branch(tmp_path)
+    path = branch / "diagnose" / "diagnosis.json"
+    found = json.loads(path.read_text())
+    found["effects"].append(DOUBTED)
+    found["warnings"].append("late by -0.153 s (correlation -0.99)")
+    path.write_text(json.dumps(found))
+    page = page_of(ReportInputs.of_branch(branch), tmp_path)
+    seen = re.sub(r"<(style|script).*?</\1>|<[^>]*>", "", page, flags=re.DOTALL)
+    assert not re.findall(r".{20}(?<![\w)])-\d.{10}", seen)
+    assert "−0.153 s (correlation −0.99)" in seen
+    assert "−0.0123" in seen
+
+
+def test_what_is_doubted_stands_under_perhaps(tmp_path):
+    branch = make_branch(tmp_path)
+    path = branch / "diagnose" / "diagnosis.json"
+    found = json.loads(path.read_text())
+    found["effects"].append(DOUBTED)
+    path.write_text(json.dumps(found))
+    page = page_of(ReportInputs.of_branch(branch), tmp_path)
+    headline = re.search(r"<h1>(.*?)</h1>", page)[1]
+    assert headline == "The simulator leaves out rotor drag and axial inflow."
+    assert page.index("<h1>") < page.index("Perhaps:") < page.index("<strong>blade flapping moment")
 
 
 def test_the_same_artifacts_give_the_same_bytes_wherever_they_are(tmp_path):

@@ -73,6 +73,30 @@ def test_units_are_set_as_in_print(unit, written):
     assert text.pretty_unit(unit) == written
 
 
+@pytest.mark.parametrize(
+    ("words", "written"),
+    [
+        ("(correlation -0.99)", "(correlation −0.99)"),
+        ("-0.941·voltage -0.0605·velocity", "−0.941·voltage −0.0605·velocity"),
+        ("+3·x -.5", "+3·x −.5"),
+        ("run-1 of 2026-11-25, one-step", "run-1 of 2026-11-25, one-step"),
+        ("chance 2e-05 of 1.5e-12", "chance 2×10⁻⁵ of 1.5×10⁻¹²"),
+    ],
+)
+def test_a_minus_is_one_sign_and_a_hyphen_stays(words, written):
+    assert text.minus(words) == written
+
+
+@given(st.text())
+def test_a_minus_once_written_stays(words):
+    assert text.minus(text.minus(words)) == text.minus(words)
+
+
+def test_a_name_breaks_after_its_underscores_and_is_escaped():
+    assert text.breakable("motor_speed_1") == "motor_<wbr>speed_<wbr>1"
+    assert text.breakable("<b>_") == "&lt;b&gt;_<wbr>"
+
+
 def test_lists_read_as_sentences():
     assert text.listed(["a"]) == "a"
     assert text.listed(["a", "b", "c"]) == "a, b and c"

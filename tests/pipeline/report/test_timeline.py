@@ -4,7 +4,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simgap.report.timeline import simplified, timeline
-from tests.pipeline.report.decode import decode
 
 
 def stretches(lengths: list[float], states: list[str]) -> pd.DataFrame:
@@ -34,6 +33,16 @@ def test_many_stretches_keep_each_state_its_share_of_the_time():
 def test_a_state_that_nobody_knows_is_drawn_after_the_others():
     table = stretches([1.0, 2.0, 3.0], ["simulated", "dropped", "kept"])
     drawn = timeline(table, {"a": "train"})
-    assert [trace["name"] for trace in drawn.data] == ["kept", "dropped", "simulated"]
-    assert [float(decode(trace["x"]).sum()) for trace in drawn.data] == [3.0, 2.0, 1.0]
-    assert drawn.layout["yaxis"]["ticktext"] == ["a · train"]
+    assert [state for state, _ in drawn.legend] == ["kept", "dropped", "simulated"]
+    ((run, part, bars),) = drawn.rows
+    assert (run, part) == ("a", "train")
+    np.testing.assert_allclose([bar["width"] for bar in bars], [166.67, 333.33, 500.0], atol=0.01)
+    assert bars[0]["said"] == "simulated for 1 s from 0 s: why"
+
+
+@given(st.floats(0.01, 1e5))
+def test_ticks_are_few_round_and_within_the_axis(longest):
+    drawn = timeline(stretches([longest], ["kept"]), {})
+    assert 1 < len(drawn.ticks) <= 7
+    assert drawn.ticks[0] == (0.0, "0")
+    assert all(0 <= place <= 100 for place, _ in drawn.ticks)

@@ -1,63 +1,140 @@
 import pytest
 
-from simgap.report.verdict import sentence
-from tests.pipeline.report.diagnoses import VERDICTS, diagnosis
+from simgap.report.terminal import terminal_lines
+from simgap.report.verdict import headline, summary
+from tests.pipeline.report.diagnoses import DOUBTED, VERDICTS, diagnosis
 
 
-def test_missing_physics_is_named_with_value_probability_and_gap_closed():
-    said = sentence(diagnosis("missing_physics")).replace("\u202f", "").replace("\u00a0", " ")
-    assert said.startswith(
-        "The simulator leaves out rotor drag (coefficient 0.4512 ± 0.0083 s⁻¹, probability >99%)"
-    )
-    assert "97% of the gap closes" in said
-    assert "95% interval 95% to 98%" in said
+def plain(text: str) -> str:
+    return text.replace("\u202f", "").replace("\u00a0", " ")
+
+
+def test_the_headline_names_what_is_believed_and_nothing_else():
+    found = diagnosis("missing_physics")
+    found["effects"].append(DOUBTED)
+    said = summary(found)
+    assert said.headline == "The simulator leaves out rotor drag and axial inflow."
+    assert [effect.name for effect in said.believed] == ["rotor_drag", "axial_inflow"]
+    assert [effect.name for effect in said.perhaps] == ["blade_flapping_moment"]
+    assert plain(said.believed[0].facts) == "coefficient 0.4512 ± 0.0083 s⁻¹, probability >99%"
+
+
+@pytest.mark.parametrize(("probability", "believed"), [(0.5, True), (0.499, False), (None, False)])
+def test_one_half_is_believed_and_less_is_not(probability, believed):
+    found = diagnosis("missing_physics")
+    found["effects"] = [DOUBTED | {"probability": probability}]
+    assert ("blade flapping" in headline(found)) == believed
+    assert len(summary(found).perhaps) == (not believed)
+
+
+def test_where_nothing_is_believed_no_name_is_stated():
+    found = diagnosis("missing_physics")
+    found["effects"] = [DOUBTED]
+    assert headline(found).endswith("no single cause is likelier than not.")
+
+
+def test_how_much_of_the_gap_closes_is_said_with_what_is_left():
+    found = diagnosis("missing_physics")
+    assert "closes 97% of the gap" in plain(summary(found).closed)
+    assert "95% interval 95% to 98%" in plain(summary(found).closed)
+    assert "What is left" not in summary(found).closed
+    found["fit"]["after"] = 3 * found["fit"]["noise_floor"]
+    assert summary(found).closed.endswith("What is left is 3 times the noise.")
+
+
+@pytest.mark.parametrize(
+    ("closed", "after", "said"),
+    [
+        (0.55, 0.5, ("closes 55% of", "What is left is 5 times the noise.")),
+        (0.9996, 0.1, ("closes 99.9% of", "")),
+        (1.0, 0.09, ("closes 100% of", "")),
+        (0.9987, 0.3, ("closes 99.8% of", "What is left is 3 times the noise.")),
+    ],
+)
+def test_what_is_left_is_never_rounded_away(closed, after, said):
+    found = diagnosis("missing_physics")
+    found["fit"] |= {"gap_closed": closed, "after": after, "noise_floor": 0.1}
+    written = plain(summary(found).closed)
+    assert said[0] in written
+    assert written.endswith(said[1] or "(95% interval 95% to 98%).")
 
 
 def test_a_parameter_mismatch_is_not_called_missing_physics():
-    said = sentence(diagnosis("parameter_mismatch"))
-    assert said.startswith("No physics is missing")
-    assert "true over nominal" in said
+    assert headline(diagnosis("parameter_mismatch")) == (
+        "No physics is missing. The platform file is wrong about mass."
+    )
 
 
 def test_corrections_beside_missing_physics_are_told_apart():
     found = diagnosis("missing_physics")
     found["effects"] += diagnosis("parameter_mismatch")["effects"]
-    said = sentence(found)
-    assert said.index("rotor drag") < said.index("nominal parameters need correcting: mass error")
+    assert headline(found) == (
+        "The simulator leaves out rotor drag and axial inflow, and the platform file is wrong about mass."
+    )
 
 
-def test_a_long_list_of_effects_stays_a_sentence():
-    found = diagnosis("missing_physics")
-    found["effects"] = [found["effects"][0] | {"name": f"effect_{number}"} for number in range(8)]
-    assert " and 5 more; with that" in sentence(found)
-
-
-def test_an_unexplained_gap_names_its_variables():
-    assert "torque y follows velocity x and motor speed" in sentence(diagnosis("unexplained"))
-
-
-def test_an_effect_in_two_groups_is_told_apart_by_its_group():
+def test_an_effect_in_two_groups_is_named_once_and_told_apart_below():
     found = diagnosis("missing_physics")
     found["effects"] = [
         found["effects"][0] | {"name": "viscous_friction", "acts_on": group} for group in ("drive", "steer")
     ]
-    said = sentence(found)
-    assert "viscous friction (drive)" in said
-    assert "viscous friction (steer)" in said
+    assert headline(found) == "The simulator leaves out viscous friction."
+    assert [effect.words for effect in summary(found).believed] == [
+        "viscous friction (drive)",
+        "viscous friction (steer)",
+    ]
+
+
+def test_what_has_no_name_is_said_with_its_size_and_the_noise():
+    (rest,) = summary(diagnosis("unexplained")).unnamed
+    assert rest == "torque y: 0.21 N·m, 4.2 times the noise; it follows velocity x and motor speed"
+
+
+@pytest.mark.parametrize(("noise", "mentioned"), [(0.1, True), (0.105, False), (0.3, False)])
+def test_what_is_within_twice_the_noise_is_not_mentioned(noise, mentioned):
+    found = diagnosis("unexplained")
+    found["unnamed"][0]["size"]["noise"] = noise
+    assert bool(summary(found).unnamed) == mentioned
+    assert any("torque y" in line for line in terminal_lines(found)) == mentioned
+
+
+def test_a_contradiction_is_the_headline_with_column_cause_and_remedy():
+    found = diagnosis("contradiction")
+    found["unnamed"] = diagnosis("unexplained")["unnamed"]
+    said = summary(found)
+    assert "voltage (another sign or frame)" in said.headline
+    assert said.contradictions == [
+        "torque: the machine moves against what is commanded (correlation -0.99). "
+        "Compare the sign of 'voltage' with the platform file."
+    ]
+    assert said.unnamed == []
+    assert said.closed == ""
 
 
 def test_an_unknown_share_says_why():
     found = diagnosis("missing_physics")
     found["fit"]["gap_closed"] = None
-    assert "too close to its floor" in sentence(found)
+    assert "too close to its floor" in summary(found).closed
     found["fit"]["held_out_runs"] = []
-    assert "no run could be held out" in sentence(found)
+    assert "no run could be held out" in summary(found).closed
 
 
 @pytest.mark.parametrize("bare", [False, True])
 @pytest.mark.parametrize("verdict", [*VERDICTS, "something_new"])
-def test_every_verdict_is_one_sentence(verdict, bare):
+def test_every_verdict_has_short_sentences_in_page_and_terminal(verdict, bare):
     found = diagnosis(verdict if verdict in VERDICTS else "none", bare=bare) | {"verdict": verdict}
-    said = sentence(found)
+    said = headline(found)
     assert said.endswith(".")
-    assert ". " not in said
+    assert all(len(sentence.split()) <= 20 for sentence in said.split(". "))
+    assert terminal_lines(found)[:2] == [f"verdict: {verdict}", said]
+
+
+def test_the_terminal_puts_doubts_below_what_is_believed_and_has_one_minus_sign():
+    found = diagnosis("missing_physics")
+    found["effects"].append(DOUBTED)
+    lines = terminal_lines(found)
+    assert lines.index("perhaps:") > lines.index(
+        "  rotor_drag: coefficient 0.4512 ± 0.0083 s⁻¹, probability > 99%"
+    )
+    assert "  blade_flapping_moment: coefficient −0.0123 ± 0.0040 N·m/(m/s), probability 31%" in lines
+    assert not any("\u202f" in line or "\u00a0" in line or " -0" in line for line in lines)

@@ -1,0 +1,51 @@
+"""How to go on: where the simulator is, how to use it, and what to record next."""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from simgap.effects import effects_of, kinds
+from simgap.report.inputs import ReportInputs
+from simgap.report.section import Drawing, Section
+from simgap.report.text import listed, spoken
+from simgap.report.verdict import notable, told_apart
+
+_RECORD = re.compile(r"\brecord (?:more|ten|longer|again|runs)\b", re.IGNORECASE)
+
+
+def use_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
+    """Say where the simulator is, how to use it in Python, and what to record next."""
+    diagnosis = inputs.diagnosis
+    if diagnosis is None:
+        return None
+    kind = str(inputs.recording_facts.get("platform_kind") or "")
+    content = {
+        "simulator": inputs.simulator,
+        "effects": len(diagnosis["effects"]),
+        "next": list(dict.fromkeys(next_recordings(diagnosis, kind))),
+    }
+    return Section("use", "Use the answer", content)
+
+
+def next_recordings(diagnosis: dict[str, Any], kind: str) -> Iterator[str]:
+    """Yield what to record next, the most urgent first.
+
+    Args:
+        diagnosis: as docs/contract.md says.
+        kind: of platform, whose catalogue holds the manoeuvre that shows each effect; any text where it is not known.
+    """
+    for contradiction in diagnosis.get("contradictions") or []:
+        yield f"{contradiction['remedy']} Then diagnose again."
+    if not (diagnosis.get("fit") or {}).get("held_out_runs"):
+        yield "Record at least five separate runs: one of them can then be held out, which proves the result."
+    for entry in diagnosis.get("ambiguous") or []:
+        yield f"To tell {listed(map(spoken, entry['names']), 'and')} apart: {entry['separate_by']}"
+    shown_by = {effect.name: effect.excitation for effect in effects_of(kind)} if kind in kinds() else {}
+    for effect in told_apart(diagnosis["effects"])[1]:
+        if effect["name"] in shown_by:
+            yield f"To decide about {spoken(effect['name'])}: {shown_by[effect['name']]}."
+    for entry in notable(diagnosis.get("unnamed") or []) if not diagnosis.get("contradictions") else []:
+        if entry.get("depends_on"):
+            signals = listed(map(spoken, entry["depends_on"]))
+            yield f"To learn what acts on {spoken(entry['channel'])}: vary {signals} over a wide range, one at a time."
+    yield from (warning for warning in diagnosis.get("warnings") or [] if _RECORD.search(warning))
