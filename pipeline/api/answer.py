@@ -1,0 +1,272 @@
+"""What a diagnosis found, as values of a person's own program; the fields are those of `diagnosis.json`."""
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
+
+from simgap.errors import InputError
+
+if TYPE_CHECKING:
+    from simgap.api.flow import Found
+    from simgap.api.machine import Machine
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of an effect.
+
+    Attributes:
+        value: as it enters the nominal equations, in `unit`; true over nominal for effects called `*_error`.
+        std: its standard error, in `unit`.
+        unit: for example `N·m`.
+    """
+
+    value: float
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Physics that the nominal simulator lacks.
+
+    Attributes:
+        name: in the catalogue.
+        probability: of being there, 0 to 1. Below 0.5 it is doubted.
+        acts_on: `command`, `actuator`, `force`, `torque` or `measurement`; for a swerve drive `drive`, `steer` or
+            `chassis`.
+        parameters: by name.
+        statement: what it is and what to do, one sentence.
+    """
+
+    name: str
+    probability: float
+    acts_on: str
+    parameters: Mapping[str, Parameter]
+    statement: str
+
+
+@dataclass(frozen=True)
+class Ambiguity:
+    """Effects that this recording does not tell apart.
+
+    Attributes:
+        names: of the effects; the one that was named comes first.
+        separate_by: the manoeuvre that would tell them apart, one sentence.
+    """
+
+    names: tuple[str, ...]
+    separate_by: str
+
+
+@dataclass(frozen=True)
+class Unnamed:
+    """Something that no effect of the catalogue accounts for.
+
+    Attributes:
+        channel: the equation in which it shows.
+        depends_on: the signals that it follows.
+        formula: that describes it.
+        share: of the residual's energy, 0 to 1.
+    """
+
+    channel: str
+    depends_on: tuple[str, ...]
+    formula: str
+    share: float
+
+
+@dataclass(frozen=True)
+class Regime:
+    """Where the nominal simulator fails most: a range of one variable, in its SI unit."""
+
+    variable: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """An equation in which the nominal simulator and the recording differ.
+
+    Attributes:
+        channel: the equation, for example `torque`.
+        share: of the whole mismatch, 0 to 1.
+        regime: where it is greatest.
+        p_value: of the test against noise.
+        where: the same as one sentence.
+    """
+
+    channel: str
+    share: float
+    regime: Regime
+    p_value: float
+    where: str
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How well the simulator explains the recording before and after, in the unit that `metric` names.
+
+    Attributes:
+        metric: what is compared, over which horizon, in which unit.
+        held_out_runs: the runs that were used for neither fitting nor selection.
+        before: error of the nominal simulator on them.
+        after: error of the diagnosed simulator.
+        noise_floor: error that the sensors' noise alone would make.
+        gap_closed: (before − after) / (before − noise_floor); None where no run could be held out.
+        gap_closed_interval: 95 % interval of it.
+    """
+
+    metric: str
+    held_out_runs: tuple[str, ...]
+    before: float
+    after: float
+    noise_floor: float
+    gap_closed: float | None
+    gap_closed_interval: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What `simgap.diagnose` found. A notebook shows it as a table.
+
+    Attributes:
+        verdict: `missing_physics`, `parameter_mismatch`, `none` or `unexplained`.
+        effects: what is believed present, most probable first.
+        ambiguous: effects that are not told apart.
+        unnamed: what no effect accounts for.
+        mismatch: where the nominal simulator fails.
+        fit: errors before and after, on held-out runs.
+        warnings: doubts about the recording and the result, one sentence each.
+    """
+
+    verdict: str
+    effects: tuple[Effect, ...]
+    ambiguous: tuple[Ambiguity, ...]
+    unnamed: tuple[Unnamed, ...]
+    mismatch: tuple[Mismatch, ...]
+    fit: Fit
+    warnings: tuple[str, ...]
+    _found: "Found" = field(repr=False, compare=False)
+    _name: str = field(repr=False, compare=False)
+
+    @classmethod
+    def of(cls, found: "Found", name: str) -> "Answer":
+        """Return the answer that a diagnosis gives.
+
+        Args:
+            found: the diagnosis.
+            name: of the recording, for the heading of its page.
+        """
+        return _built(cls, {**found.document, "_found": found, "_name": name})
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The same as plain numbers, texts and lists: what `diagnosis.json` holds (docs/contract.md)."""
+        return self._found.document
+
+    @property
+    def simulator(self) -> "Machine":
+        """The simulator with the effects that were named, see `simgap.Machine`."""
+        from simgap.api.machine import Machine
+
+        return Machine(self._found.diagnosis.simulator)
+
+    @property
+    def nominal(self) -> "Machine":
+        """The simulator before the diagnosis."""
+        from simgap.api.machine import Machine
+
+        return Machine(self._found.diagnosis.nominal)
+
+    def save(self, folder: str | Path) -> Path:
+        """Write what `simgap diagnose` writes: `diagnosis.json`, `report.html`, `simulator/` and the evidence.
+
+        The folder is whole or not there; other files that are in it stay.
+
+        Args:
+            folder: to write; it is made if needed.
+
+        Returns:
+            The folder.
+
+        Raises:
+            InputError: when the place cannot be written.
+        """
+        from simgap.api.flow import write_report
+        from simgap.artifacts import staged_directory
+
+        target = Path(folder).expanduser()
+        with staged_directory(target) as staged:
+            self._found.write(staged)
+            write_report(staged, staged / "report.html", self._name)
+        return target
+
+    def report(self, path: str | Path) -> Path:
+        """Write the page that explains the answer, one HTML file that needs no network.
+
+        Args:
+            path: of the file; a file that is there is replaced.
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: when the place cannot be written.
+        """
+        import tempfile
+
+        from simgap.api.flow import write_report
+
+        target = Path(path).expanduser()
+        with tempfile.TemporaryDirectory() as temporary:
+            self._found.write(Path(temporary))
+            page = Path(temporary) / "report.html"
+            write_report(Path(temporary), page, self._name)
+            _replace(target, page.read_bytes())
+        return target
+
+    def __repr__(self) -> str:
+        from simgap.api.display import text
+
+        return text(self)
+
+    def _repr_html_(self) -> str:
+        from simgap.api.display import html
+
+        return html(self)
+
+
+def _replace(target: Path, content: bytes) -> None:
+    """Write a file that is whole or not there."""
+    partial = target.with_name(f".partial-{target.name}")
+    try:
+        partial.write_bytes(content)
+        partial.replace(target)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise InputError(
+            f"cannot be written ({error.strerror})", str(target), "choose another place"
+        ) from error
+
+
+def _built(hint: Any, value: Any) -> Any:
+    """Return plain values as the dataclasses and tuples that a type says."""
+    if dataclasses.is_dataclass(hint):
+        hints = _hints(hint)
+        known = {entry.name: value[entry.name] for entry in dataclasses.fields(hint) if entry.name in value}
+        return hint(**{name: _built(hints.get(name), entry) for name, entry in known.items()})  # type: ignore[operator]
+    arguments = get_args(hint)
+    if get_origin(hint) is tuple:
+        return tuple(_built(arguments[0], entry) for entry in value)
+    if get_origin(hint) is Mapping:
+        return {key: _built(arguments[1], entry) for key, entry in value.items()}
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _hints(cls: Any) -> dict[str, Any]:
+    """Return the types of the fields that `diagnosis.json` has."""
+    return {name: hint for name, hint in get_type_hints(cls, None, {"Found": Any}).items() if name[0] != "_"}
