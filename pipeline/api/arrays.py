@@ -73,16 +73,19 @@ def require_one_batch(shapes: dict[str, torch.Size]) -> torch.Size:
         raise InputError(f"the leading dimensions must broadcast: {told}") from None
 
 
+def spread(tensor: Tensor, batch: torch.Size, last: int) -> Tensor:
+    """Return a tensor (..., its last dimensions) for every machine of a batch, (machines, those dimensions)."""
+    kept = tensor.shape[tensor.ndim - last :]
+    return tensor.expand(*batch, *kept).reshape(batch.numel(), *kept)
+
+
 def require_time_step(dt: float) -> float:
     """Return a time step as a number.
 
     Raises:
         InputError: when it is not a positive finite number of seconds.
     """
-    try:
-        seconds = float(dt)
-    except (TypeError, ValueError):
-        seconds = math.nan
+    seconds = float(dt)
     if not (math.isfinite(seconds) and seconds > 0):
         raise InputError(f"dt must be a positive number of seconds; got {dt!r}")
     return seconds

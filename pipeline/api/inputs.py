@@ -125,7 +125,7 @@ def _option_path(group: str, choice: str | Path) -> Path:
     return options[choice]
 
 
-def settings_of(cls: type[Kind], given: Mapping[str, Any], where: str) -> Kind:
+def settings_of(cls: type[Kind], given: object, where: str) -> Kind:
     """Return settings with what is given in place of their defaults.
 
     Args:
@@ -134,7 +134,7 @@ def settings_of(cls: type[Kind], given: Mapping[str, Any], where: str) -> Kind:
         where: what to name in an error that knows no key.
 
     Raises:
-        InputError: on an unknown key or a value of the wrong type.
+        InputError: on an unknown key or a value of the wrong type, or on no mapping.
     """
     from omegaconf import OmegaConf
 

@@ -14,6 +14,7 @@ from simgap.api.arrays import (
     require_one_batch,
     require_shape,
     require_time_step,
+    spread,
     to_tensor,
 )
 from simgap.api.layout import layout_of
@@ -201,46 +202,41 @@ class Machine:
         dt = require_time_step(dt)
         if substeps < 1:
             raise InputError(f"substeps must be at least 1; got {substeps}")
-        given = {"state": state, "commands": commands, **(exogenous or {})}
+        batch, start, signals = self._given(state, commands, exogenous or {})
+        kept = (memory or Memory()).of(batch, dt / substeps)
+        states, remembered = [start], kept.effects
+        for index in range(signals[next(iter(signals))].shape[1]):
+            now = {name: series[:, index] for name, series in signals.items()}
+            after, remembered = step(self.simulator, states[-1], now, dt, remembered, substeps)
+            states.append(after)
+        kept.effects = remembered
+        whole = torch.stack(states, dim=1)
+        return like(whole.reshape(*batch, *whole.shape[1:]), state, commands)
+
+    def _given(
+        self, state: Any, commands: Any, exogenous: Mapping[str, Any]
+    ) -> tuple[torch.Size, Tensor, dict[str, Tensor]]:
+        """Return the batch, its states (machines, n) and signals of the simulation (machines, steps, ...)."""
+        given = {"state": state, "commands": commands, **exogenous}
         self._require_inputs(set(given))
         start, inputs, *others = alike(*(to_tensor(value, name) for name, value in given.items()))
         require_shape(start, "state", [len(self.state_names)])
         require_shape(inputs, "commands", ["steps", len(self.command_names)])
         steps = inputs.shape[-2]
-        further = {
-            name: series.expand(steps) if series.ndim == 0 else series
-            for name, series in zip(list(given)[2:], others, strict=True)
+        series = {
+            name: entry if entry.ndim else entry.expand(steps)
+            for name, entry in zip(exogenous, others, strict=True)
         }
-        for name, series in further.items():
-            require_shape(series, name, [steps])
+        for name, entry in series.items():
+            require_shape(entry, name, [steps])
         leading = {"state": start.shape[:-1], "commands": inputs.shape[:-2]}
-        batch = require_one_batch(leading | {name: series.shape[:-1] for name, series in further.items()})
-        signals = self._layout.parted(
-            inputs.expand(*batch, *inputs.shape[-2:]).reshape(-1, *inputs.shape[-2:])
+        batch = require_one_batch(leading | {name: entry.shape[:-1] for name, entry in series.items()})
+        signals = self._layout.parted(spread(inputs, batch, 2))
+        return (
+            batch,
+            spread(start, batch, 1),
+            signals | {n: spread(entry, batch, 1) for n, entry in series.items()},
         )
-        signals |= {name: series.expand(*batch, steps).reshape(-1, steps) for name, series in further.items()}
-        memory = memory or Memory()
-        first = start.expand(*batch, start.shape[-1]).reshape(-1, start.shape[-1])
-        states = self._rolled_out(first, signals, steps, dt, substeps, memory.of(batch, dt / substeps))
-        return like(states.reshape(*batch, *states.shape[1:]), state, commands)
-
-    def _rolled_out(
-        self,
-        state: Tensor,
-        signals: Mapping[str, Tensor],
-        steps: int,
-        dt: float,
-        substeps: int,
-        memory: Memory,
-    ) -> Tensor:
-        """Return (batch, steps + 1, n) of states (batch, n) and signals (batch, steps, ...)."""
-        states, remembered = [state], memory.effects
-        for index in range(steps):
-            now = {name: series[:, index] for name, series in signals.items()}
-            state, remembered = step(self.simulator, state, now, dt, remembered, substeps)
-            states.append(state)
-        memory.effects = remembered
-        return torch.stack(states, dim=1)
 
     def _require_inputs(self, given: set[str]) -> None:
         """Refuse inputs that no machine has, and effects that lack an input of theirs."""
