@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+import simgap
 from simgap.recordings.recording import Recording, write_recording
 from simgap.simulation import read_simulator
 from simgap.stages.diagnose import _say_what_closed, diagnose
@@ -182,3 +183,15 @@ def test_a_finished_diagnosis_outlives_a_failed_one(own, monkeypatch):
 def test_what_is_left_is_never_rounded_away(closed, after, line, capsys):
     _say_what_closed({"gap_closed": closed, "after": after, "noise_floor": 0.1})
     assert capsys.readouterr().out == f"gap closed on held-out runs: {line}\n"
+
+
+def test_the_api_finds_what_the_command_finds(own, monkeypatch):
+    monkeypatch.chdir(own)
+    write_recording(_raw(), own / "bench.parquet")
+    assert _ends(_arguments(own, own / "bench.parquet", "gap.effects=[coulomb_friction]", "gap.folds=4")) == 0
+    settings = {"gap": {"effects": ["coulomb_friction"], "folds": 4}}
+    answer = simgap.diagnose("bench.parquet", own / "conf/platform/axis.yaml", settings=settings)
+    answer.save("answer")
+    for path in (own / "out").rglob("*"):
+        if path.is_file() and path.name != "metrics.json":
+            assert path.read_bytes() == (own / "answer" / path.relative_to(own / "out")).read_bytes(), path
