@@ -10,7 +10,7 @@ from simgap.api.flow import diagnosed, nominal_simulator
 from simgap.api.inputs import load_recording, platform_config, settings_of
 from simgap.gap.settings import Gap
 from simgap.recordings.cleaning.settings import Cleaning
-from simgap.recordings.dataset import Dataset
+from simgap.recordings.split import Split
 from simgap.simulation.settings import SimulatorSettings
 
 if TYPE_CHECKING:
@@ -18,10 +18,17 @@ if TYPE_CHECKING:
 
 
 @dataclass
+class Runs:
+    """What a diagnosis reads of the configuration group `dataset`."""
+
+    split: Split = field(default_factory=Split)
+
+
+@dataclass
 class Settings:
     """The groups of the configuration that a diagnosis reads, with the values that conf/ has."""
 
-    dataset: Dataset = field(default_factory=Dataset)
+    dataset: Runs = field(default_factory=Runs)
     clean: Cleaning = field(default_factory=Cleaning)
     simulator: SimulatorSettings = field(default_factory=SimulatorSettings)
     gap: Gap = field(default_factory=Gap)
@@ -37,16 +44,15 @@ def diagnose(
 ) -> Answer:
     """Say which physics the simulator of a machine lacks, by a recording of the machine.
 
-    It does what `simgap diagnose` does, and writes nothing: `Answer.save` and `Answer.report` do. A recording of a
-    minute takes some ten seconds to minutes, on one thread.
+    It does what `simgap diagnose` does, on one thread. It writes nothing: `Answer.save` and `Answer.report` do.
 
     Args:
         recording: the path of a Parquet or CSV file, a data frame or a mapping of columns; see `load_recording`.
         platform: what is known of the machine: the path of a YAML file, a mapping of its keys, a `Quadrotor`, `Swerve`
             or `Joint` of `simgap.platforms`, or the name of a platform that the package brings.
         settings: what differs from the configuration in conf/, nested as there, for example
-            `{"gap": {"effects": ["coulomb_friction"]}, "dataset": {"split": {"holdout": ["run_7"]}}}`. The groups
-            are `dataset`, `clean`, `simulator` and `gap`; `seed` divides runs that are divided by chance.
+            `{"gap": {"effects": ["coulomb_friction"]}, "dataset": {"split": {"holdout": ["run_7"]}}}`. The keys
+            are `dataset.split`, `clean`, `simulator`, `gap` and `seed`, which draws runs that are held out by chance.
         units: the units of the columns of a data frame or mapping, where they are not the contract's.
 
     Returns:

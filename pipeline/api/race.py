@@ -1,5 +1,6 @@
 """A race as a Gymnasium environment: `simgap/Race-v0`."""
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,7 +35,7 @@ def race(
 
     The reward is that of Kaufmann et al. 2023 (Nature 620): progress, sight of the gate, smooth commands. An episode
     ends with a crash or a missed gate, and is cut off after `settings.episode_steps` steps. The first step compiles
-    the simulator.
+    the simulator. An effect that cannot be flown, since nothing says what drives it, is left out with a warning.
 
     Args:
         simulator: the folder of a simulator (or of the answer around it), a `Machine`, or a platform as
@@ -52,12 +53,16 @@ def race(
     try:
         from simgap.policies.gymnasium_adapter import GymnasiumEnvironment
         from simgap.policies.racing.entry import race_in
+        from simgap.policies.racing.flying import left_out
         from simgap.policies.racing.settings import RacingSettings, TrackSettings
     except ModuleNotFoundError as error:
         raise InputError(f"needs {error.name}", ID, "pip install 'simgap[race]'") from error
     gates = settings_of(TrackSettings, _track(track), "track")
     chosen = settings_of(RacingSettings, settings or {}, "settings")
-    return GymnasiumEnvironment(race_in(_simulator(simulator), gates, chosen, 1))
+    machine = _simulator(simulator)
+    for effect in left_out(machine, chosen.flying):
+        warnings.warn(effect, stacklevel=2)
+    return GymnasiumEnvironment(race_in(machine, gates, chosen, 1))
 
 
 def _simulator(chosen: "SimulatorLike") -> "Simulator":

@@ -30,32 +30,42 @@ def _register(gymnasium: ModuleType) -> None:
 
 
 class _Waiting(MetaPathFinder):
-    """Finds nothing; once Gymnasium is looked for, it has it loaded as ever and registers the environments after."""
+    """Leaves it to the others to find Gymnasium, and has the environments registered once it is loaded."""
+
+    def __init__(self) -> None:
+        self._asking = False
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """Return how Gymnasium is loaded and registered with; None for every other module."""
-        if fullname != _GYMNASIUM:
+        if fullname != _GYMNASIUM or self._asking:
             return None
-        sys.meta_path.remove(self)
-        spec = find_spec(fullname)
+        self._asking = True
+        try:
+            spec = find_spec(fullname)
+        finally:
+            self._asking = False
         if spec is not None and spec.loader is not None:
-            spec.loader = _Registering(spec.loader)
+            spec.loader = _Registering(spec.loader, self)
         return spec
 
 
 class _Registering(Loader):
-    """A loader that registers the environments once the module is loaded."""
+    """A loader that registers the environments once the module's own loader has loaded it."""
 
-    def __init__(self, loader: Loader) -> None:
-        self._loader = loader
+    def __init__(self, loader: Loader, waiting: _Waiting) -> None:
+        self._loader, self._waiting = loader, waiting
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
         """Return what the module's own loader makes."""
         return self._loader.create_module(spec)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Load the module and register."""
+        """Load the module with its own loader, which it keeps, and register."""
+        module.__loader__ = self._loader
+        if module.__spec__ is not None:
+            module.__spec__.loader = self._loader
         self._loader.exec_module(module)
+        sys.meta_path.remove(self._waiting)
         _register(module)

@@ -129,7 +129,8 @@ def test_what_is_no_platform_is_refused_in_one_line(platform, content, line, tmp
 
 def test_without_settings_the_api_does_what_the_configuration_says():
     composed = compose([])
-    groups = {key: composed[key] for key in ("dataset", "clean", "simulator", "gap", "seed")}
+    groups = {key: composed[key] for key in ("clean", "simulator", "gap", "seed")}
+    groups["dataset"] = {"split": composed["dataset"]["split"]}
     assert settings_of(Settings, groups, "settings") == Settings()
 
 
@@ -139,6 +140,7 @@ def test_without_settings_the_api_does_what_the_configuration_says():
         ({"gap": {"folds": "many"}}, "gap.folds"),
         ({"gap": {"fold": 3}}, "gap: unknown key 'fold'; did you mean 'folds'?"),
         ({"model": {}}, "unknown key 'model'"),
+        ({"dataset": {"importer": "table"}}, "dataset: unknown key 'importer'"),
         ([], "settings: a list is no mapping of keys"),
     ],
 )

@@ -73,6 +73,11 @@ def test_what_cannot_be_raced_is_refused(arguments, line):
     assert line in str(refused.value)
 
 
+def test_an_effect_that_nothing_drives_is_left_out_with_a_warning():
+    with pytest.warns(UserWarning, match="battery_sag is left out"):
+        races.race(build_simulator(QUADROTOR, {"battery_sag": {}}), "tiny", COARSE)
+
+
 def test_what_is_not_installed_is_said_with_the_command_that_installs_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "gymnasium", None)
     monkeypatch.delitem(sys.modules, "simgap.policies.gymnasium_adapter", raising=False)
