@@ -11,6 +11,7 @@ from simgap.errors import InputError
 if TYPE_CHECKING:
     from simgap.api.flow import Found
     from simgap.api.machine import Machine
+    from simgap.simulation import Simulator
 
 
 @dataclass(frozen=True)
@@ -170,17 +171,20 @@ class Answer:
 
     @property
     def simulator(self) -> "Machine":
-        """The simulator with the effects that were named, see `simgap.Machine`."""
-        from simgap.api.machine import Machine
-
-        return Machine(self._found.diagnosis.simulator)
+        """The simulator with the effects that were named, driven by what was recorded."""
+        return self._machine(self._found.diagnosis.simulator)
 
     @property
     def nominal(self) -> "Machine":
-        """The simulator before the diagnosis."""
+        """The simulator before the diagnosis, driven by what was recorded."""
+        return self._machine(self._found.diagnosis.nominal)
+
+    def _machine(self, simulator: "Simulator") -> "Machine":
+        from simgap.api.layout import recorded_command
         from simgap.api.machine import Machine
 
-        return Machine(self._found.diagnosis.nominal)
+        recorded = self._found.diagnosis.fitting.blocks.signals
+        return Machine(simulator, recorded_command(simulator.platform.kind, recorded))
 
     def save(self, folder: str | Path) -> Path:
         """Write what `simgap diagnose` writes: `diagnosis.json`, `report.html`, `simulator/` and the evidence.

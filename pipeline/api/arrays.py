@@ -30,7 +30,7 @@ def to_tensor(value: Any, name: str) -> Tensor:
 
 def like(result: Tensor, *given: Any) -> Any:
     """Return a tensor where one of what was given is a tensor, else an array."""
-    return result if any(isinstance(value, Tensor) for value in given) else result.numpy()
+    return result if any(isinstance(value, Tensor) for value in given) else result.detach().numpy()
 
 
 def alike(*tensors: Tensor) -> list[Tensor]:

@@ -1,6 +1,6 @@
 """What the entries of a machine's state and command are called, by kind; the names are those of a recording."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from torch import Tensor
@@ -87,6 +87,17 @@ def layout_of(platform: Platform, command: str | None, position_unit: str) -> La
     assert len(state) == max(part.stop for part in motion_of(platform).parts.values())
     known = channel_units(platform.kind, position_unit == "m") | _NOT_RECORDED
     return Layout(state, names, {name: known[name] for name in (*state, *names)}, signals)
+
+
+def recorded_command(kind: str, signals: Iterable[str]) -> str | None:
+    """Return by what a recorded machine was driven, as `layout_of` takes it; None where nothing of it was recorded.
+
+    Args:
+        kind: of the platform.
+        signals: of the simulation, those that were recorded.
+    """
+    known = set(signals)
+    return next((choice for choice in _CHOICES[kind] if _SIGNALS[choice].keys() <= known), None)
 
 
 def _columns(signal: str, chosen: str, width: int) -> list[str]:

@@ -217,8 +217,8 @@ class Machine:
         self, state: Any, commands: Any, exogenous: Mapping[str, Any]
     ) -> tuple[torch.Size, Tensor, dict[str, Tensor]]:
         """Return the batch, its states (machines, n) and signals of the simulation (machines, steps, ...)."""
+        self._require_inputs(set(exogenous))
         given = {"state": state, "commands": commands, **exogenous}
-        self._require_inputs(set(given))
         start, inputs, *others = alike(*(to_tensor(value, name) for name, value in given.items()))
         require_shape(start, "state", [len(self.state_names)])
         require_shape(inputs, "commands", ["steps", len(self.command_names)])
@@ -232,27 +232,16 @@ class Machine:
         leading = {"state": start.shape[:-1], "commands": inputs.shape[:-2]}
         batch = require_one_batch(leading | {name: entry.shape[:-1] for name, entry in series.items()})
         signals = self._layout.parted(spread(inputs, batch, 2))
-        return (
-            batch,
-            spread(start, batch, 1),
-            signals | {n: spread(entry, batch, 1) for n, entry in series.items()},
-        )
+        signals |= {name: spread(entry, batch, 1) for name, entry in series.items()}
+        return batch, spread(start, batch, 1), signals
 
-    def _require_inputs(self, given: set[str]) -> None:
+    def _require_inputs(self, exogenous: set[str]) -> None:
         """Refuse inputs that no machine has, and effects that lack an input of theirs."""
-        for name in given - {"state", "commands", *_EXOGENOUS}:
+        for name in exogenous - set(_EXOGENOUS):
             raise InputError(f"there is no exogenous input {name!r}", remedy=f"use {' or '.join(_EXOGENOUS)}")
-        known = (
-            given
-            | set(self._layout.signals)
-            | {
-                fitted.effect.driven.driver
-                for fitted in self.effects
-                if isinstance(fitted.effect, SimulatedDriver)
-            }
-        )
-        for fitted in self.effects:
-            for need in fitted.effect.needs:
-                if need in _INPUTS and need not in known:
-                    how = f"exogenous={{{need!r}: ...}}" if need in _EXOGENOUS else f"command={need!r}"
-                    raise InputError(f"{fitted.effect.key} needs {need}", remedy=f"give {how}")
+        laws = [f.effect for f in self.effects if isinstance(f.effect, SimulatedDriver)]
+        known = {*exogenous, *self._layout.signals, *(law.driven.driver for law in laws)}
+        for effect in (fitted.effect for fitted in self.effects):
+            for need in (need for need in effect.needs if need in _INPUTS and need not in known):
+                how = f"exogenous={{{need!r}: ...}}" if need in _EXOGENOUS else f"command={need!r}"
+                raise InputError(f"{effect.key} needs {need}", remedy=f"give {how}")

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import mutually_broadcastable_shapes
 
+from simgap.api.layout import recorded_command
 from simgap.api.machine import Machine
 from simgap.api.memory import Memory
 from simgap.api.simulators import build_simulator, load_simulator
@@ -76,6 +77,21 @@ def test_entries_are_called_as_the_columns_of_a_recording(kind):
 )
 def test_a_machine_is_driven_by_what_is_chosen(kind, command, names):
     assert list(bare(kind, command).command_names) == names
+
+
+@pytest.mark.parametrize(
+    ("kind", "signals", "command"),
+    [
+        ("quadrotor", ["attitude", "rotor_speed"], "motor_speed"),
+        ("quadrotor", ["rotor_speed", "motor_command"], "motor_command"),
+        ("joint", ["effort", "position"], "effort"),
+        ("joint", ["effort", "voltage"], "voltage"),
+        ("swerve", ["drive_voltage", "steer_voltage"], "voltages"),
+        ("swerve", ["drive_voltage"], None),
+    ],
+)
+def test_a_recorded_machine_is_driven_by_what_was_recorded(kind, signals, command):
+    assert recorded_command(kind, signals) == command
 
 
 def test_hover_at_the_speed_that_carries_the_weight():
