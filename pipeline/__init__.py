@@ -17,7 +17,18 @@ from simgap.api.registration import register_environments
 from simgap.errors import InputError
 
 if TYPE_CHECKING:
-    from simgap.api.answer import Ambiguity, Answer, Effect, Fit, Mismatch, Parameter, Regime, Unnamed
+    from simgap.api.answer import (
+        Ambiguity,
+        Answer,
+        Contradiction,
+        Effect,
+        Fit,
+        Mismatch,
+        Parameter,
+        Regime,
+        Size,
+        Unnamed,
+    )
     from simgap.api.diagnosing import diagnose
     from simgap.api.inputs import load_recording
     from simgap.api.machine import Machine
@@ -27,13 +38,7 @@ if TYPE_CHECKING:
 
 _WHERE = {
     "simgap.api.answer": (
-        "Ambiguity",
-        "Answer",
-        "Effect",
-        "Fit",
-        "Mismatch",
-        "Parameter",
-        "Regime",
+        *("Ambiguity", "Answer", "Contradiction", "Effect", "Fit", "Mismatch", "Parameter", "Regime", "Size"),
         "Unnamed",
     ),
     "simgap.api.diagnosing": ("diagnose",),
@@ -48,6 +53,7 @@ _MODULE_OF = {name: module for module, names in _WHERE.items() for name in names
 __all__ = [
     "Ambiguity",
     "Answer",
+    "Contradiction",
     "Effect",
     "Fit",
     "InputError",
@@ -56,6 +62,7 @@ __all__ = [
     "Mismatch",
     "Parameter",
     "Regime",
+    "Size",
     "Unnamed",
     "build_simulator",
     "catalogue",

@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import UnionType
 from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
 
 from simgap.errors import InputError
@@ -63,6 +64,21 @@ class Ambiguity:
 
 
 @dataclass(frozen=True)
+class Size:
+    """How large something is beside the noise.
+
+    Attributes:
+        value: its root mean square, in `unit`.
+        noise: root mean square of the sensors' noise, in `unit`.
+        unit: of both.
+    """
+
+    value: float
+    noise: float
+    unit: str
+
+
+@dataclass(frozen=True)
 class Unnamed:
     """Something that no effect of the catalogue accounts for.
 
@@ -71,12 +87,33 @@ class Unnamed:
         depends_on: the signals that it follows.
         formula: that describes it.
         share: of the residual's energy, 0 to 1.
+        size: of what the formula explains; None where it is not known.
     """
 
     channel: str
     depends_on: tuple[str, ...]
     formula: str
     share: float
+    size: Size | None = None
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """Something in which the recording contradicts itself or the platform, so that nothing is named.
+
+    Attributes:
+        column: of the recording, or a group as `motor_speed_1..4`.
+        runs: in which it does.
+        suspected: the cause, for example `degrees`, `sign` or `motor_order`.
+        evidence: one sentence with figures.
+        remedy: what to do, one sentence.
+    """
+
+    column: str
+    runs: tuple[str, ...]
+    suspected: str
+    evidence: str
+    remedy: str
 
 
 @dataclass(frozen=True)
@@ -130,18 +167,19 @@ class Fit:
     gap_closed_interval: tuple[float, float] | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Answer:
     """What `simgap.diagnose` found. A notebook shows it as a table.
 
     Attributes:
-        verdict: `missing_physics`, `parameter_mismatch`, `none` or `unexplained`.
+        verdict: `missing_physics`, `parameter_mismatch`, `none`, `unexplained` or `contradiction`.
         effects: what is believed present, most probable first.
         ambiguous: effects that are not told apart.
         unnamed: what no effect accounts for.
         mismatch: where the nominal simulator fails.
         fit: errors before and after, on held-out runs.
         warnings: doubts about the recording and the result, one sentence each.
+        contradictions: why nothing could be named, with the verdict `contradiction`.
     """
 
     verdict: str
@@ -151,6 +189,7 @@ class Answer:
     mismatch: tuple[Mismatch, ...]
     fit: Fit
     warnings: tuple[str, ...]
+    contradictions: tuple[Contradiction, ...] = ()
     _found: "Found" = field(repr=False, compare=False)
     _name: str = field(repr=False, compare=False)
 
@@ -264,11 +303,13 @@ def _built(hint: Any, value: Any) -> Any:
         known = {entry.name: value[entry.name] for entry in dataclasses.fields(hint) if entry.name in value}
         return hint(**{name: _built(hints.get(name), entry) for name, entry in known.items()})  # type: ignore[operator]
     arguments = get_args(hint)
+    if get_origin(hint) is UnionType:  # with None, in which case there is nothing to build
+        return None if value is None else _built(arguments[0], value)
     if get_origin(hint) is tuple:
         return tuple(_built(arguments[0], entry) for entry in value)
     if get_origin(hint) is Mapping:
         return {key: _built(arguments[1], entry) for key, entry in value.items()}
-    return tuple(value) if isinstance(value, list) else value
+    return value
 
 
 def _hints(cls: Any) -> dict[str, Any]:

@@ -14,6 +14,7 @@ _BELIEVED = 0.5  # a probability below which an effect is doubted
 def text(answer: "Answer") -> str:
     """Return an answer in a few lines."""
     lines = [f"verdict: {answer.verdict}"]
+    lines += [f"  {entry.evidence}. {entry.remedy}" for entry in answer.contradictions]
     lines += [
         f"  {_named(effect)}  {probability(effect.probability)}  {_values(effect)}"
         for effect in answer.effects
@@ -36,6 +37,7 @@ def html(answer: "Answer") -> str:
         for effect in answer.effects
     )
     notes = [
+        *(f"{entry.evidence}. {entry.remedy}" for entry in answer.contradictions),
         *(f"Not told apart: {', '.join(rivals.names)}. {rivals.separate_by}" for rivals in answer.ambiguous),
         *(
             f"No name for {percent(entry.share)} of {entry.channel}: {entry.formula}"
