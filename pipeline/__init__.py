@@ -17,9 +17,10 @@ from simgap.api.registration import register_environments
 from simgap.errors import InputError
 
 if TYPE_CHECKING:
-    from simgap.api.answer import (
+    from simgap.api.answer import Answer
+    from simgap.api.diagnosing import diagnose
+    from simgap.api.findings import (
         Ambiguity,
-        Answer,
         Contradiction,
         Effect,
         Fit,
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
         Size,
         Unnamed,
     )
-    from simgap.api.diagnosing import diagnose
     from simgap.api.inputs import load_recording
     from simgap.api.machine import Machine
     from simgap.api.memory import Memory
@@ -37,11 +37,19 @@ if TYPE_CHECKING:
     from simgap.api.simulators import build_simulator, catalogue, load_simulator
 
 _WHERE = {
-    "simgap.api.answer": (
-        *("Ambiguity", "Answer", "Contradiction", "Effect", "Fit", "Mismatch", "Parameter", "Regime", "Size"),
+    "simgap.api.answer": ("Answer",),
+    "simgap.api.diagnosing": ("diagnose",),
+    "simgap.api.findings": (
+        "Ambiguity",
+        "Contradiction",
+        "Effect",
+        "Fit",
+        "Mismatch",
+        "Parameter",
+        "Regime",
+        "Size",
         "Unnamed",
     ),
-    "simgap.api.diagnosing": ("diagnose",),
     "simgap.api.inputs": ("load_recording",),
     "simgap.api.machine": ("Machine",),
     "simgap.api.memory": ("Memory",),

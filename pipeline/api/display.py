@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 from simgap.report.text import estimate, interval, percent, probability, spoken
 
 if TYPE_CHECKING:
-    from simgap.api.answer import Answer, Effect
+    from simgap.api.answer import Answer
+    from simgap.api.findings import Effect
 
 _BELIEVED = 0.5  # a probability below which an effect is doubted
 

@@ -11,8 +11,9 @@ import pytest
 import torch
 import yaml
 
-from simgap.api.answer import Ambiguity, Answer, Contradiction, Effect, Parameter, Size, Unnamed, _built
+from simgap.api.answer import Answer
 from simgap.api.diagnosing import diagnose
+from simgap.api.findings import Ambiguity, Contradiction, Effect, Parameter, Size, Unnamed, built
 from simgap.api.inputs import platform_config
 from simgap.api.simulators import load_simulator
 from simgap.errors import InputError
@@ -146,8 +147,8 @@ def test_what_is_shown_is_escaped_and_doubts_are_said(answer):
 def test_plain_values_become_the_types_that_are_written_down():
     plain = {"channel": "torque", "depends_on": ["t"], "formula": "0.2 t", "share": 0.1}
     size = {"value": 0.2, "noise": 0.1, "unit": "N·m"}
-    assert _built(Unnamed, plain) == Unnamed("torque", ("t",), "0.2 t", 0.1)
-    assert _built(Unnamed, {**plain, "size": size}).size == Size(0.2, 0.1, "N·m")
+    assert built(Unnamed, plain) == Unnamed("torque", ("t",), "0.2 t", 0.1)
+    assert built(Unnamed, {**plain, "size": size}).size == Size(0.2, 0.1, "N·m")
 
 
 def test_a_recording_of_another_kind_is_refused():
