@@ -2,15 +2,18 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from simgap.errors import InputError
 from simgap.gap.settings import Gap
 from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.dataset import Dataset
-from simgap.recordings.recording import Recording
 from simgap.runner import StageConfig, StageRun, stage
 from simgap.simulation.settings import SimulatorSettings
+
+if TYPE_CHECKING:
+    from simgap.recordings.recording import Recording
+    from simgap.simulation import Simulator
 
 
 @dataclass
@@ -28,71 +31,50 @@ class DiagnoseStage(StageConfig):
 @stage(DiagnoseStage)
 def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     """Find where a simulator and a recording differ, name the missing physics, and validate it on held-out runs."""
-    import torch
-
-    from simgap.gap.contract import diagnosis_document, write_json
-    from simgap.gap.diagnosis import diagnose as find_gap
-    from simgap.gap.evidence import write_evidence
+    from simgap.api.flow import diagnosed, write_report
     from simgap.report.terminal import terminal_lines
-    from simgap.simulation import read_simulator, write_simulator
 
-    # The tensors of a diagnosis are small: a second thread waits more than it works.
-    torch.set_num_threads(1)
     built = config.artifact("build_sim", "simulator.yaml")
     own = config.recording is not None
     if not own and not built.exists():
         raise InputError(
             "no recording is given", "recording", "give recording=PATH, or branch=NAME after simgap build_sim"
         )
-    nominal = None if own else read_simulator(run.input(built).parent)
-    recording, nominal = _recording_and_nominal(config, run, nominal)
-    diagnosis = find_gap(recording, nominal, config.gap)
-    document = diagnosis_document(diagnosis)
-    write_simulator(diagnosis.simulator, run.output / "simulator")
-    write_evidence(diagnosis, run.output / "evidence")
-    write_json(document, run.output / "diagnosis.json")
-    for warning in diagnosis.warnings:
+    recording, nominal = _own(config, run) if own else _of_branch(config, run)
+    found = diagnosed(recording, nominal, config.gap, config.clean, config.dataset.split, config.seed)
+    found.write(run.output)
+    for warning in found.diagnosis.warnings:
         run.warn(warning)
-    fit = {key: document["fit"][key] for key in ("before", "after", "noise_floor", "gap_closed")}
+    fit = {key: found.document["fit"][key] for key in ("before", "after", "noise_floor", "gap_closed")}
     run.log_metrics({key: value for key, value in fit.items() if value is not None})
     if own:
-        _write_page(config, run)
-    print(*terminal_lines(document), sep="\n")
+        simulator = f"{config.output or config.artifact('diagnose', '')}/simulator"
+        name = Path(config.recording or config.name).name
+        write_report(run.output, run.output / "report.html", name, simulator)
+    print(*terminal_lines(found.document), sep="\n")
 
 
-def _recording_and_nominal(config: DiagnoseStage, run: StageRun, nominal: Any) -> tuple[Recording, Any]:
-    """Return the recording, cleaned if it is not yet, and the simulator to diagnose."""
+def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
+    """Return a person's own recording and what is believed of its platform."""
+    from simgap.api.flow import nominal_simulator
     from simgap.platforms import platform_from_config
-    from simgap.recordings.cleaning import clean_with_coverage
-    from simgap.recordings.recording import read_recording, require_kind, write_recording
-    from simgap.simulation.build import build_simulator
+    from simgap.recordings.recording import read_recording
 
-    path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
-    kind = nominal.platform.kind if nominal else platform_from_config(config.platform).kind
-    recording = read_recording(path, kind)
-    require_kind(recording, kind, str(path))
-    nominal = nominal or build_simulator(config.platform, config.simulator, recording.units)
-    if not recording.cleaned:
-        cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, config.seed)
-        folder = run.output / "clean"
-        folder.mkdir()
-        cleaned.changes.to_parquet(folder / "changes.parquet", index=False)
-        cleaned.coverage.to_parquet(folder / "coverage.parquet", index=False)
-        write_recording(cleaned.recording, folder / "recording.parquet")
-        recording = cleaned.recording
+    path = run.input(config.recording or "")
+    recording = read_recording(path, platform_from_config(config.platform).kind)
+    return recording, nominal_simulator(recording, config.platform, config.simulator, str(path))
+
+
+def _of_branch(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
+    """Return the cleaned recording and the simulator of the stages before."""
+    from simgap.recordings.recording import read_recording, require_kind
+    from simgap.simulation import read_simulator
+
+    nominal = read_simulator(run.input(config.artifact("build_sim", "simulator.yaml")).parent)
+    path = run.input(config.artifact("clean", "recording.parquet"))
+    recording = read_recording(path, nominal.platform.kind)
+    require_kind(recording, nominal.platform.kind, str(path))
     return recording, nominal
-
-
-def _write_page(config: DiagnoseStage, run: StageRun) -> None:
-    from simgap.report import ReportInputs, write_page
-
-    clean = run.output / "clean"
-    name = Path(config.recording or config.name).name
-    simulator = f"{config.output or config.artifact('diagnose', '')}/simulator"
-    inputs = ReportInputs(
-        diagnose=run.output, clean=clean if clean.is_dir() else None, name=name, simulator=simulator
-    )
-    write_page(inputs, run.output / "report.html")
 
 
 if __name__ == "__main__":

@@ -83,8 +83,22 @@ def read_recording(path: str | Path, kind: str | None = None) -> Recording:
     Raises:
         InputError: when the file cannot be used, naming file, run, row and column.
     """
-    table = storage.read_table(Path(path))
-    where = str(path)
+    return recording_from_table(storage.read_table(Path(path)), kind, str(path))
+
+
+def recording_from_table(
+    table: storage.Table, kind: str | None = None, where: str = "recording"
+) -> Recording:
+    """Make a recording of a table as it was stored, or as a person has it in memory.
+
+    Args:
+        table: columns with the units that are declared, and metadata.
+        kind: what to take it for where the metadata do not say; inferred from the columns where neither says.
+        where: what to name in an error.
+
+    Raises:
+        InputError: when the table cannot be used, naming run, row and column.
+    """
     metadata = table.metadata
     kind = validation.resolve_kind(metadata.get("platform_kind"), kind, table.frame, where)
     frame, units, remarks = validation.validate(table.frame, table.units, kind, where)

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+import simgap
 from simgap.recordings.recording import Recording, write_recording
 from simgap.runner.command import main
 from simgap.simulation import read_simulator
@@ -173,3 +174,15 @@ def test_a_finished_diagnosis_outlives_a_failed_one(own, monkeypatch):
     assert _ends(_arguments(own, own / "bench.parquet", "gap.effects=[no_such_thing]")) == 2
     assert (own / "out" / "diagnosis.json").read_bytes() == kept
     assert json.loads(kept)["verdict"] == "missing_physics"
+
+
+def test_the_api_finds_what_the_command_finds(own, monkeypatch):
+    monkeypatch.chdir(own)
+    write_recording(_raw(), own / "bench.parquet")
+    assert _ends(_arguments(own, own / "bench.parquet", "gap.effects=[coulomb_friction]", "gap.folds=4")) == 0
+    settings = {"gap": {"effects": ["coulomb_friction"], "folds": 4}}
+    answer = simgap.diagnose("bench.parquet", own / "conf/platform/axis.yaml", settings=settings)
+    answer.save("answer")
+    for path in (own / "out").rglob("*"):
+        if path.is_file() and path.name not in ("metrics.json", "report.html"):
+            assert path.read_bytes() == (own / "answer" / path.relative_to(own / "out")).read_bytes(), path

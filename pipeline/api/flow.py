@@ -1,0 +1,138 @@
+"""The one way from a recording to an answer, for the command line and for a person's own program."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from simgap.gap.settings import Gap
+from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.split import Split
+from simgap.simulation.settings import SimulatorSettings
+
+if TYPE_CHECKING:
+    from simgap.gap.diagnosis import Diagnosis
+    from simgap.recordings.cleaning import Cleaned
+    from simgap.recordings.recording import Recording
+    from simgap.simulation import Simulator
+
+
+@dataclass(frozen=True)
+class Found:
+    """A diagnosis with what it was made of.
+
+    Attributes:
+        diagnosis: of the gap engine.
+        cleaned: the account of the cleaning; None where the recording was clean already.
+    """
+
+    diagnosis: "Diagnosis"
+    cleaned: "Cleaned | None"
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """The diagnosis as plain numbers, texts and lists: what `diagnosis.json` holds."""
+        from simgap.gap.contract import diagnosis_document
+
+        return diagnosis_document(self.diagnosis)
+
+    def write(self, folder: Path) -> None:
+        """Write `diagnosis.json`, `simulator/`, `evidence/` and, where it was cleaned, `clean/` into a folder."""
+        from simgap.gap.contract import write_json
+        from simgap.gap.evidence import write_evidence
+        from simgap.simulation import write_simulator
+
+        if self.cleaned is not None:
+            _write_cleaned(self.cleaned, folder / "clean")
+        write_simulator(self.diagnosis.simulator, folder / "simulator")
+        write_evidence(self.diagnosis, folder / "evidence")
+        write_json(self.document, folder / "diagnosis.json")
+
+
+def nominal_simulator(
+    recording: "Recording", platform: Mapping[str, Any], settings: SimulatorSettings, where: str = "recording"
+) -> "Simulator":
+    """Return the simulator that is believed before the diagnosis of a recording.
+
+    Args:
+        recording: of the machine.
+        platform: the keys of docs/contract.md.
+        settings: effects that are known already.
+        where: what to name in an error of the recording.
+
+    Raises:
+        InputError: on a wrong platform or effect, or when the recording is of another kind.
+    """
+    from simgap.platforms import platform_from_config
+    from simgap.recordings.recording import require_kind
+
+    require_kind(recording, platform_from_config(platform).kind, where)
+    from simgap.simulation.build import build_simulator  # with torch: after what is refused has been refused
+
+    return build_simulator(platform, settings, recording.units)
+
+
+def diagnosed(
+    recording: "Recording", nominal: "Simulator", gap: Gap, clean: Cleaning, split: Split, seed: int = 0
+) -> Found:
+    """Clean a recording, where that was not done before, and say which physics a simulator lacks.
+
+    Args:
+        recording: of the machine.
+        nominal: what is believed of it.
+        gap: settings of the diagnosis.
+        clean: settings of the cleaning.
+        split: how the runs are divided.
+        seed: of the draw that divides them by chance.
+
+    Raises:
+        InputError: when nothing usable is left after cleaning, or a setting is out of its range.
+    """
+    from simgap.gap.diagnosis import diagnose
+    from simgap.recordings.cleaning import clean_with_coverage
+
+    cleaned = None if recording.cleaned else clean_with_coverage(recording, clean, split, seed)
+    with _one_thread():
+        return Found(diagnose(cleaned.recording if cleaned else recording, nominal, gap), cleaned)
+
+
+def write_report(folder: Path, target: Path, name: str, simulator: str) -> None:
+    """Write the page of a diagnosis that lies in a folder.
+
+    Args:
+        folder: that `Found.write` wrote.
+        target: the HTML file.
+        name: of the recording, for the heading.
+        simulator: where the reader finds the simulator.
+    """
+    from simgap.report import ReportInputs, write_page
+
+    clean = folder / "clean"
+    inputs = ReportInputs(
+        diagnose=folder, clean=clean if clean.is_dir() else None, name=name, simulator=simulator
+    )
+    write_page(inputs, target)
+
+
+def _write_cleaned(cleaned: "Cleaned", folder: Path) -> None:
+    from simgap.recordings.recording import write_recording
+
+    folder.mkdir()
+    cleaned.changes.to_parquet(folder / "changes.parquet", index=False)
+    cleaned.coverage.to_parquet(folder / "coverage.parquet", index=False)
+    write_recording(cleaned.recording, folder / "recording.parquet")
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Let torch have one thread: the tensors of a diagnosis are small, and a second one waits more than it works."""
+    import torch
+
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
