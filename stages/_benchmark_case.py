@@ -13,10 +13,10 @@ from typing import Any
 
 from simgap.benchmark.settings import Benchmark
 from simgap.gap.settings import Gap
+from simgap.platforms.settings import SimulatorSettings
 from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.dataset import Dataset
 from simgap.runner import Stage, StageConfig, StageRun
-from simgap.simulation.settings import SimulatorSettings
 
 
 @dataclass

@@ -2,15 +2,18 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from simgap.errors import InputError
 from simgap.gap.settings import Gap
+from simgap.platforms.settings import SimulatorSettings
 from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.dataset import Dataset
-from simgap.recordings.recording import Recording
 from simgap.runner import StageConfig, StageRun, stage
-from simgap.simulation.settings import SimulatorSettings
+
+if TYPE_CHECKING:
+    from simgap.recordings.recording import Recording
+    from simgap.simulation import Simulator
 
 _TIMES_NOISE = (
     2.0  # times the noise's standard deviation, left beside which nobody should believe that all is found
@@ -32,23 +35,26 @@ class DiagnoseStage(StageConfig):
 @stage(DiagnoseStage)
 def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     """Say where a simulator and a recording differ, which physics was left out, and prove it."""
-    import torch
-
-    from simgap.gap.contract import diagnosis_document, write_json
-    from simgap.gap.diagnosis import diagnose as find_gap
-    from simgap.gap.evidence import write_evidence
-    from simgap.simulation import read_simulator, write_simulator
-
-    # The tensors of a diagnosis are small: a second thread waits more than it works.
-    torch.set_num_threads(1)
     built = config.artifact("build_sim", "simulator.yaml")
     own = config.recording is not None
     if not own and not built.exists():
         raise InputError(
             "no recording is given", "recording", "give recording=PATH, or branch=NAME after simgap build_sim"
         )
-    nominal = None if own else read_simulator(run.input(built).parent)
-    recording, nominal = _recording_and_nominal(config, run, nominal)
+    # First of all: a recording that cannot be used is refused before anything heavy is imported.
+    recording, nominal = _own(config, run) if own else _of_branch(config, run)
+
+    import torch
+
+    from simgap.gap.contract import diagnosis_document, write_json
+    from simgap.gap.diagnosis import diagnose as find_gap
+    from simgap.gap.evidence import write_evidence
+    from simgap.simulation import write_simulator
+
+    # The tensors of a diagnosis are small: a second thread waits more than it works.
+    torch.set_num_threads(1)
+    if not recording.cleaned:
+        recording = _cleaned(recording, config, run)
     diagnosis = find_gap(recording, nominal, config.gap)
     document = diagnosis_document(diagnosis)
     write_simulator(diagnosis.simulator, run.output / "simulator")
@@ -63,27 +69,45 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     _say(document)
 
 
-def _recording_and_nominal(config: DiagnoseStage, run: StageRun, nominal: Any) -> tuple[Recording, Any]:
-    """Return the recording, cleaned if it is not yet, and the simulator to diagnose."""
+def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
+    """Return a person's own recording and what is believed of its platform."""
     from simgap.platforms import platform_from_config
-    from simgap.recordings.cleaning import clean_with_coverage
-    from simgap.recordings.recording import read_recording, require_kind, write_recording
-    from simgap.simulation.build import build_simulator
+    from simgap.recordings.recording import read_recording, require_kind
 
-    path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
-    kind = nominal.platform.kind if nominal else platform_from_config(config.platform).kind
+    path = run.input(config.recording or "")
+    kind = platform_from_config(config.platform).kind
     recording = read_recording(path, kind)
     require_kind(recording, kind, str(path))
-    nominal = nominal or build_simulator(config.platform, config.simulator, recording.units)
-    if not recording.cleaned:
-        cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, config.seed)
-        folder = run.output / "clean"
-        folder.mkdir()
-        cleaned.changes.to_parquet(folder / "changes.parquet", index=False)
-        cleaned.coverage.to_parquet(folder / "coverage.parquet", index=False)
-        write_recording(cleaned.recording, folder / "recording.parquet")
-        recording = cleaned.recording
+
+    from simgap.simulation.build import build_simulator
+
+    return recording, build_simulator(config.platform, config.simulator, recording.units)
+
+
+def _of_branch(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
+    """Return the cleaned recording and the simulator of the stages before."""
+    from simgap.recordings.recording import read_recording, require_kind
+    from simgap.simulation import read_simulator
+
+    nominal = read_simulator(run.input(config.artifact("build_sim", "simulator.yaml")).parent)
+    path = run.input(config.artifact("clean", "recording.parquet"))
+    recording = read_recording(path, nominal.platform.kind)
+    require_kind(recording, nominal.platform.kind, str(path))
     return recording, nominal
+
+
+def _cleaned(recording: "Recording", config: DiagnoseStage, run: StageRun) -> "Recording":
+    """Clean a recording, and write down what was changed."""
+    from simgap.recordings.cleaning import clean_with_coverage
+    from simgap.recordings.recording import write_recording
+
+    cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, config.seed)
+    folder = run.output / "clean"
+    folder.mkdir()
+    cleaned.changes.to_parquet(folder / "changes.parquet", index=False)
+    cleaned.coverage.to_parquet(folder / "coverage.parquet", index=False)
+    write_recording(cleaned.recording, folder / "recording.parquet")
+    return cleaned.recording
 
 
 def _write_page(config: DiagnoseStage, run: StageRun) -> None:

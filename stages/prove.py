@@ -10,11 +10,14 @@ from simgap.stages._benchmark_case import Concealed, ProveStage, Published, exam
 @stage(ProveStage)
 def prove(config: ProveStage, run: StageRun) -> None:
     """Draw concealed cases, diagnose them, and score the answers against their sealed keys."""
+    from simgap.artifacts import require_checkout
     from simgap.benchmark.calibration import is_for_calibration
     from simgap.benchmark.page import results_text, write_docs
     from simgap.benchmark.running import run_cases, write_whole
     from simgap.errors import InputError
 
+    if config.prove.write_docs:
+        require_checkout("prove.write_docs=true")
     tasks: dict[str, Any] = _concealed(config) | _published(config)
     answers = run_cases(tasks, examine, _folder(config), config.prove.jobs, _identity)
     results = [_scored(name, tasks[name], answer, config) for name, answer in answers.items()]

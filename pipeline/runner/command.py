@@ -11,6 +11,7 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from simgap.errors import InputError
+from simgap.extras import named_extras
 
 if TYPE_CHECKING:
     from simgap.runner.wrapper import Stage
@@ -31,7 +32,7 @@ def run_command(stage: "Stage[Any]", argv: Sequence[str]) -> int:
 def report_mistakes(name: str, debug: bool, action: Callable[[], None]) -> int:
     """Do something; a person's mistake becomes one line on standard error (a traceback with `debug`)."""
     try:
-        with _plain_output(debug):
+        with _plain_output(debug), named_extras():
             action()
     except (InputError, OSError) as error:
         # An error of the system without a file's name is not something a person can mend.
