@@ -50,10 +50,8 @@ def _missing(distribution: str) -> InputError | None:
 
 def _extra_of(distribution: str) -> str | None:
     """Return the first extra in the package's own metadata that asks for a distribution."""
-    from importlib.metadata import (
-        PackageNotFoundError,
-        requires,
-    )  # its import costs as much as all of `--help`
+    # Imported here, since that takes as long as all of `simgap --help`.
+    from importlib.metadata import PackageNotFoundError, requires
 
     try:
         optional = filter(None, map(_OPTIONAL.match, requires("simgap") or []))
