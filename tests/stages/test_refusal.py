@@ -20,7 +20,7 @@ try:
 finally:
     print(*sorted({"torch", "scipy", "mlflow", "plotly", "numba"} & set(sys.modules)))
 """
-ARGUMENTS = ("diagnose", "platform=servo", "output=answer", "tracking=none")
+ARGUMENTS = ("platform=servo", "recording=bad.csv", "output=answer", "tracking=none")
 
 
 def _missing(frame: pd.DataFrame, path: Path) -> None:
@@ -40,21 +40,22 @@ def _absent(frame: pd.DataFrame, path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("spoil", "words"),
+    ("stage", "spoil", "words"),
     [
-        (_missing, "column 'velocity' is missing"),
-        (_garbage, "is not a text file"),
-        (_without_values, "column 'position': has no values"),
-        (_absent, "does not exist"),
+        ("diagnose", _missing, "column 'velocity' is missing"),
+        ("diagnose", _garbage, "is not a text file"),
+        ("diagnose", _without_values, "column 'position': has no values"),
+        ("diagnose", _absent, "does not exist"),
+        ("clean", _missing, "column 'velocity' is missing"),
     ],
 )
 def test_a_refusal_comes_before_anything_heavy(
-    tmp_path: Path, spoil: Callable[[pd.DataFrame, Path], None], words: str
+    tmp_path: Path, stage: str, spoil: Callable[[pd.DataFrame, Path], None], words: str
 ) -> None:
     spoil(joint_recording(Plant(friction=0.3), runs=4).frame, tmp_path / "bad.csv")
     before = _seconds()
     done = subprocess.run(
-        [sys.executable, "-c", LAST_WORDS, *ARGUMENTS, "recording=bad.csv"],
+        [sys.executable, "-c", LAST_WORDS, stage, *ARGUMENTS],
         cwd=tmp_path,
         capture_output=True,
         text=True,
