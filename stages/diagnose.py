@@ -72,10 +72,12 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
 def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
     """Return a person's own recording and what is believed of its platform."""
     from simgap.platforms import platform_from_config
-    from simgap.recordings.recording import read_recording, require_kind
 
     path = run.input(config.recording or "")
     kind = platform_from_config(config.platform).kind
+
+    from simgap.recordings.recording import read_recording, require_kind
+
     recording = read_recording(path, kind)
     require_kind(recording, kind, str(path))
 

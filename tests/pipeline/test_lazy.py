@@ -1,18 +1,21 @@
 """Packages whose modules are imported late."""
 
 import pkgutil
+from types import ModuleType
 
 import pytest
 
+from simgap import recordings
 from simgap.lazy import imported_late
 from simgap.recordings import cleaning
 
 
-def test_every_name_is_there_and_is_not_that_of_a_module() -> None:
-    modules = {module.name for module in pkgutil.iter_modules(cleaning.__path__)}
-    assert not modules & set(cleaning.__all__)
-    for name in cleaning.__all__:
-        assert getattr(cleaning, name) is not None
+@pytest.mark.parametrize("package", [recordings, cleaning])
+def test_every_name_is_there_and_is_not_that_of_a_module(package: ModuleType) -> None:
+    modules = {module.name for module in pkgutil.iter_modules(package.__path__)}
+    assert not modules & set(package.__all__)
+    for name in package.__all__:
+        assert getattr(package, name) is not None
 
 
 def test_a_name_comes_from_its_module() -> None:
