@@ -10,11 +10,11 @@ Importing it is cheap: what a name needs is imported when the name is first used
 `simgap/Race-v0`.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from simgap.api.registration import register_environments
 from simgap.errors import InputError
+from simgap.lazy import imported_late
 
 if TYPE_CHECKING:
     from simgap.api.answer import Answer
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
     from simgap.api.simulators import build_simulator, catalogue, load_simulator
 
 _WHERE = {
-    "simgap.api.answer": ("Answer",),
-    "simgap.api.diagnosing": ("diagnose",),
-    "simgap.api.findings": (
+    "api.answer": ("Answer",),
+    "api.diagnosing": ("diagnose",),
+    "api.findings": (
         "Ambiguity",
         "Contradiction",
         "Effect",
@@ -50,13 +50,12 @@ _WHERE = {
         "Size",
         "Unnamed",
     ),
-    "simgap.api.inputs": ("load_recording",),
-    "simgap.api.machine": ("Machine",),
-    "simgap.api.memory": ("Memory",),
-    "simgap.api.race": ("race",),
-    "simgap.api.simulators": ("build_simulator", "catalogue", "load_simulator"),
+    "api.inputs": ("load_recording",),
+    "api.machine": ("Machine",),
+    "api.memory": ("Memory",),
+    "api.race": ("race",),
+    "api.simulators": ("build_simulator", "catalogue", "load_simulator"),
 }
-_MODULE_OF = {name: module for module, names in _WHERE.items() for name in names}
 
 __all__ = [
     "Ambiguity",
@@ -81,13 +80,7 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """Import a public name at its first use."""
-    if name not in _MODULE_OF:
-        raise AttributeError(f"module 'simgap' has no attribute {name!r}")
-    value = getattr(importlib.import_module(_MODULE_OF[name]), name)
-    globals()[name] = value
-    return value
+__getattr__ = imported_late(__name__, **_WHERE)
 
 
 def __dir__() -> list[str]:

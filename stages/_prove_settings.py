@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 
 from simgap.benchmark.settings import Benchmark
 from simgap.gap.settings import Gap
+from simgap.platforms.settings import SimulatorSettings
 from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.dataset import Dataset
 from simgap.runner import StageConfig
-from simgap.simulation.settings import SimulatorSettings
 
 
 @dataclass

@@ -41,9 +41,9 @@ def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
     from simgap.gap.prepare import prepare
     from simgap.gap.residuals import noise_of_rows, residual_rows
     from simgap.gap.resolution import is_short
+    from simgap.platforms.settings import SimulatorSettings
     from simgap.recordings.cleaning import clean_with_coverage
     from simgap.simulation.build import build_simulator
-    from simgap.simulation.settings import SimulatorSettings
     from simgap.stages.record import record_drawn
 
     recording, key = record_drawn(case)

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from simgap.platforms.settings import SimulatorSettings
 from simgap.runner import StageConfig, StageRun, stage
-from simgap.simulation.settings import SimulatorSettings
 
 BLOCK_DURATION = 1.0  # s
 MARGIN = 0.1  # s

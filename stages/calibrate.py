@@ -19,10 +19,13 @@ def calibrate(config: CalibrateStage, run: StageRun) -> None:
     """Fit the coefficients of the probabilities to benchmark results on calibration seeds."""
     import yaml
 
+    from simgap.artifacts import require_checkout
     from simgap.benchmark.calibration import fit_calibration, statements_of
     from simgap.errors import InputError
     from simgap.gap.probability import CALIBRATION
 
+    if config.prove.write_calibration:
+        require_checkout("prove.write_calibration=true")
     if not config.prove.results:
         raise InputError("no results are given", "prove.results", "give [FILE, ...] of simgap prove")
     results = [

@@ -19,12 +19,14 @@ class CleanStage(StageConfig):
 @stage(CleanStage)
 def clean(config: CleanStage, run: StageRun) -> None:
     """Clean a recording: resample, fill short gaps, remove unusable parts, split runs; report every change."""
-    from simgap.recordings.cleaning import clean_with_coverage, summary
-    from simgap.recordings.cleaning.figure import coverage_figure
     from simgap.recordings.recording import read_recording, write_recording
 
     path = run.input(config.recording or config.artifact("record", "recording.parquet"))
     recording = read_recording(path)
+
+    from simgap.recordings.cleaning import clean_with_coverage, summary
+    from simgap.recordings.cleaning.figure import coverage_figure
+
     for warning in recording.warnings:
         run.warn(warning)
     cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, config.seed)

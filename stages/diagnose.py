@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from simgap.errors import InputError
 from simgap.gap.settings import Gap
+from simgap.platforms.settings import SimulatorSettings
 from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.dataset import Dataset
 from simgap.runner import StageConfig, StageRun, stage
-from simgap.simulation.settings import SimulatorSettings
 
 if TYPE_CHECKING:
     from simgap.recordings.recording import Recording
@@ -32,7 +32,6 @@ class DiagnoseStage(StageConfig):
 def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     """Find where a simulator and a recording differ, name the missing physics, and validate it on held-out runs."""
     from simgap.api.flow import diagnosed, write_report
-    from simgap.report.terminal import terminal_lines
 
     built = config.artifact("build_sim", "simulator.yaml")
     own = config.recording is not None
@@ -40,6 +39,7 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
         raise InputError(
             "no recording is given", "recording", "give recording=PATH, or branch=NAME after simgap build_sim"
         )
+    # First of all: a recording that cannot be used is refused before anything heavy is imported.
     recording, nominal = _own(config, run) if own else _of_branch(config, run)
     found = diagnosed(recording, nominal, config.gap, config.clean, config.dataset.split, config.seed)
     found.write(run.output)
@@ -51,6 +51,9 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
         simulator = f"{config.output or config.artifact('diagnose', '')}/simulator"
         name = Path(config.recording or config.name).name
         write_report(run.output, run.output / "report.html", name, simulator)
+
+    from simgap.report.terminal import terminal_lines
+
     print(*terminal_lines(found.document), sep="\n")
 
 
@@ -58,10 +61,13 @@ def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
     """Return a person's own recording and what is believed of its platform."""
     from simgap.api.flow import nominal_simulator
     from simgap.platforms import platform_from_config
-    from simgap.recordings.recording import read_recording
 
     path = run.input(config.recording or "")
-    recording = read_recording(path, platform_from_config(config.platform).kind)
+    kind = platform_from_config(config.platform).kind
+
+    from simgap.recordings.recording import read_recording  # with pandas: after the platform has been checked
+
+    recording = read_recording(path, kind)
     return recording, nominal_simulator(recording, config.platform, config.simulator, str(path))
 
 

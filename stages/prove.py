@@ -11,11 +11,14 @@ from simgap.stages._prove_settings import ProveStage
 @stage(ProveStage)
 def prove(config: ProveStage, run: StageRun) -> None:
     """Measure the diagnosis: draw cases with concealed effects, diagnose them, score the answers."""
+    from simgap.artifacts import require_checkout
     from simgap.benchmark.calibration import is_for_calibration
     from simgap.benchmark.page import results_text, write_docs
     from simgap.benchmark.running import run_cases, write_whole
     from simgap.errors import InputError
 
+    if config.prove.write_docs:
+        require_checkout("prove.write_docs=true")
     tasks: dict[str, Any] = _concealed(config) | _published(config)
     answers = run_cases(tasks, examine, _folder(config), config.prove.jobs, _identity)
     results = [_scored(name, tasks[name], answer, config) for name, answer in answers.items()]

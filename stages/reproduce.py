@@ -5,8 +5,9 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
-from simgap.artifacts import PROJECT_ROOT
+from simgap.artifacts import require_checkout
 from simgap.errors import InputError
+from simgap.extras import require
 from simgap.runner.command import report_mistakes
 
 PREFERRED = "nanodrone"
@@ -21,9 +22,11 @@ _ORIGINS = {
 
 def reproduce(branch: str | None = None) -> None:
     """Run a branch of the pipeline; by default the best one whose recordings are available."""
+    checkout = require_checkout()
+    require("dvc")
     branch, reason = choose(branch)
     print(f"branch {branch}: {reason}", flush=True)
-    artifacts = PROJECT_ROOT / "artifacts" / branch
+    artifacts = checkout / "artifacts" / branch
     _reproduce("diagnose", branch)
     print(
         f"the diagnosis: {write_first_page(artifacts, branch)}; later stages are added to one page",

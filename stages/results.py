@@ -6,18 +6,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from simgap.artifacts import PROJECT_ROOT
+from simgap.artifacts import require_checkout
 from simgap.errors import InputError
 from simgap.runner.command import report_mistakes
 
 SWEEPS = "artifacts/*/sweeps/*"
 
 
-def results(sweeps: Sequence[Path], docs: Path) -> None:
+def results(sweeps: Sequence[Path], docs: Path | None = None) -> None:
     """Write the sections of docs/results.md from finished sweeps; all other sections stay as they are."""
     from simgap.comparison.page import PAGE, write_section
     from simgap.runner.comparing import FOLDER
 
+    docs = docs or require_checkout("writing without --docs DIR") / "docs"
     folders = [sweep / FOLDER for sweep in sweeps] or _titled()
     if not folders:
         remedy = "run one: a preset of conf/experiment opens with its command"
@@ -42,7 +43,7 @@ def main(argv: list[str] | None = None) -> NoReturn:
     parser.add_argument(
         "sweeps", nargs="*", metavar="SWEEP", type=Path, help=f"its folder; all of {SWEEPS} that have a title"
     )
-    parser.add_argument("--docs", metavar="DIR", type=Path, default=PROJECT_ROOT / "docs", help="where to")
+    parser.add_argument("--docs", metavar="DIR", type=Path, help="where to; docs of the repository")
     parser.add_argument("--debug", action="store_true", help="show tracebacks")
     given = parser.parse_args(argv)
     sys.exit(report_mistakes("results", given.debug, lambda: results(given.sweeps, given.docs)))

@@ -9,9 +9,9 @@ from simgap.api.answer import Answer
 from simgap.api.flow import diagnosed, nominal_simulator
 from simgap.api.inputs import load_recording, platform_config, settings_of
 from simgap.gap.settings import Gap
+from simgap.platforms.settings import SimulatorSettings
 from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.split import Split
-from simgap.simulation.settings import SimulatorSettings
 
 if TYPE_CHECKING:
     from simgap.api.inputs import PlatformLike, RecordingLike

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from simgap.gap.settings import Gap
+from simgap.platforms.settings import SimulatorSettings
 from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.split import Split
-from simgap.simulation.settings import SimulatorSettings
 
 if TYPE_CHECKING:
     from simgap.gap.diagnosis import Diagnosis

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from simgap.api.inputs import read_option, settings_of
-from simgap.errors import InputError
+from simgap.extras import named_extras
 
 if TYPE_CHECKING:
     from simgap.api.inputs import PlatformLike
@@ -50,13 +50,11 @@ def race(
         InputError: when the simulator is not of a quadrotor, the track cannot be flown, a setting is unknown, or what
             racing needs is not installed.
     """
-    try:
+    with named_extras():
         from simgap.policies.gymnasium_adapter import GymnasiumEnvironment
         from simgap.policies.racing.entry import race_in
         from simgap.policies.racing.flying import left_out
         from simgap.policies.racing.settings import RacingSettings, TrackSettings
-    except ModuleNotFoundError as error:
-        raise InputError(f"needs {error.name}", ID, "pip install 'simgap[race]'") from error
     gates = settings_of(TrackSettings, _track(track), "track")
     chosen = settings_of(RacingSettings, settings or {}, "settings")
     machine = _simulator(simulator)

@@ -8,9 +8,9 @@ from simgap.api.inputs import platform_config
 from simgap.api.machine import Machine
 from simgap.effects import Effect, effects_of, kinds
 from simgap.errors import InputError
+from simgap.platforms.settings import SimulatorSettings
 from simgap.simulation import read_simulator
 from simgap.simulation.build import build_simulator as built_simulator
-from simgap.simulation.settings import SimulatorSettings
 
 if TYPE_CHECKING:
     from simgap.api.inputs import PlatformLike

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from simgap.errors import InputError
+
 PACKAGE = Path(__file__).resolve().parents[1]
 """The folder of the package `simgap`; in a checkout it is called `pipeline`."""
 
@@ -13,3 +15,19 @@ PROJECT_ROOT = CHECKOUT or Path.cwd()
 
 CONFIGURATION = (CHECKOUT or PACKAGE) / "conf"
 STAGES = (CHECKOUT or PACKAGE) / "stages"
+
+
+def require_checkout(what: str = "it") -> Path:
+    """Return the checkout, for what changes the repository itself.
+
+    Args:
+        what: a person asked for.
+
+    Raises:
+        InputError: in an installation.
+    """
+    if CHECKOUT is None:
+        raise InputError(
+            f"{what} works in a clone of the repository only", remedy="clone it and call it there"
+        )
+    return CHECKOUT

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
-from scipy.spatial.transform import Rotation
 
 _HALF_WINDOW = 0.05  # s; long against quantised and held samples, short against a manoeuvre
 _SCALAR_LAST = [f"attitude_{axis}" for axis in "xyzw"]
@@ -33,6 +32,8 @@ def body_rate_and_derived(frame: pd.DataFrame, axis: str) -> tuple[np.ndarray, n
         frame: `run`, `t`, `attitude_*` and `body_rate_*`.
         axis: x, y or z.
     """
+    from scipy.spatial.transform import Rotation  # its import takes as long as reading most recordings
+
     pairs = []
     for run, half, span in _windows(frame):
         attitude = run[_SCALAR_LAST].to_numpy(dtype=float)

@@ -11,6 +11,7 @@ from dataclasses import fields
 from typing import Any, NoReturn
 
 from simgap.errors import InputError
+from simgap.extras import named_extras
 from simgap.runner.wrapper import Stage, import_stage
 
 MISTAKE = 2
@@ -42,7 +43,7 @@ def run_command(stage: Stage[Any], argv: Sequence[str]) -> int:
 def report_mistakes(name: str, debug: bool, action: Callable[[], None]) -> int:
     """Run work; print a user's mistake as one line on standard error (a traceback with `debug`)."""
     try:
-        with _plain_output(debug):
+        with _plain_output(debug), named_extras():
             action()
     except (InputError, OSError) as error:
         # An error of the system without a file's name is not something a person can mend.

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from simgap.errors import InputError
+from simgap.extras import missing_launcher
 from simgap.runner.project import nearest
 
 
@@ -33,6 +34,8 @@ def configuration_mistakes(where: str = "configuration") -> Iterator[None]:
 def _missing_option(error: Any) -> InputError:
     """Say which option of a group is not there, and which one is near."""
     group, _, option = (error.missing_cfg_file or "").rpartition("/")
+    if group == "hydra/launcher" and (missing := missing_launcher(option)):
+        return missing
     if not error.options:
         return InputError(_first_line(error), "configuration", "see the folder conf")
     return InputError(f"there is no {option!r}", group, nearest(option, error.options))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from simgap.artifacts import hash_value
 from simgap.errors import InputError
+from simgap.extras import require
 from simgap.runner.comparing import Done, Failed, write_comparison
 from simgap.runner.compose import ROOT_CONFIG, open_hydra, plain, prepare_overrides, typed
 from simgap.runner.mistakes import configuration_mistakes
@@ -80,6 +81,7 @@ def run_sweep(stage: "Stage[Any]", overrides: Sequence[str], config_dir: str | N
     """
     from hydra.types import RunMode
 
+    require("matplotlib")  # of the comparison, which is drawn when all jobs are done
     prepared = prepare_overrides(overrides, config_dir)
     with configuration_mistakes():
         hydra = open_hydra(config_dir)

@@ -9,6 +9,7 @@ from typing import Any, Generic, TypeVar
 
 from simgap.artifacts import hash_value, staged_directory
 from simgap.comparison.comparison import Compared, flat, itself
+from simgap.extras import named_extras
 from simgap.runner.completion import Note
 from simgap.runner.compose import typed
 from simgap.runner.config import StageConfig
@@ -59,12 +60,13 @@ class Stage(Generic[Config]):
         """
         config = typed(self.config_class, values)
         target = self._target(config, place)
+        config.tracking.check()
         seed_everything(config.seed)
         tracker = self._tracker(Tracker, config, values, place)
         started = time.monotonic()
         succeeded = False
         try:
-            with staged_directory(target, owned=config.output is None) as output:
+            with named_extras(), staged_directory(target, owned=config.output is None) as output:
                 run = StageRun(output, tracker)
                 self.function(config, run)
                 run.write_metrics()

@@ -7,8 +7,8 @@ from typing import Any
 from simgap.effects import effect_by_key
 from simgap.errors import InputError
 from simgap.platforms import platform_from_config
+from simgap.platforms.settings import SimulatorSettings
 from simgap.simulation.identified import with_identified
-from simgap.simulation.settings import SimulatorSettings
 from simgap.simulation.simulator import FittedEffect, Simulator
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simgap.artifacts import PROJECT_ROOT
+from simgap.extras import named_extras
 
 if TYPE_CHECKING:
     from mlflow import MlflowClient
@@ -19,7 +20,7 @@ _LOCK_SECONDS = 60
 
 
 def store_uri(uri: str | None) -> str:
-    """Return the address of the store; a relative SQLite path is relative to the project's folder."""
+    """Return the address of the store; a relative SQLite path starts in the checkout, else in the working directory."""
     if uri is None:
         return f"{_SQLITE}{PROJECT_ROOT / 'mlflow.db'}"
     return f"{_SQLITE}{PROJECT_ROOT / uri.removeprefix(_SQLITE)}" if uri.startswith(_SQLITE) else uri
@@ -32,7 +33,8 @@ def open_store(uri: str) -> "tuple[MlflowClient, str]":
         Exception: whatever MLflow and the system raise when the store cannot be used.
     """
     os.environ["MLFLOW_DISABLE_TELEMETRY"] = "true"
-    from mlflow import MlflowClient
+    with named_extras():
+        from mlflow import MlflowClient
 
     for name in ("mlflow", "alembic"):
         logging.getLogger(name).setLevel(logging.WARNING)

@@ -54,7 +54,7 @@ class Tracker:
         self._inputs: dict[str, str] = {}
         self._client: MlflowClient | None = None
         self._experiment = self._parent = self._run = ""
-        self._silent = not settings.enabled
+        self._silent = not settings.on
 
     @classmethod
     def none(cls) -> "Tracker":

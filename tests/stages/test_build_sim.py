@@ -4,10 +4,10 @@ import pytest
 import yaml
 
 from simgap.errors import InputError
+from simgap.platforms.settings import SimulatorSettings
 from simgap.recordings.recording import write_recording
 from simgap.runner import StageRun
 from simgap.simulation import read_simulator
-from simgap.simulation.settings import SimulatorSettings
 from simgap.stages.build_sim import BuildSimStage, build_sim
 from tests.pipeline.gap.recordings import JOINT, Plant, joint_recording
 from tests.stages.test_diagnose import PLATFORM

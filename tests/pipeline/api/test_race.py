@@ -83,4 +83,4 @@ def test_what_is_not_installed_is_said_with_the_command_that_installs_it(monkeyp
     monkeypatch.delitem(sys.modules, "simgap.policies.gymnasium_adapter", raising=False)
     with pytest.raises(InputError) as refused:
         races.race()
-    assert str(refused.value) == "simgap/Race-v0: needs gymnasium; pip install 'simgap[race]'"
+    assert str(refused.value) == "needs gymnasium; pip install 'simgap[race]'"

@@ -2,8 +2,8 @@ import pytest
 
 from simgap.errors import InputError
 from simgap.platforms import platform_to_config
+from simgap.platforms.settings import SimulatorSettings
 from simgap.simulation.build import build_simulator
-from simgap.simulation.settings import SimulatorSettings
 from tests.pipeline.platforms.machines import JOINT, MACHINES
 
 
