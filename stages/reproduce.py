@@ -21,6 +21,8 @@ _ORIGINS = {
 
 def reproduce(branch: str | None = None) -> None:
     """Reproduce a branch of the pipeline; by default the best one whose recordings can be reached."""
+    from simgap.runner.reproduction import list_metrics
+
     branch, reason = choose(branch)
     print(f"branch {branch}: {reason}", flush=True)
     artifacts = PROJECT_ROOT / "artifacts" / branch
@@ -29,6 +31,7 @@ def reproduce(branch: str | None = None) -> None:
         f"the diagnosis: {write_first_page(artifacts, branch)}; what follows joins it on one page", flush=True
     )
     _reproduce("report", branch)
+    list_metrics()
     for page in sorted((artifacts / "report").glob("*.html")):
         print(f"the page: {page}", flush=True)
 
