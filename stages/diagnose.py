@@ -57,7 +57,10 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     for warning in diagnosis.warnings:
         run.warn(warning)
     fit = {key: document["fit"][key] for key in ("before", "after", "noise_floor", "gap_closed")}
-    run.log_metrics({key: value for key, value in fit.items() if value is not None})
+    numbers = {key: value for key, value in fit.items() if value is not None}
+    run.log_metrics(numbers)
+    run.log_results(numbers)
+    run.describe({"verdict": document["verdict"], "effects": _believed(document)})
     if own:
         _write_page(config, run)
     _say(document)
@@ -84,6 +87,12 @@ def _recording_and_nominal(config: DiagnoseStage, run: StageRun, nominal: Any) -
         write_recording(cleaned.recording, folder / "recording.parquet")
         recording = cleaned.recording
     return recording, nominal
+
+
+def _believed(document: dict[str, Any]) -> str:
+    """Return the effects that are believed, most probable first: `rotor_drag 0.98, motor_lag 0.71`."""
+    believed = [effect for effect in document["effects"] if effect["probability"] >= 0.5]
+    return ", ".join(f"{effect['name']} {effect['probability']:.2f}" for effect in believed) or "none"
 
 
 def _write_page(config: DiagnoseStage, run: StageRun) -> None:

@@ -1,6 +1,7 @@
 """What a person may say about how the jobs of a sweep are compared."""
 
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 from typing import Any
 
 
@@ -24,3 +25,11 @@ class Results:
     baseline: dict[str, Any] = field(
         default_factory=dict
     )  # swept values of the row that others are held against
+    units: dict[str, str] = field(
+        default_factory=dict
+    )  # of swept keys and of metrics, by name or pattern; the first that matches counts
+
+    def with_unit(self, name: str, heading: str) -> str:
+        """Return a heading followed by the unit of what it names: `train.share (1)`, `time (s)`."""
+        unit = next((unit for pattern, unit in self.units.items() if fnmatchcase(name, pattern)), "")
+        return f"{heading} ({unit})" if unit else heading

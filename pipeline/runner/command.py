@@ -2,13 +2,15 @@
 
 import argparse
 import logging
+import signal
 import sys
+import threading
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from simgap.errors import InputError
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
 MISTAKE = 2
 INTERRUPTED = 130
+SIGNALLED = 128  # and the number of the signal, as shells count
 
 
 def run_command(stage: "Stage[Any]", argv: Sequence[str]) -> int:
@@ -31,7 +34,7 @@ def run_command(stage: "Stage[Any]", argv: Sequence[str]) -> int:
 def report_mistakes(name: str, debug: bool, action: Callable[[], None]) -> int:
     """Do something; a person's mistake becomes one line on standard error (a traceback with `debug`)."""
     try:
-        with _plain_output(debug):
+        with _plain_output(debug), _ended_in_order():
             action()
     except (InputError, OSError) as error:
         # An error of the system without a file's name is not something a person can mend.
@@ -79,6 +82,23 @@ def _warn_unread(stage: "Stage[Any]", overrides: Sequence[str], values: dict[str
                 f"warning: {stage.name} does not read {first!r}, so {override!r} has no effect",
                 file=sys.stderr,
             )
+
+
+@contextmanager
+def _ended_in_order() -> Iterator[None]:
+    """Let a request to end take the way of an exception, so that nothing is left half-written and the run is closed."""
+
+    def end(number: int, _: object) -> NoReturn:
+        sys.exit(SIGNALLED + number)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager
