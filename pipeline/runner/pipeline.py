@@ -96,6 +96,7 @@ def _changes(root: Path, targets: list[str]) -> dict[str, str]:
     done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         reason = (done.stderr.strip().splitlines() or ["dvc status failed"])[0].removeprefix("ERROR: ")
+        reason = reason.partition(", it is being blocked")[0]
         raise InputError(reason, str(root), "wait for the DVC that is at work here, or see dvc status")
     return {target: _first(entries) for target, entries in json.loads(done.stdout or "{}").items()}
 
