@@ -3,6 +3,7 @@
 import argparse
 import shutil
 import sys
+from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import NoReturn
@@ -58,7 +59,7 @@ def _summary(states: list[str]) -> str:
     return f"{running} of {len(states)} stages" + (f" and perhaps {maybe} after them" if maybe else "")
 
 
-def _print_table(rows: list[tuple[str, ...]]) -> None:
+def _print_table(rows: Sequence[tuple[str, ...]]) -> None:
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     room = shutil.get_terminal_size((200, 24)).columns
     for row in rows:
