@@ -28,13 +28,14 @@ def run_command(stage: "Stage[Any]", argv: Sequence[str]) -> int:
         stage.name, stage.__doc__ or "", [field.name for field in fields(stage.config_class)]
     )
     flags, unknown = parser.parse_known_args(argv)
-    return report_mistakes(stage.name, flags.debug, lambda: _run(stage, flags, unknown))
+    with _ended_in_order():
+        return report_mistakes(stage.name, flags.debug, lambda: _run(stage, flags, unknown))
 
 
 def report_mistakes(name: str, debug: bool, action: Callable[[], None]) -> int:
     """Do something; a person's mistake becomes one line on standard error (a traceback with `debug`)."""
     try:
-        with _plain_output(debug), _ended_in_order():
+        with _plain_output(debug):
             action()
     except (InputError, OSError) as error:
         # An error of the system without a file's name is not something a person can mend.
@@ -86,7 +87,7 @@ def _warn_unread(stage: "Stage[Any]", overrides: Sequence[str], values: dict[str
 
 @contextmanager
 def _ended_in_order() -> Iterator[None]:
-    """Let a request to end take the way of an exception, so that nothing is left half-written and the run is closed."""
+    """Make an exception of a request to end a stage: nothing is left half-written, and the run is closed."""
 
     def end(number: int, _: object) -> NoReturn:
         sys.exit(SIGNALLED + number)
