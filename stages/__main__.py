@@ -8,6 +8,7 @@ from simgap.runner.project import commands, described, nearest
 
 ORDER = (
     "reproduce",
+    "stages",
     "configure",
     "record",
     "clean",
@@ -30,11 +31,16 @@ ORDER = (
 )
 
 HELP = {"-h", "--help"}
+COMPLETION = (
+    "--completion",
+    "--complete",
+)  # what a shell reads once, and what it asks at every press of the key
 
 USAGE = """\
 simgap: find the physics that a robot simulator lacks, from recordings of the real robot
 
 usage: simgap COMMAND [key=value ...]      simgap COMMAND --help      simgap --version
+       simgap --completion bash|zsh|fish
 
 {commands}
 
@@ -56,6 +62,8 @@ def main(argv: list[str] | None = None) -> NoReturn:
 
         print(f"simgap {version('simgap')}")
         sys.exit(0)
+    if name in COMPLETION:
+        _complete(name, arguments[1:])
     if name not in known:
         print(f"simgap: unknown command {name!r}; {nearest(name, known)}", file=sys.stderr)
         sys.exit(2)
@@ -72,6 +80,16 @@ def main(argv: list[str] | None = None) -> NoReturn:
     if isinstance(command, Stage):
         command_line.main(command, arguments[1:])
     sys.exit(module.main(arguments[1:]))
+
+
+def _complete(flag: str, words: list[str]) -> NoReturn:
+    from simgap.runner.command import report_mistakes
+    from simgap.runner.shell_completion import candidates, script
+
+    if flag == "--complete":
+        print("\n".join(candidates(words)))
+        sys.exit(0)
+    sys.exit(report_mistakes("--completion", False, lambda: print(script(" ".join(words)), end="")))
 
 
 def _usage(known: dict[str, str]) -> str:

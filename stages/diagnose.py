@@ -46,7 +46,10 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     for warning in found.diagnosis.warnings:
         run.warn(warning)
     fit = {key: found.document["fit"][key] for key in ("before", "after", "noise_floor", "gap_closed")}
-    run.log_metrics({key: value for key, value in fit.items() if value is not None})
+    numbers = {key: value for key, value in fit.items() if value is not None}
+    run.log_metrics(numbers)
+    run.log_results(numbers)
+    run.describe({"verdict": found.document["verdict"], "effects": _believed(found.document)})
     if own:
         simulator = f"{config.output or config.artifact('diagnose', '')}/simulator"
         name = Path(config.recording or config.name).name
@@ -81,6 +84,12 @@ def _of_branch(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simula
     recording = read_recording(path, nominal.platform.kind)
     require_kind(recording, nominal.platform.kind, str(path))
     return recording, nominal
+
+
+def _believed(document: dict[str, Any]) -> str:
+    """Return the effects that are believed, most probable first: `rotor_drag 0.98, motor_lag 0.71`."""
+    believed = [effect for effect in document["effects"] if effect["probability"] >= 0.5]
+    return ", ".join(f"{effect['name']} {effect['probability']:.2f}" for effect in believed) or "none"
 
 
 if __name__ == "__main__":

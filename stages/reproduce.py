@@ -22,6 +22,8 @@ _ORIGINS = {
 
 def reproduce(branch: str | None = None) -> None:
     """Run a branch of the pipeline; by default the best one whose recordings are available."""
+    from simgap.runner.reproduction import list_metrics
+
     checkout = require_checkout()
     require("dvc")
     branch, reason = choose(branch)
@@ -33,6 +35,7 @@ def reproduce(branch: str | None = None) -> None:
         flush=True,
     )
     _reproduce("report", branch)
+    list_metrics()
     for page in sorted((artifacts / "report").glob("*.html")):
         print(f"the page: {page}", flush=True)
 

@@ -88,7 +88,7 @@ def _curves(axes: "Axes", table: Table, column: str, abscissa: str) -> None:
         low = [mean - spread for mean, spread in zip(means, spreads, strict=True)]
         high = [mean + spread for mean, spread in zip(means, spreads, strict=True)]
         axes.fill_between(places, low, high, color=line.get_color(), alpha=0.2, linewidth=0)
-    axes.set_xlabel(abscissa)
+    axes.set_xlabel(table.named.get(abscissa, abscissa))
 
 
 def _bars(axes: "Axes", table: Table, column: str) -> None:

@@ -79,7 +79,8 @@ def _section(comparison: Comparison, picture: str | None) -> str:
 
 def _markdown(table: Table) -> str:
     keys = table.keys or [""]
-    lines = [[*keys, *table.columns], [*["---"] * len(keys), *["--:"] * len(table.columns)]]
+    heads = [table.named.get(key, key) for key in keys]
+    lines = [[*heads, *table.columns], [*["---"] * len(keys), *["--:"] * len(table.columns)]]
     for row in table.rows:
         first = (
             [row.reference] + [""] * (len(keys) - 1) if row.reference else [_value(row, key) for key in keys]

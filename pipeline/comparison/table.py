@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -58,6 +58,7 @@ class Table:
         columns: headings of the metrics.
         rows: configurations in the order of the sweep, then references.
         baseline: the row that the others are compared with, if any.
+        named: headings of the keys, with their units.
     """
 
     title: str
@@ -65,6 +66,7 @@ class Table:
     columns: list[str]
     rows: list[Row]
     baseline: Row | None = None
+    named: Mapping[str, str] = field(default_factory=dict)
 
     def change(self, row: Row, column: str) -> float | None:
         """Return the relative change from the baseline; None if there is none to compare."""
@@ -89,7 +91,8 @@ def _matching(names: Sequence[str], pattern: str) -> list[str]:
 
 
 def _table(comparison: Comparison, wanted: TableOf, names: Sequence[str]) -> Table:
-    headings = _headings(names)
+    units = comparison.results.with_unit
+    headings = {name: units(name, heading) for name, heading in _headings(names).items()}
     groups: dict[tuple[tuple[str, Value], ...], list[Metrics]] = {}
     for job in comparison.jobs:
         entries = _entries(job.metrics, headings, wanted.mean)
@@ -103,7 +106,8 @@ def _table(comparison: Comparison, wanted: TableOf, names: Sequence[str]) -> Tab
         if metrics.keys() & headings.keys()
     ]
     keys = list(dict.fromkeys(key for row in rows for key in row.values))
-    return Table(wanted.title, keys, columns, [*rows, *references], baseline)
+    named = {key: units(key, key) for key in keys}
+    return Table(wanted.title, keys, columns, [*rows, *references], baseline, named)
 
 
 def _headings(names: Sequence[str]) -> dict[str, str]:

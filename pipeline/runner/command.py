@@ -2,7 +2,9 @@
 
 import argparse
 import logging
+import signal
 import sys
+import threading
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -16,6 +18,7 @@ from simgap.runner.wrapper import Stage, import_stage
 
 MISTAKE = 2
 INTERRUPTED = 130
+SIGNALLED = 128  # and the number of the signal, as shells count
 
 
 def main(stage: Stage[Any], argv: Sequence[str] | None = None) -> NoReturn:
@@ -37,7 +40,8 @@ def run_command(stage: Stage[Any], argv: Sequence[str]) -> int:
         stage.name, stage.__doc__ or "", [field.name for field in fields(stage.config_class)]
     )
     flags, unknown = parser.parse_known_args(argv)
-    return report_mistakes(stage.name, flags.debug, lambda: _run(stage, flags, unknown))
+    with _ended_in_order():
+        return report_mistakes(stage.name, flags.debug, lambda: _run(stage, flags, unknown))
 
 
 def report_mistakes(name: str, debug: bool, action: Callable[[], None]) -> int:
@@ -94,6 +98,23 @@ def _warn_unread(stage: Stage[Any], overrides: Sequence[str], values: dict[str, 
                 f"warning: {stage.name} does not read {first!r}, so {override!r} has no effect",
                 file=sys.stderr,
             )
+
+
+@contextmanager
+def _ended_in_order() -> Iterator[None]:
+    """Make an exception of a request to end a stage: nothing is left half-written, and the run is closed."""
+
+    def end(number: int, _: object) -> NoReturn:
+        sys.exit(SIGNALLED + number)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager

@@ -16,6 +16,18 @@ _LOCK_FILE = "dvc.lock"
 _DVC_STATE = Path(".dvc") / "tmp"
 
 
+def list_metrics(root: Path = PROJECT_ROOT) -> None:
+    """Tell `dvc metrics show` of the branches that have a report; it complains of every file that is not there.
+
+    The list lies beside the artifacts, since it goes with them.
+    """
+    import yaml
+
+    folder = root / "artifacts"
+    found = sorted(path.relative_to(folder).as_posix() for path in folder.glob("*/report/metrics.json"))
+    (folder / "dvc.yaml").write_text(yaml.safe_dump({"metrics": found}), encoding="utf-8")
+
+
 def reproduce_target(target: str, root: Path = PROJECT_ROOT) -> int:
     """Run `dvc repro TARGET` and return its exit code.
 
@@ -31,7 +43,7 @@ def reproduce_target(target: str, root: Path = PROJECT_ROOT) -> int:
             "DVC_NO_ANALYTICS": "1",
             "PATH": f"{programs}{os.pathsep}{os.environ.get('PATH', '')}",
         }
-        command = [str(programs / "dvc"), "repro", target]
+        command = [sys.executable, "-m", "simgap.runner.quiet_dvc", "repro", target]
         # DVC inherits the lock: when only this process is killed, the next reproduction waits for DVC to end.
         return subprocess.run(command, cwd=root, env=environment, pass_fds=[lock], check=False).returncode
 

@@ -60,6 +60,10 @@ class StageRun:
         """Log the final numbers of the whole reproduction to the parent of the stages' runs."""
         self.tracker.log_results({name: float(value) for name, value in metrics.items()})
 
+    def describe(self, tags: Mapping[str, str]) -> None:
+        """Tag the run and its reproduction with what came out, in words."""
+        self.tracker.describe(tags)
+
     def log_figure(self, figure: Any, name: str) -> None:
         """Log a plotly (or matplotlib) figure under a name without suffix."""
         self.tracker.log_figure(figure, name)

@@ -64,7 +64,7 @@ class Stage(Generic[Config]):
         seed_everything(config.seed)
         tracker = self._tracker(Tracker, config, values, place)
         started = time.monotonic()
-        succeeded = False
+        succeeded = killed = False
         try:
             with named_extras(), staged_directory(target, owned=config.output is None) as output:
                 run = StageRun(output, tracker)
@@ -74,8 +74,11 @@ class Stage(Generic[Config]):
                     seconds = time.monotonic() - started
                     Note(_identity(config), place.values, config.seed, seconds, run.inputs).write(output)
             succeeded = True
+        except (KeyboardInterrupt, SystemExit):
+            killed = True
+            raise
         finally:
-            tracker.finish(succeeded)
+            tracker.finish(succeeded, killed)
         return target
 
     def completed(self, values: dict[str, Any], place: Place) -> Path | None:
@@ -108,7 +111,9 @@ class Stage(Generic[Config]):
         parameters = _without_places(asdict(config))
         if place is None:
             key = hash_value(_without_places(values))
-            return tracker(config.tracking, self.name, config.name, key, parameters=parameters)
+            own = values.get("recording")
+            title = Path(own).stem if own else config.name
+            return tracker(config.tracking, self.name, title, key, parameters=parameters)
         title = f"{config.name}: sweep of {place.folder}"
         return tracker(config.tracking, self.name, title, place.sweep, place.job, parameters)
 

@@ -2,11 +2,13 @@
 
 import re
 import sys
+import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from simgap.tracking.config import Tracking
+from simgap.tracking.liveness import PROCESS_TAG, close_dead_runs, process
 from simgap.tracking.store import locked, open_store, store_uri
 
 if TYPE_CHECKING:
@@ -22,7 +24,8 @@ _BATCH = 100
 class Tracker:
     """Logs one run, and does nothing where tracking is switched off.
 
-    The store is opened when the first value is logged, so that a stage that refuses its input leaves none.
+    The store is opened when the first value is logged, so that a stage that refuses its input leaves none; the run
+    begins when its tracker is made.
     Tracking that cannot work warns once and lets the stage go on.
     """
 
@@ -54,6 +57,7 @@ class Tracker:
         self._inputs: dict[str, str] = {}
         self._client: MlflowClient | None = None
         self._experiment = self._parent = self._run = ""
+        self._started = _now()
         self._silent = not settings.on
 
     @classmethod
@@ -85,6 +89,16 @@ class Tracker:
         """Log numbers of the parent."""
         self._attempt(lambda client: _log_metrics(client, self._parent, metrics, None))
 
+    def describe(self, tags: Mapping[str, str]) -> None:
+        """Tag the run and its parent with what came out, in words: MLflow shows tags as columns."""
+
+        def set_tags(client: "MlflowClient") -> None:
+            for run in (self._run, self._parent):
+                for name, text in tags.items():
+                    client.set_tag(run, _allowed(name), text[:_LONGEST_VALUE])
+
+        self._attempt(set_tags)
+
     def log_figure(self, figure: Any, name: str) -> None:
         """Log a figure: plotly as a page, matplotlib as a picture."""
         suffix = "html" if hasattr(figure, "to_html") else "png"
@@ -94,14 +108,18 @@ class Tracker:
         """Log the files of a folder under its name."""
         self._attempt(lambda client: client.log_artifacts(self._run, str(folder), folder.name))
 
-    def finish(self, succeeded: bool) -> None:
-        """Close the run; one that failed before anything was logged is not opened for it."""
+    def finish(self, succeeded: bool, killed: bool = False) -> None:
+        """Close the run and its parent; a run that failed before anything was logged is not opened for it.
+
+        Args:
+            succeeded: whether the stage has done its work.
+            killed: whether it was interrupted, where it has not.
+        """
         if not (self._run or succeeded):
             return
-        status = "FINISHED" if succeeded else "FAILED"
+        status = "FINISHED" if succeeded else "KILLED" if killed else "FAILED"
         self._attempt(lambda client: client.set_terminated(self._run, status))
-        if succeeded:
-            self._attempt(lambda client: client.set_terminated(self._parent, status))
+        self._attempt(lambda client: client.set_terminated(self._parent, status))
 
     def _attempt(self, action: "Callable[[MlflowClient], object]") -> None:
         if self._silent:
@@ -118,11 +136,31 @@ class Tracker:
     def _start(self) -> "MlflowClient":
         client, self._experiment = open_store(self.uri)
         with locked(self.uri):
-            self._parent = self._find(client, {PARENT_TAG: self.parent_key}) or self._create(
-                client, self.parent_name, {PARENT_TAG: self.parent_key}
-            )
+            close_dead_runs(client, self._experiment)
+            self._parent = self._open_parent(client)
         self._run = self._begin(client)
         return client
+
+    def _open_parent(self, client: "MlflowClient") -> str:
+        """Return the parent, open; one that holds this run's earlier self alone is made anew, for its times."""
+        tag = {PARENT_TAG: self.parent_key}
+        parent = self._find(client, tag)
+        if parent and self._is_repeated(client, parent):
+            parent = None
+        if parent is None:
+            return self._create(client, self.parent_name, tag)
+        client.update_run(parent, "RUNNING")
+        client.set_tag(parent, PROCESS_TAG, process())
+        return parent
+
+    def _is_repeated(self, client: "MlflowClient", parent: str) -> bool:
+        """Whether this run is all that a parent holds; both are deleted then."""
+        children = client.search_runs([self._experiment], f"tags.`mlflow.parentRunId` = '{parent}'")
+        names = {(run.data.tags.get(STAGE_TAG), run.info.run_name) for run in children}
+        repeated = names == {(self.stage, self.stage)}  # a job of a sweep has a name of its own
+        for run in [*(child.info.run_id for child in children), parent] if repeated else []:
+            client.delete_run(run)
+        return repeated
 
     def _begin(self, client: "MlflowClient") -> str:
         """Return a new run; parameters cannot change, so it takes the place of an earlier one of its name."""
@@ -147,15 +185,14 @@ class Tracker:
         return runs[0].info.run_id if runs else None
 
     def _create(self, client: "MlflowClient", name: str, tags: Mapping[str, str]) -> str:
-        return client.create_run(self._experiment, tags=dict(tags), run_name=name).info.run_id
+        known = {**tags, PROCESS_TAG: process()}
+        return client.create_run(self._experiment, self._started, known, name).info.run_id
 
 
 def _log_metrics(client: "MlflowClient", run: str, metrics: Mapping[str, float], step: int | None) -> None:
-    import time
-
     from mlflow.entities import Metric
 
-    now = int(time.time() * 1000)
+    now = _now()
     entries = [Metric(_allowed(name), value, now, step or 0) for name, value in metrics.items()]
     for start in range(0, len(entries), _BATCH):
         client.log_batch(run, metrics=entries[start : start + _BATCH])
@@ -177,6 +214,11 @@ def _flat(values: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
         else:
             flat[f"{prefix}{key}"] = str(value)
     return flat
+
+
+def _now() -> int:
+    """Return the time in ms since 1970, as MLflow counts it."""
+    return int(time.time() * 1000)
 
 
 def _tag_name(path: str) -> str:

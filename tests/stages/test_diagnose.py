@@ -14,6 +14,7 @@ from simgap.recordings.recording import Recording, write_recording
 from simgap.runner.command import main
 from simgap.simulation import read_simulator
 from simgap.stages.diagnose import diagnose
+from simgap.tracking.store import open_store
 from tests.contract_checker import read_diagnosis
 from tests.pipeline.gap.recordings import Plant, joint_recording
 
@@ -73,8 +74,8 @@ def test_from_a_parquet_file_in_another_folder(own):
     elsewhere.mkdir()
     program = str(Path(sys.executable).parent / "simgap")
     arguments = [
-        "diagnose", "platform=axis", "recording=../bench.parquet", "output=found", "tracking.enabled=false",
-        "--config-dir", "../conf",
+        "diagnose", "platform=axis", "recording=../bench.parquet", "output=found",
+        f"tracking.uri=sqlite:///{own}/runs.db", "--config-dir", "../conf",
     ]  # fmt: skip
     done = subprocess.run(
         [program, *arguments], cwd=elsewhere, capture_output=True, text=True, check=False, env=os.environ
@@ -94,6 +95,13 @@ def test_from_a_parquet_file_in_another_folder(own):
     (effect,) = read_simulator(elsewhere / "found" / "simulator").effects
     assert effect.effect.name == "coulomb_friction"
     assert [path.name for path in elsewhere.iterdir()] == ["found"]
+    client, experiment = open_store(f"sqlite:///{own}/runs.db")
+    runs = {run.info.run_name: run for run in client.search_runs([experiment])}
+    assert set(runs) == {"bench", "diagnose"}
+    for run in runs.values():
+        assert run.data.tags["verdict"] == "missing_physics"
+        assert run.data.tags["effects"].startswith("coulomb_friction ")
+        assert run.data.metrics["gap_closed"] == document["fit"]["gap_closed"]
 
 
 def test_csv_and_parquet_give_the_same_diagnosis(own, monkeypatch):

@@ -48,14 +48,15 @@ def upstream_modules() -> dict[str, list[str]]:
 
 
 def test_every_stage_is_in_it_for_every_branch() -> None:
-    beside = {"reproduce", "profile", "prove", "calibrate", "results", "effects"}
+    beside = {"reproduce", "profile", "prove", "calibrate", "results", "effects", "stages"}
     assert set(STAGES) == set(commands()) - beside
     assert {entry["foreach"] for entry in PIPELINE["stages"].values()} == {"${branches}"}
     assert sorted(BRANCHES) == sorted(path.stem for path in (CONFIGURATION / "branch").glob("*.yaml"))
 
 
-def test_the_results_of_every_branch_are_compared() -> None:
-    assert PIPELINE["metrics"] == [f"artifacts/{branch}/report/metrics.json" for branch in BRANCHES]
+def test_no_branch_is_called_broken_before_it_ran() -> None:
+    """`dvc metrics show` complains of every file that it is told of and that is not there yet."""
+    assert "metrics" not in PIPELINE
 
 
 def upstream(name: str) -> set[str]:

@@ -75,6 +75,7 @@ def test_the_diagnosis_is_shown_before_anything_is_trained(
     place("cache")
     targets: list[str] = []
     monkeypatch.setattr(reproduction, "reproduce_target", lambda target: targets.append(target) or code)
+    monkeypatch.setattr(reproduction, "list_metrics", lambda: None)
     monkeypatch.setattr(
         "simgap.stages.reproduce.write_first_page", lambda artifacts, branch: artifacts / "first.html"
     )

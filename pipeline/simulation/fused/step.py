@@ -4,13 +4,12 @@ from collections.abc import Callable
 from typing import Any
 
 import torch
-import torch._inductor
 from jaxtyping import Float
-from torch import Tensor, fx
-from torch.fx.experimental.proxy_tensor import make_fx
+from torch import Tensor
 from torch.utils import _pytree as tree
 
 from simgap.errors import InputError
+from simgap.simulation.fused.compiler import compiled
 from simgap.simulation.fused.trace import component_graph
 
 Function = Callable[
@@ -22,15 +21,15 @@ Function = Callable[
 _COMPILER_OPTIONS: dict[str, Any] = {"max_fusion_size": 1_000_000}
 _ALONE: dict[str, Any] = _COMPILER_OPTIONS | {"cpp.threads": 1}
 _WORTH_SHARING = 1024  # machines: fewer are done before a second thread has begun
-_MANY = 2**16  # machines in the example from which the compiler decides whether threads share the work
 
 
 class FusedStep:
     """The same step as an eager function, in one pass over memory.
 
     State and memory are rows (components, batch), so that neighbours in memory are the same component of neighbouring
-    machines. The first call compiles the step, once for small and once for large batches. It keeps no gradients; use
-    the eager function for those. Numbers that differ between machines may be part of the memory.
+    machines. The first call compiles the step, once for small and once for large batches; without a compiler the eager
+    function runs. It keeps no gradients; use the eager function for those. Numbers that differ between machines may be
+    part of the memory.
     """
 
     def __init__(
@@ -55,6 +54,7 @@ class FusedStep:
             )
         self._shapes = [tuple(tensor.shape[1:]) for tensor in (state, *leaves)]
         self._repeats = repeats
+        self._function = function
         self._compiled: dict[bool, Callable[[Tensor, Tensor], Tensor]] = {}
 
         def flat(*tensors: Tensor) -> list[Tensor]:
@@ -108,22 +108,17 @@ class FusedStep:
             raise InputError("is not contiguous", "rows or action", "use pack and action.T.contiguous()")
         shared = rows.shape[1] >= _WORTH_SHARING
         if shared not in self._compiled:
-            self._compiled[shared] = _compiled(
-                self._graph, rows, action, _COMPILER_OPTIONS if shared else _ALONE
-            )
+            options = _COMPILER_OPTIONS if shared else _ALONE
+            self._compiled[shared] = compiled(self._graph, rows, action, options) or self._eager
         run = self._compiled[shared]
         for _ in range(self._repeats):
             rows = run(rows, action)
         return rows
 
-
-def _compiled(
-    graph: fx.GraphModule, rows: Tensor, action: Tensor, options: dict[str, Any]
-) -> Callable[[Tensor, Tensor], Tensor]:
-    examples = [tensor.new_empty(len(tensor), _MANY) for tensor in (rows, action)]
-    traced = make_fx(graph, tracing_mode="symbolic")(*examples)
-    symbolic = [node.meta["val"] for node in traced.graph.nodes if node.op == "placeholder"]
-    return torch._inductor.compile(traced, symbolic, options=options)  # type: ignore[return-value]
+    def _eager(self, rows: Tensor, action: Tensor) -> Tensor:
+        """Return the rows after one step, operation by operation."""
+        state, memory = self.unpack(rows)
+        return self.pack(*self._function(state, action.T, memory))
 
 
 def _one(tensor: Tensor) -> Tensor:

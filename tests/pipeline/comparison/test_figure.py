@@ -19,6 +19,13 @@ def test_a_number_that_was_swept_is_the_abscissa_and_the_rest_are_curves(tmp_pat
     assert text.count('id="FillBetweenPolyCollection_') == 2
 
 
+def test_axes_name_their_units(tmp_path):
+    units = {"model.sequence_length": "samples", "position/*": "m"}
+    text = drawn(replace(lengths(), results=Results(units=units)), tmp_path)
+    assert ">model.sequence_length (samples)<" in text
+    assert ">position, h10 (m)<" in text
+
+
 def test_numbers_beside_the_abscissa_are_named_by_their_key(tmp_path):
     jobs = [job(1.0, model__delay=delay, model__width=width) for delay in (1, 2) for width in (3, 4)]
     text = drawn(sweep(*jobs), tmp_path)

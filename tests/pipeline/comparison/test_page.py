@@ -104,3 +104,9 @@ def test_a_picture_that_a_sweep_no_longer_has_goes(tmp_path):
 def test_numbers_are_written_as_people_read_them():
     text = tables_text(sweep(job(73248.0, 0), results={"tables": [TableOf("position/h1")]}))
     assert "73,248" in text.splitlines()[-1]
+
+
+def test_a_table_opens_on_what_was_swept_with_units():
+    units = {"model.sequence_length": "samples", "position/*": "m"}
+    text = tables_text(replace(lengths(), results=Results(units=units)))
+    assert "| model | model.sequence_length (samples) | h1 (m) | h10 (m) |" in text

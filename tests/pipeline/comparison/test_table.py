@@ -6,6 +6,8 @@ import pytest
 from simgap.comparison.comparison import flat
 from simgap.comparison.settings import Results, TableOf
 from simgap.comparison.table import Estimate, tables_of
+from simgap.runner.compose import compose, typed
+from simgap.runner.config import StageConfig
 from tests.pipeline.comparison.sweeps import job, lengths, sweep
 
 
@@ -57,3 +59,18 @@ def test_a_seed_whose_error_ran_away_makes_the_mean_unknown():
 def test_nested_metrics_are_named_by_their_path():
     nested = {"position": {"h1": {"model": 1.0}}, "samples": 3, "verdict": "none", "ok": True, "r2": None}
     assert flat(nested) == {"position/h1/model": 1.0, "samples": 3, "r2": None}
+
+
+def test_headings_name_the_unit_of_what_was_swept_and_of_what_was_measured():
+    units = {"model.sequence_length": "samples", "position/*": "m"}
+    table = tables_of(replace(lengths(), results=Results(units=units)))[0]
+    assert table.columns == ["h1 (m)", "h10 (m)"]
+    assert table.named == {"model": "model", "model.sequence_length": "model.sequence_length (samples)"}
+    assert table.rows[0].entries["h1 (m)"].mean == 2.0
+    assert table.rows[-1].entries["h10 (m)"].mean == 80.0  # of the reference
+
+
+def test_units_of_the_project_reach_the_tables():
+    config = typed(StageConfig, compose([]))
+    assert config.results.with_unit("trials/worst_miss", "worst_miss") == "worst_miss (m)"
+    assert config.results.with_unit("laps_completed", "laps_completed") == "laps_completed"

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from simgap.errors import InputError
-from simgap.runner.reproduction import reproduce_target
+from simgap.runner.reproduction import list_metrics, reproduce_target
 
 CONFIG = "[core]\n    analytics = false\n    no_scm = true\n"
 STAGES = """
@@ -33,7 +33,7 @@ vars: [{seconds: SECONDS}]
 RUN = """
 import sys
 from pathlib import Path
-from simgap.runner.reproduction import reproduce_target
+from simgap.runner.reproduction import list_metrics, reproduce_target
 sys.exit(reproduce_target("last", Path(sys.argv[1])))
 """
 
@@ -57,6 +57,39 @@ def test_the_second_time_nothing_runs(project: Path) -> None:
     assert reproduce_target("last", project) == 0
     assert reproduce_target("last", project) == 0
     assert log(project) == ["first", "last"]
+
+
+@pytest.mark.slow
+def test_dvc_makes_no_remarks_on_its_lock_file_and_remotes(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert reproduce_target("last", project) == 0
+    said = "".join(capfd.readouterr())
+    assert "Running stage 'last'" in said
+    assert "lock file" not in said
+    assert "dvc push" not in said
+
+
+def metrics_shown(project: Path) -> str:
+    program = str(Path(sys.executable).parent / "dvc")
+    done = subprocess.run(
+        [program, "metrics", "show"], cwd=project, capture_output=True, text=True, check=True
+    )
+    return done.stdout + done.stderr
+
+
+@pytest.mark.slow
+def test_metrics_are_shown_of_what_was_reproduced_and_nothing_is_said_before(project: Path) -> None:
+    assert metrics_shown(project) == ""
+    report = project / "artifacts" / "swift" / "report"
+    report.mkdir(parents=True)
+    (report / "metrics.json").write_text('{"gap_closed": 0.5}')
+    list_metrics(project)
+    head, row = metrics_shown(project).splitlines()
+    assert (head.split(), row.split()) == (
+        ["Path", "gap_closed"],
+        ["artifacts/swift/report/metrics.json", "0.5"],
+    )
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ import hashlib
 import pickle
 import random
 import runpy
+import signal
 import subprocess
 import sys
 from dataclasses import dataclass, field
@@ -16,6 +17,7 @@ import pytest
 from simgap.errors import InputError
 from simgap.runner import StageConfig, StageRun, seed_everything
 from simgap.runner.compose import typed
+from simgap.tracking.store import open_store
 
 
 def test_a_stage_is_a_plain_function(tiny: ModuleType, tmp_path: Path) -> None:
@@ -132,3 +134,24 @@ def test_torch_is_not_loaded_for_a_cheap_stage(tiny: ModuleType) -> None:
         "sys.exit(any(name in sys.modules for name in ('torch', 'mlflow', 'pandas')))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_stage_leaves_nothing_and_its_run_is_killed(
+    number: int, code: int, tiny: ModuleType, store: str
+) -> None:
+    program = (
+        "import os, signal, sys\nimport tiny_stage\nfrom simgap.runner.command import run_command\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell ignores it in the background
+        "def interrupt(config, run):\n    run.log_metrics({'samples': 1.0})\n"
+        f"    os.kill(os.getpid(), {int(number)})\n    import time\n    time.sleep(20)\n"
+        "tiny_stage.tiny_stage.function = interrupt\n"
+        f"sys.exit(run_command(tiny_stage.tiny_stage, ['tracking.uri={store}', 'recording=my flight.csv']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == code, done.stderr
+    assert list(Path("artifacts").rglob("*.json")) == []
+    client, experiment = open_store(store)
+    found = client.search_runs([experiment])
+    assert [run.info.status for run in found] == ["KILLED", "KILLED"]
+    assert {run.info.run_name for run in found} == {"my flight", "tiny_stage"}

@@ -1,11 +1,14 @@
 """What is logged, and that logging never stands in the way."""
 
+import os
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from simgap.tracking import Tracker, Tracking
+from simgap.tracking.liveness import is_dead, process
 from simgap.tracking.store import open_store, store_uri
 from simgap.tracking.tracker import PARENT_TAG, STAGE_TAG
 
@@ -57,6 +60,77 @@ def test_another_configuration_is_another_reproduction(store: str) -> None:
         tracker(store, key=key).finish(True)
     parents, children = runs(store)
     assert (len(parents), len(children)) == (2, 2)
+
+
+def test_a_run_lasts_as_long_as_its_stage(store: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The store is opened late; what was done before counts too, and a repeated run does not count the days between."""
+    clock = [1_000.0]
+    monkeypatch.setattr("time.time", lambda: clock[0])
+    for start in (1_000.0, 90_000.0):
+        clock[0] = start
+        one = tracker(store)
+        clock[0] += 30.0
+        one.log_metrics({"samples": 1.0})
+        one.finish(True)
+        (parent,), (child,) = runs(store)
+        for run in (parent, child):
+            assert (run.info.start_time, run.info.end_time) == (start * 1000, (start + 30.0) * 1000)
+
+
+def test_other_stages_keep_the_parent_of_a_repeated_one(store: str) -> None:
+    for stage in ("clean", "diagnose", "clean"):
+        tracker(store, stage).finish(True)
+    parents, children = runs(store)
+    assert len(parents) == 1
+    assert sorted(child.data.tags[STAGE_TAG] for child in children) == ["clean", "diagnose"]
+
+
+def test_what_came_out_is_a_column_of_run_and_parent(store: str) -> None:
+    one = tracker(store)
+    one.describe({"verdict": "missing_physics", "effects": "rotor_drag 0.98"})
+    one.finish(True)
+    (parent,), (child,) = runs(store)
+    for run in (parent, child):
+        assert run.data.tags["verdict"] == "missing_physics"
+        assert run.data.tags["effects"] == "rotor_drag 0.98"
+
+
+def test_an_interrupted_run_is_marked_as_killed_with_its_parent(store: str) -> None:
+    one = tracker(store)
+    one.log_metrics({"samples": 1.0})
+    one.finish(False, killed=True)
+    (parent,), (child,) = runs(store)
+    assert (parent.info.status, child.info.status) == ("KILLED", "KILLED")
+
+
+def test_runs_of_a_dead_process_are_marked_when_the_next_one_begins(store: str) -> None:
+    code = (
+        "import os\nfrom simgap.tracking import Tracker, Tracking\n"
+        f"one = Tracker(Tracking(uri={store!r}), 'clean', 'branch', 'key')\n"
+        "one.log_metrics({'samples': 1.0})\nos.kill(os.getpid(), 9)\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=False)
+    alive = tracker(store, key="alive")
+    alive.log_metrics({"samples": 1.0})
+    tracker(store, key="next").finish(True)
+    parents, children = runs(store)
+    found = {run.data.tags[PARENT_TAG]: run for run in parents}
+    assert {key: run.info.status for key, run in found.items()} == {
+        "key": "KILLED",
+        "alive": "RUNNING",
+        "next": "FINISHED",
+    }
+    killed = next(child for child in children if child.info.status == "KILLED")
+    assert killed.data.tags["mlflow.parentRunId"] == found["key"].info.run_id
+    logged = open_store(store)[0].get_metric_history(killed.info.run_id, "samples")
+    assert killed.info.end_time == logged[-1].timestamp
+
+
+def test_a_process_is_known_to_have_ended_on_this_machine_only() -> None:
+    assert not is_dead(process())
+    assert not is_dead("elsewhere 0 1")
+    host = process().split(" ", 1)[0]
+    assert is_dead(f"{host} another-boot {os.getpid()}")
 
 
 def test_a_failure_before_anything_was_logged_leaves_no_trace(tmp_path: Path) -> None:

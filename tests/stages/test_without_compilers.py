@@ -1,0 +1,43 @@
+"""The stages that compile, with every compiler hidden from the path."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.stages.test_train_policy import FEW, ROOT
+
+
+def ran(stage: str, artifacts: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-W", "ignore", "-m", "simgap.stages", stage, *FEW, f"artifacts={artifacts}"]
+    command += ["evaluate.starts=3", "evaluate.seconds=0.5"]
+    inherited = {name: value for name, value in os.environ.items() if name not in ("CC", "CXX")}
+    changed = {"OMP_NUM_THREADS": "1", **environment}
+    return subprocess.run(
+        command, cwd=ROOT, env=inherited | changed, capture_output=True, text=True, check=False
+    )
+
+
+def first_updates(artifacts: Path) -> list[dict[str, float]]:
+    return json.loads((artifacts / "train_policy" / "curve.json").read_text())[:3]
+
+
+@pytest.mark.slow(minutes=1)
+def test_a_policy_is_trained_and_flown_without_a_compiler(tmp_path: Path) -> None:
+    """Rounding differs, and grows from update to update: the first ones are compared."""
+    (tmp_path / "empty").mkdir()
+    hidden = {"PATH": str(tmp_path / "empty"), "TORCHINDUCTOR_CACHE_DIR": str(tmp_path / "cache")}
+    for stage in ("train_policy", "evaluate"):
+        done = ran(stage, tmp_path / "eager", **hidden)
+        warnings = [line for line in done.stderr.splitlines() if line.startswith("warning: ")]
+        assert done.returncode == 0, done.stderr
+        assert len([line for line in warnings if "no C++ compiler was found" in line]) == 1
+        assert "Traceback" not in done.stderr
+    assert ran("train_policy", tmp_path / "compiled").returncode == 0
+    for eager, compiled in zip(
+        first_updates(tmp_path / "eager"), first_updates(tmp_path / "compiled"), strict=True
+    ):
+        assert eager == pytest.approx(compiled, rel=1e-3, abs=1e-3)
