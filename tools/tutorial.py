@@ -49,10 +49,11 @@ def _output(cell: Cell, script: Path, names: dict[str, Any]) -> list[str]:
     try:
         with contextlib.redirect_stdout(printed):
             value = _run(cell, script, names)
+            shown = [] if value is None else [_shown(value)]
     except Exception:
         sys.exit(f"{script}:{cell.line}: this cell failed\n{traceback.format_exc()}")
     parts = [code_block(printed.getvalue().rstrip(), "text")] if printed.getvalue().strip() else []
-    return parts if value is None else [*parts, _shown(value)]
+    return [*parts, *shown]
 
 
 def _run(cell: Cell, script: Path, names: dict[str, Any]) -> Any:

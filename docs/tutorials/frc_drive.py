@@ -57,7 +57,7 @@ import sys
 RECORD = """
 -m simgap.stages record
 platform=swerve_robot record=swerve_robot dataset.source=reality
-record.runs=8 record.duration=8
+record.runs=8 record.duration=6
 'record.effects={coulomb_friction@drive: {level: 0.35}}'
 tracking.enabled=false output=drive
 """
