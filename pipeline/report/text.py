@@ -14,6 +14,7 @@ Real = float | int
 NARROW_SPACE, NO_BREAK = "\u202f", "\u00a0"
 _HYPHEN_MINUS = re.compile(r"(?<![\w)\]-])-(?=[\d.])")
 _EXPONENT = re.compile(r"(?<!\w)(\d+(?:\.\d+)?)e([+-]\d+)\b")
+_CAPITAL = re.compile(r"\b(coulomb|stribeck)\b")  # people
 
 
 def is_number(value: object) -> TypeGuard[Real]:
@@ -109,7 +110,7 @@ def interval(bounds: Sequence[Real | None] | None) -> str:
 
 def spoken(name: object) -> str:
     """Write a programmer's name as words: `rotor_drag` as rotor drag."""
-    return str(name).replace("_", " ")
+    return _CAPITAL.sub(lambda match: match[0].capitalize(), str(name).replace("_", " "))
 
 
 def listed(items: Iterable[object], last: str = "and") -> str:

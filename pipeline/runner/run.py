@@ -65,7 +65,7 @@ class StageRun:
         self.tracker.describe(tags)
 
     def log_figure(self, figure: Any, name: str) -> None:
-        """Log a plotly (or matplotlib) figure under a name without suffix."""
+        """Log a matplotlib figure under a name without suffix."""
         self.tracker.log_figure(figure, name)
 
     def say(self, text: str) -> None:

@@ -100,9 +100,8 @@ class Tracker:
         self._attempt(set_tags)
 
     def log_figure(self, figure: Any, name: str) -> None:
-        """Log a figure: plotly as a page, matplotlib as a picture."""
-        suffix = "html" if hasattr(figure, "to_html") else "png"
-        self._attempt(lambda client: client.log_figure(self._run, figure, f"{name}.{suffix}"))
+        """Log a matplotlib figure as a picture."""
+        self._attempt(lambda client: client.log_figure(self._run, figure, f"{name}.png"))
 
     def log_folder(self, folder: Path) -> None:
         """Log the files of a folder under its name."""

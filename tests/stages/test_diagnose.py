@@ -89,7 +89,7 @@ def test_from_a_parquet_file_in_another_folder(own):
     assert [effect["name"] for effect in document["effects"]] == ["coulomb_friction"]
     assert document["effects"][0]["parameters"]["level"]["value"] == pytest.approx(0.3, rel=0.02)
     page = (elsewhere / "found" / "report.html").read_text(encoding="utf-8")
-    assert "The simulator leaves out coulomb friction." in page
+    assert "The simulator leaves out Coulomb friction." in page
     assert 'simgap.load_simulator("found/simulator")' in page
     assert len(page.encode()) < 1.5e6
     (effect,) = read_simulator(elsewhere / "found" / "simulator").effects

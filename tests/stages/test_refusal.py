@@ -18,7 +18,7 @@ from simgap.stages.__main__ import main
 try:
     main()
 finally:
-    print(*sorted({"torch", "scipy", "mlflow", "plotly", "numba"} & set(sys.modules)))
+    print(*sorted({"torch", "scipy", "mlflow", "numba"} & set(sys.modules)))
 """
 ARGUMENTS = ("platform=servo", "recording=bad.csv", "output=answer", "tracking=none")
 

@@ -149,13 +149,13 @@ def test_a_failure_later_is_recorded(store: str) -> None:
 
 
 def test_figures_are_logged(store: str) -> None:
-    from plotly.graph_objects import Figure
+    from matplotlib.figure import Figure
 
     one = tracker(store)
     one.log_figure(Figure(), "coverage")
     one.finish(True)
     client, _ = open_store(store)
-    assert [file.path for file in client.list_artifacts(one.run_id() or "")] == ["coverage.html"]
+    assert [file.path for file in client.list_artifacts(one.run_id() or "")] == ["coverage.png"]
 
 
 @pytest.mark.parametrize(
