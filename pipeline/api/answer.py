@@ -121,12 +121,12 @@ class Answer:
     def __repr__(self) -> str:
         from simgap.api.display import text
 
-        return text(self)
+        return text(self.document)
 
     def _repr_html_(self) -> str:
         from simgap.api.display import html
 
-        return html(self)
+        return html(self.document)
 
 
 def _replace(target: Path, content: bytes) -> None:

@@ -13,7 +13,8 @@ import yaml
 
 from simgap.api.answer import Answer
 from simgap.api.diagnosing import diagnose
-from simgap.api.findings import Ambiguity, Contradiction, Effect, Parameter, Size, Unnamed, built
+from simgap.api.display import html, text
+from simgap.api.findings import Size, Unnamed, built
 from simgap.api.inputs import platform_config
 from simgap.api.simulators import load_simulator
 from simgap.errors import InputError
@@ -119,29 +120,28 @@ def test_an_answer_does_not_change(answer):
 
 def test_an_answer_is_read_at_a_glance(answer):
     lines = repr(answer).splitlines()
-    assert lines[0] == "verdict: missing_physics"
-    assert "coulomb_friction" in lines[1]
-    assert "N·m" in lines[1]
-    assert "gap closed" in repr(answer)
+    assert lines[:2] == ["verdict: missing_physics", "The simulator leaves out Coulomb friction."]
+    assert "N·m" in lines[2]
+    assert "of the gap on runs never used for fitting" in repr(answer)
+    assert "<b>The simulator leaves out Coulomb friction.</b>" in answer._repr_html_()
     assert "<td" in answer._repr_html_()
-    assert "Missing physics" in answer._repr_html_()
 
 
 def test_what_is_shown_is_escaped_and_doubts_are_said(answer):
     evil = "<script>alert(1)</script>"
-    doubted = Effect(evil, 0.3, "force", {"level": Parameter(1.0, 0.1, evil)}, evil)
-    shown = dataclasses.replace(
-        answer,
-        effects=(doubted,),
-        ambiguous=(Ambiguity((evil, "other"), evil),),
-        unnamed=(Unnamed(evil, (), evil, 0.5),),
-        warnings=(evil,),
-        contradictions=(Contradiction(evil, (evil,), "sign", evil, evil),),
-        fit=dataclasses.replace(answer.fit, gap_closed=None, gap_closed_interval=None),
-    )
-    assert "<script" not in shown._repr_html_()
-    assert "perhaps &lt;script" in shown._repr_html_()
-    assert "no run was held out" in repr(shown)
+    (found,) = answer.document["effects"]
+    values = {"level": {"value": 1.0, "std": 0.1, "unit": evil}}
+    shown = answer.document | {
+        "effects": [found | {"name": evil, "probability": 0.3, "parameters": values, "statement": evil}],
+        "ambiguous": [{"names": [evil, "other"], "separate_by": evil}],
+        "unnamed": [{"channel": evil, "depends_on": [evil], "formula": evil, "share": 0.5}],
+        "warnings": [evil],
+        "fit": answer.document["fit"] | {"gap_closed": None, "held_out_runs": []},
+    }
+    assert "<script" not in html(shown)
+    assert "perhaps &lt;script" in html(shown)
+    assert "no run could be held out" in text(shown)
+    assert text(shown).splitlines()[-1] == "warnings: 1"
 
 
 def test_plain_values_become_the_types_that_are_written_down():
