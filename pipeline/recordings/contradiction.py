@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 SUSPECTED = {
     "sign": "another sign or frame",
-    "degrees": "degrees where radians belong",
-    "millimetres": "millimetres where metres belong",
-    "turns_per_minute": "turns per minute where rad/s belong",
+    "degrees": "degrees instead of radians",
+    "millimetres": "millimetres instead of metres",
+    "turns_per_minute": "turns per minute instead of rad/s",
     "motor_order": "another order of the motors, or another sign",
     "unit": "another unit or scale",
 }

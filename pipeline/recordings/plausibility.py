@@ -16,7 +16,7 @@ _FEWEST_SAMPLES = 20
 _SWERVE = [(f"steer_velocity_{module}", f"steer_angle_{module}") for module in "1234"]
 _QUADROTOR = [(f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
 _PAIRS = {"joint": [("velocity", "position")], "swerve": _SWERVE, "quadrotor": _QUADROTOR}
-_REMEDY = "Convert it, or declare its unit in Parquet."
+_REMEDY = "Convert it, or declare its unit in the Parquet file."
 _RATES = {_DEGREE: "degrees", 1000.0: "millimetres", 30 / np.pi: "turns_per_minute"}  # by how often too large
 _ANGLES = {1 / _DEGREE: "degrees", 1 / 1000.0: "millimetres"}  # by how small they make their rate look
 
@@ -68,7 +68,7 @@ def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -
     for column, factors in ((rate, _RATES), (angle, _ANGLES)):
         for factor, suspected in factors.items():
             if abs(ratio / factor - 1) < _RATIO_TOLERANCE:
-                remedy = f"Convert {column!r}, or declare its unit in Parquet."
+                remedy = f"Convert {column!r}, or declare its unit in the Parquet file."
                 yield Contradiction(column, suspected, evidence, remedy)
                 return
     if not 0.4 < ratio < 2.5:

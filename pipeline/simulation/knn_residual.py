@@ -145,13 +145,13 @@ class NearestNeighbours:
 
 
 def residual_features(
-    velocity: Vector, body_rate: Vector, action: Float[Tensor, "*#batch 4"]
+    velocity: Vector, body_rate: Vector, action: Float[Tensor, "*#batch k"]
 ) -> Float[Tensor, "*#batch 7"]:
     """Return the features of a quadrotor's residual, (..., 7).
 
     Args:
         velocity: body frame, (..., 3) m/s.
         body_rate: (..., 3) rad/s.
-        action: collective thrust over mass, and body rates, (..., 4).
+        action: collective thrust over mass first, m/s², (..., k); what follows is not read.
     """
     return torch.cat([velocity, body_rate, action[..., :1]], dim=-1)

@@ -7,15 +7,24 @@ from typing import Any
 
 import torch
 import torch._inductor
+from jaxtyping import Float
 from torch import Tensor, fx
 from torch.fx.experimental.proxy_tensor import make_fx
+
+Step = Callable[
+    [Float[Tensor, "components batch"], Float[Tensor, "k batch"]], Float[Tensor, "components batch"]
+]
+"""From state and memory (components, batch) and action (k, batch) to state and memory."""
 
 _MANY = 2**16  # machines in the example from which the compiler decides whether threads share the work
 
 
 def compiled(
-    graph: fx.GraphModule, rows: Tensor, action: Tensor, options: dict[str, Any]
-) -> Callable[[Tensor, Tensor], Tensor] | None:
+    graph: fx.GraphModule,
+    rows: Float[Tensor, "components batch"],
+    action: Float[Tensor, "k batch"],
+    options: dict[str, Any],
+) -> "Step | None":
     """Return a step as one loop over the batch; None, with one line on standard error, where nothing compiles here.
 
     Args:

@@ -50,7 +50,8 @@ def test_type_checkers_see_the_same_names():
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
-    assert seen == simgap._MODULE_OF
+    offered = {name: f"simgap.{module}" for module, names in simgap._WHERE.items() for name in names}
+    assert seen == offered
     assert sorted([*seen, "InputError"]) == simgap.__all__
     assert Path(simgap.__file__).with_name("py.typed").exists()
 

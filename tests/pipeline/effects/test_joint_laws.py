@@ -173,7 +173,7 @@ def test_a_dead_zone_is_as_wide_as_the_effort_that_its_voltage_gives_at_standsti
 def test_a_dead_zone_is_stated_as_an_effort_whatever_the_command_is(position_unit, unit):
     effect = effect_by_key("joint", "dead_zone")
     assert effect.units(position_unit) == {"width": unit}
-    assert f"less than 0.9 {unit} at standstill" in effect.statement({"width": 0.9}, position_unit)
+    assert f"below 0.9 {unit} at standstill" in effect.statement({"width": 0.9}, position_unit)
 
 
 def test_a_sagging_supply_gives_the_effort_of_the_voltage_that_it_leaves():

@@ -70,7 +70,7 @@ def test_the_sign_of_a_quaternion_does_not_matter(doubted):
 
 def test_joint_position_in_degrees(doubted):
     said = doubted(lambda frame: frame.assign(position=np.degrees(frame["position"])), samples=400)
-    assert "degrees where radians belong? Convert 'position'" in said
+    assert "degrees instead of radians? Convert 'position'" in said
     assert "swings over more than two turns" in said
 
 
