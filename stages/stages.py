@@ -14,24 +14,21 @@ from simgap.runner.command import report_mistakes
 
 def stages(branch: str | None = None) -> None:
     """Show the stages of a branch: what is fresh, what would run, when each ran last and where its output lies."""
-    from simgap.artifacts.project import CHECKOUT
+    from simgap.artifacts import require_checkout
     from simgap.runner.pipeline import branches, freshness
     from simgap.runner.project import commands, nearest
 
-    if CHECKOUT is None:
-        raise InputError(
-            "there is no pipeline here", "simgap stages", "call it from a checkout of the repository"
-        )
-    known = branches(CHECKOUT)
-    branch = branch or _latest(CHECKOUT, known)
+    checkout = require_checkout()
+    known = branches(checkout)
+    branch = branch or _latest(checkout, known)
     if branch not in known:
         raise InputError(f"there is no branch {branch!r}", "dvc.yaml", nearest(branch, known))
-    found, meaning = freshness(CHECKOUT, branch), commands()
+    found, meaning = freshness(checkout, branch), commands()
     folder = Path("artifacts") / branch
     rows = [("stage", "state", "last run", "what it does")]
     for name, fresh in found.items():
         state = f"{fresh.state}: {fresh.reason}" if fresh.reason else fresh.state
-        rows.append((name, state, _when(CHECKOUT / folder / name), meaning[name]))
+        rows.append((name, state, _when(checkout / folder / name), meaning[name]))
     print(f"branch {branch}: `simgap reproduce {branch}` runs {_summary([f.state for f in found.values()])}")
     print(f"output of a stage: {folder}/STAGE\n")
     _print_table(rows)

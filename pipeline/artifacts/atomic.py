@@ -10,7 +10,7 @@ import fcntl
 import os
 import shutil
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -21,6 +21,17 @@ _REPLACED = ".replaced"
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 _REFUSED = {errno.EACCES, errno.EPERM, errno.EROFS}
 _REMEDY = "choose another place with output=DIR"
+_LIST = ".simgap"  # the names of what was written here before, one a line
+_USUAL = (
+    "clean",
+    "diagnosis.json",
+    "evidence",
+    "metrics.json",
+    "recording.parquet",
+    "report.html",
+    "simulator",
+)
+"""Names that most stages write: they are refused before the work, any other one after it."""
 
 
 @contextmanager
@@ -33,10 +44,13 @@ def staged_directory(target: str | Path, owned: bool = False) -> Iterator[Path]:
             entries that were not written now stay, and only entries of the same name are replaced.
 
     Raises:
-        InputError: when the place cannot be written or the disk is full. Nothing is left behind then.
+        InputError: when the place cannot be written, holds a user's own entry of a name that is to be written, or the
+            disk is full. Nothing is left behind then.
     """
     place = Path(os.path.realpath(target))
     with _said(place):
+        if not owned:
+            _refuse_foreign(place, _USUAL)
         parent = place if _only_inside(place) else place.parent
         made = [path for path in (parent, *parent.parents) if not path.exists()]
     try:
@@ -116,12 +130,24 @@ def _is_alive(staging: Path) -> bool:
 
 def _commit(staging: Path, place: Path, owned: bool) -> None:
     written = {entry.name for entry in staging.iterdir()}
+    if not owned:
+        _refuse_foreign(place, written)
+        (staging / _LIST).write_text("".join(f"{name}\n" for name in sorted(written)), encoding="utf-8")
+        written.add(_LIST)
     foreign = place.exists() and any(entry.name not in written for entry in place.iterdir())
     if staging.parent == place or (foreign and not owned):
         for name in sorted(written):
             _swap(staging / name, place / name)
     else:
         _swap(staging, place)
+
+
+def _refuse_foreign(place: Path, names: Iterable[str]) -> None:
+    """Refuse to replace what an earlier output did not leave there: it is a user's own."""
+    before = (place / _LIST).read_text(encoding="utf-8").split("\n") if (place / _LIST).is_file() else []
+    own = sorted(name for name in names if name not in before and os.path.lexists(place / name))
+    if own:
+        raise InputError(f"holds {', '.join(own)}, which simgap did not write", str(place), _REMEDY)
 
 
 def _swap(new: Path, place: Path) -> None:

@@ -23,7 +23,7 @@ def listing(kind: str, effects: Sequence[Effect]) -> str:
 
 def description(effect: Effect) -> str:
     """Return all facts about an effect: meaning, parameters, law, symptom, manoeuvre, look-alikes and source."""
-    numbers = [("parameter", parameter_text(parameter)) for parameter in effect.parameters]
+    numbers = [("parameter", parameter_text(effect, parameter)) for parameter in effect.parameters]
     entries = [("acts on", effect.acts_on), *numbers, *((name.lower(), text) for name, text in facts(effect))]
     width = max(len(name) for name, _ in entries)
     lines = [f"{effect.kind} {effect.key}", *textwrap.wrap(meaning(effect), WIDTH), ""]
@@ -45,12 +45,12 @@ def shown_parameters(effect: Effect) -> list[str]:
     return every if len(every) <= _MOST_PARAMETERS else [*every[:2], f"… {len(every)} in all"]
 
 
-def parameter_text(parameter: Parameter) -> str:
-    """Return a parameter with its default, its bounds and its neutral value."""
-    return (
-        f"{parameter.name} = {parameter.default:g} {parameter.unit} by default, {parameter.low:g} to "
-        f"{parameter.high:g}; {parameter.neutral:g} does nothing"
-    )
+def parameter_text(effect: Effect, parameter: Parameter) -> str:
+    """Return a parameter with its default and its bounds, and its neutral value where that alone stops the effect."""
+    bounds = f"{parameter.low:g} to {parameter.high:g}"
+    text = f"{parameter.name} = {parameter.default:g} {parameter.unit} by default, {bounds}"
+    stops = parameter.neutral == 0.0 or len(effect.parameters) == 1
+    return f"{text}; no effect at {parameter.neutral:g}" if stops else text
 
 
 def facts(effect: Effect) -> list[tuple[str, str]]:

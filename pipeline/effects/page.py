@@ -24,8 +24,8 @@ Each kind of platform starts with a table of its effects. An entry for each effe
 - **Needs** lists the signals that the effect requires.
 - **Diagnosis** is the statement in a diagnosis, filled with the default values.
 
-Each parameter has a realistic default, bounds, and a neutral value at which the effect does nothing. On a sliding joint
-read N for N·m and m for rad.
+Each parameter has a realistic default and bounds. Where one value of it alone stops the effect, it is given, too.
+On a sliding joint read N for N·m and m for rad.
 """
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
-from simgap.report.text import is_number, percent, spoken
+from simgap.report.text import is_number, percent, sentence, spoken
 from simgap.report.verdict import BELIEVED, parameters
 
 _STATUS = {"rival": "cannot be told", "dropped": "out", "out": "out"}
@@ -31,7 +31,7 @@ def _candidate(entry: dict[str, Any]) -> dict[str, Any]:
     status = (
         ("in" if likely else "perhaps") if entry["status"] == "in" else _STATUS.get(entry["status"], "out")
     )
-    return entry | {"said": status, "values": parameters(entry)}
+    return entry | {"said": status, "values": parameters(entry), "why": sentence(entry["why"])}
 
 
 def _step(entry: dict[str, Any]) -> dict[str, Any]:

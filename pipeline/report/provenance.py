@@ -5,15 +5,14 @@ from typing import Any
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
 from simgap.report.text import spoken
+from simgap.report.verdict import doubts_of
 
 _PARTS = {"train": "to fit", "validation": "to choose", "holdout": "held out"}
 
 
 def warnings_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     """List every doubt about the recording and the diagnosis."""
-    diagnosis = inputs.diagnosis or {}
-    said = {str(c["evidence"]) for c in diagnosis.get("contradictions") or []}  # by the verdict
-    warnings = [w for w in diagnosis.get("warnings") or [] if not w.startswith(tuple(said))]
+    warnings = doubts_of(inputs.diagnosis or {})
     return Section("warnings", "Warnings", {"warnings": warnings}) if warnings else None
 
 

@@ -113,6 +113,12 @@ def spoken(name: object) -> str:
     return _CAPITAL.sub(lambda match: match[0].capitalize(), str(name).replace("_", " "))
 
 
+def sentence(text: str) -> str:
+    """Write a sentence of the diagnosis as print does: names as words, spaced per cent, one minus sign."""
+    words = re.sub(r"\b[a-z]+(?:_[a-z]+)+\b", lambda name: spoken(name[0]), text)
+    return minus(re.sub(r"(?<=\d)%", f"{NARROW_SPACE}%", words))
+
+
 def listed(items: Iterable[object], last: str = "and") -> str:
     """Write items as a sentence does: a, b and c."""
     words = [str(item) for item in items]

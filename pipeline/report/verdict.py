@@ -149,6 +149,12 @@ def parameters(effect: dict[str, Any]) -> list[str]:
     ]
 
 
+def doubts_of(diagnosis: dict[str, Any]) -> list[str]:
+    """Return the warnings of a diagnosis, without the contradictions that its headline states."""
+    said = tuple(str(each["evidence"]) for each in diagnosis.get("contradictions") or [])
+    return [warning for warning in diagnosis.get("warnings") or [] if not warning.startswith(said)]
+
+
 def why_unknown(fit: dict[str, Any]) -> str:
     """Say why the share of the gap closed is not given."""
     held_out = fit.get("held_out_runs")
@@ -160,8 +166,8 @@ def verdict_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     diagnosis = inputs.diagnosis
     if diagnosis is None:
         return None
-    warnings = len(diagnosis.get("warnings") or [])
-    return Section("verdict", "Verdict", {"summary": summary(diagnosis), "warnings": warnings})
+    content = {"summary": summary(diagnosis), "warnings": len(doubts_of(diagnosis))}
+    return Section("verdict", "Verdict", content)
 
 
 def _believed(missing: Sequence[dict[str, Any]], wrong: Sequence[dict[str, Any]]) -> str:

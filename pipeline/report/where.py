@@ -5,7 +5,7 @@ from typing import Any
 from simgap.report.inputs import ReportInputs
 from simgap.report.maps import regime_maps
 from simgap.report.section import Drawing, Section
-from simgap.report.text import short, spoken, with_unit
+from simgap.report.text import minus, short, spoken, with_unit
 
 
 def where_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
@@ -26,4 +26,9 @@ def _row(entry: dict[str, Any], units: dict[str, str | None]) -> dict[str, Any]:
     if regime:
         low, high = short(regime.get("low")), short(regime.get("high"))
         text = with_unit(f"{low} to {high}", units.get(regime["variable"]))
-    return entry | {"regime_variable": spoken(regime.get("variable", "")), "regime_range": text}
+    where = minus(entry.get("where") or "")
+    return entry | {
+        "where": where,
+        "regime_variable": spoken(regime.get("variable", "")),
+        "regime_range": text,
+    }

@@ -148,7 +148,7 @@ def stage_parser(name: str, text: str, keys: Sequence[str]) -> argparse.Argument
     parser = argparse.ArgumentParser(
         prog=f"simgap {name}",
         description=text,
-        epilog=f"Keys that it reads: {', '.join(keys)}. What they mean: conf/. Their values: --cfg.",
+        epilog=f"Keys that it reads: {', '.join(keys)}. Their values: --cfg.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )

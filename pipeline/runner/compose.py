@@ -140,6 +140,11 @@ def _prepare(override: str, known: set[str], groups: set[str]) -> str:
     if first not in known and first != "hydra":
         raise InputError(f"unknown key {first!r}", override, nearest(first, known))
     is_selection = (first in groups - _single_keys() and not dot) or first == "hydra"
+    if is_selection and Path(value).suffix in (".yaml", ".yml"):
+        folder = f"--config-dir DIR, where DIR/{first} holds the file"
+        raise InputError(
+            "is a file, and a name is needed", override, f"use {first}={Path(value).stem} {folder}"
+        )
     return override if is_selection or key[0] in "+~" else f"++{key}={value}"
 
 

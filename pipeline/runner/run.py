@@ -73,8 +73,10 @@ class StageRun:
         logging.getLogger("simgap").info("%s", " ".join(text.split()))
 
     def warn(self, text: str) -> None:
-        """Print a warning in one line on standard error."""
+        """Print a warning in one line on standard error; the same one is not repeated."""
         line = " ".join(text.split())
+        if line in self.warnings:
+            return
         self.warnings.append(line)
         print(f"warning: {line}", file=sys.stderr, flush=True)
 

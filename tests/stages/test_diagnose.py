@@ -192,5 +192,5 @@ def test_the_api_finds_what_the_command_finds(own, monkeypatch):
     answer = simgap.diagnose("bench.parquet", own / "conf/platform/axis.yaml", settings=settings)
     answer.save("answer")
     for path in (own / "out").rglob("*"):
-        if path.is_file() and path.name not in ("metrics.json", "report.html"):
+        if path.is_file() and path.name not in (".simgap", "metrics.json", "report.html"):
             assert path.read_bytes() == (own / "answer" / path.relative_to(own / "out")).read_bytes(), path

@@ -25,7 +25,11 @@ def write_half(target: Path, error: Exception) -> None:
 
 
 def content(folder: Path) -> dict[str, str]:
-    return {p.relative_to(folder).as_posix(): p.read_text() for p in folder.rglob("*") if p.is_file()}
+    return {
+        p.relative_to(folder).as_posix(): p.read_text()
+        for p in folder.rglob("*")
+        if p.is_file() and p.name != ".simgap"
+    }
 
 
 def test_nothing_is_there_before_the_end(tmp_path: Path) -> None:
@@ -53,21 +57,42 @@ def test_an_owned_directory_is_replaced_as_a_whole(tmp_path: Path) -> None:
     assert content(tmp_path) == {"stage/first": "3"}
 
 
-def test_foreign_files_of_a_person_stay(tmp_path: Path) -> None:
-    home = tmp_path / "home"
-    (home / "simulator").mkdir(parents=True)
-    (home / "thesis.tex").write_text("years of work")
-    (home / "simulator" / "old.yaml").write_text("old")
+def write_answer(home: Path, name: str) -> None:
     with staged_directory(home) as staging:
         (staging / "diagnosis.json").write_text("{}")
         (staging / "simulator").mkdir()
-        (staging / "simulator" / "new.yaml").write_text("new")
+        (staging / "simulator" / name).write_text(name)
+
+
+def test_earlier_output_is_replaced_and_foreign_files_stay(tmp_path: Path) -> None:
+    home = tmp_path / "home"
+    home.mkdir()
+    (home / "thesis.tex").write_text("years of work")
+    for name in ("old.yaml", "new.yaml"):
+        write_answer(home, name)
     assert content(home) == {
         "thesis.tex": "years of work",
         "diagnosis.json": "{}",
-        "simulator/new.yaml": "new",
+        "simulator/new.yaml": "new.yaml",
     }
+    assert (home / ".simgap").read_text() == "diagnosis.json\nsimulator\n"
     assert [path.name for path in tmp_path.iterdir()] == ["home"]
+
+
+@pytest.mark.parametrize(("name", "worked"), [("simulator", False), ("drawing", True)])
+def test_a_foreign_entry_of_a_name_that_is_written_is_never_replaced(
+    tmp_path: Path, name: str, worked: bool
+) -> None:
+    """What most stages write is refused before the work, any other name after it."""
+    own, done = tmp_path / name, False
+    own.mkdir()
+    (own / "years.txt").write_text("of work")
+    refusal = pytest.raises(InputError, match=f"holds {name}, which simgap did not write")
+    with refusal, staged_directory(tmp_path) as staging:
+        done = True
+        (staging / name).mkdir()
+    assert done is worked
+    assert content(tmp_path) == {f"{name}/years.txt": "of work"}
 
 
 def test_a_target_without_a_writable_parent_is_written_from_inside(

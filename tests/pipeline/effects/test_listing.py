@@ -42,7 +42,9 @@ def test_everything_about_an_effect_is_described(effect):
         numbers = (
             f"{parameter.default:g} {parameter.unit} by default, {parameter.low:g} to {parameter.high:g}"
         )
-        assert f"{parameter.name} = {numbers}; {parameter.neutral:g} does nothing" in text
+        assert f"{parameter.name} = {numbers}" in text
+        stops = parameter.neutral == 0.0 or len(effect.parameters) == 1
+        assert (f"{numbers}; no effect at {parameter.neutral:g}" in text) or not stops
     stated = effect.statement(effect.defaults())
     assert (stated in text) == effect.names_physics
 

@@ -92,7 +92,7 @@ def test_the_same_recording_gives_the_same_bytes(tmp_path):
         for name in ("first", "second")
     )
     assert first == second
-    assert len(first) == 12
+    assert len(first) == 13
     assert b"NaN" not in b"".join(content for path, content in first.items() if path.suffix == ".json")
     assert read_simulator(tmp_path / "first") == diagnosis.simulator
 

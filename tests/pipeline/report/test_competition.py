@@ -2,6 +2,7 @@ from simgap.report.competition import bounded, competition_section
 from simgap.report.inputs import ReportInputs
 from simgap.report.page import write_page
 from simgap.report.section import Drawing
+from simgap.report.text import NARROW_SPACE
 from tests.pipeline.report.artifacts import make_branch
 
 
@@ -23,7 +24,9 @@ def test_the_table_stands_first_and_the_steps_are_folded_away(tmp_path):
     write_page(ReportInputs.of_branch(make_branch(tmp_path)), tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text("utf-8")
     section = page[page.index('<section id="competition">') : page.index('<section id="where">')]
-    assert section.index("added, then dropped: probability of only 4%") < section.index("<details>")
+    assert section.index(f"added, then dropped: probability of only 4{NARROW_SPACE}%") < section.index(
+        "<details>"
+    )
     assert (
         section.index("<details>")
         < section.index("Step 1: rotor drag is added")

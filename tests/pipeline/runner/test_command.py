@@ -102,7 +102,7 @@ def test_a_path_needs_no_quotes(command: Command) -> None:
     Path("my flight (1), 50%='best'.csv").write_text("t\n")
     code, _, err = command("recording=my flight (1), 50%='best'.csv", "output=a b/[c]")
     assert (code, err) == (0, "")
-    assert files("a b/[c]") == ["a b/[c]/draws", "a b/[c]/metrics.json"]
+    assert files("a b/[c]") == ["a b/[c]/.simgap", "a b/[c]/draws", "a b/[c]/metrics.json"]
 
 
 def test_a_folder_of_ones_own_adds_to_the_groups_and_goes_first(command: Command) -> None:
@@ -130,7 +130,7 @@ def test_a_folder_of_ones_own_may_hold_anything(command: Command) -> None:
     for _ in range(2):
         code, _, err = command(*arguments)
         assert (code, err) == (0, "")
-    assert files("output") == ["output/draws", "output/metrics.json"]
+    assert files("output") == ["output/.simgap", "output/draws", "output/metrics.json"]
 
 
 def test_cfg_prints_what_the_stage_reads_and_stops(command: Command) -> None:
