@@ -39,7 +39,7 @@ class Installed:
         """Run a program of the environment in the person's folder, and nothing of this process's environment."""
         plain = {
             key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "VIRTUAL_ENV"))
-        }
+        } | {"MPLBACKEND": "Agg"}
         return subprocess.run(
             [str(self.programs / command[0]), *command[1:]],
             cwd=folder or self.folder,
@@ -78,13 +78,24 @@ def installed(
     request: pytest.FixtureRequest, wheel: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> Installed:
     """A fresh environment with the wheel and what it depends on, without extras."""
-    base = tmp_path_factory.mktemp("environment")
-    subprocess.run([request.param, "-m", "venv", str(base / "env")], check=True)
+    return _environment(request.param, str(wheel), tmp_path_factory.mktemp("environment"))
+
+
+@pytest.fixture(scope="module")
+def racing(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """The same with the extra that the tutorial on the Python interface asks for."""
+    return _environment(sys.executable, f"{wheel}[race]", tmp_path_factory.mktemp("racing"))
+
+
+def _environment(interpreter: str, wanted: str, base: Path) -> Installed:
+    """Install what is wanted into a fresh environment beside a person's folder."""
+    subprocess.run([interpreter, "-m", "venv", str(base / "env")], check=True)
     python = str(base / "env" / "bin" / "python")
     pip = [python, "-m", "pip", "install", "--quiet"]
     uv = [str(UV), "pip", "install", "--quiet", "--python", python] if UV.exists() else pip
-    subprocess.run([*pip, *CONSTRAINTS, "torch"], check=True)  # by pip, which takes the build of this machine
-    subprocess.run([*uv, *CONSTRAINTS, str(wheel)], check=True)
+    # By pip, which takes the build of this machine; compiling all of it would take longer than what the tests import.
+    subprocess.run([*pip, "--no-compile", *CONSTRAINTS, "torch"], check=True)
+    subprocess.run([*uv, *CONSTRAINTS, wanted], check=True)
     return Installed(base / "env" / "bin", _folder(base / "own"))
 
 
@@ -172,3 +183,9 @@ def test_what_is_not_there_is_one_line(installed: Installed, command: str, line:
         else installed.run("simgap", name)
     )
     assert (done.returncode, done.stderr) == (2, f"simgap {name}: {line}\n")
+
+
+def test_the_tutorial_on_the_python_interface_runs_on_the_wheel(racing: Installed) -> None:
+    """From an installation to a rollout of the diagnosed simulator and an episode of a race."""
+    racing.said("python", str(ROOT / "docs" / "tutorials" / "api.py"))
+    assert not (racing.folder / "mlflow.db").exists()
