@@ -32,6 +32,7 @@ STEPS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", EVERY_EFFECT, ids=identity)
 def test_what_is_set_and_simulated_is_found_again(effect):
     values = effect.defaults() | VALUES.get(identity(effect), {})

@@ -131,6 +131,7 @@ def test_what_any_joint_has_is_its_numbers_and_friction():
     assert usual_of(list(effects_of("quadrotor"))) == []
 
 
+@pytest.mark.slow
 def test_two_look_alikes_are_exchanged_together():
     """A spring and friction by the square of speed stand where a weight and viscous friction belong."""
     plant = Plant(friction=0.3, viscous=0.2, other=lambda position, velocity: -0.8 * np.sin(position))
@@ -147,6 +148,7 @@ def test_two_look_alikes_are_exchanged_together():
     assert not substitute(contest, [Rivalry(weight, (spring,), 0.6), Rivalry(viscous, (square,), 0.6)])
 
 
+@pytest.mark.slow
 def test_an_exchange_of_two_that_ends_worse_is_taken_back(monkeypatch):
     """What competes beside the exchanged ones may throw them out again, and more with them."""
     plant = Plant(viscous=0.2, other=lambda position, velocity: -0.8 * np.sin(position))

@@ -69,6 +69,7 @@ def test_a_voltage_of_the_other_sign_is_no_physics(plant):
     assert found.runs == tuple(dict.fromkeys(backwards.frame["run"]))
 
 
+@pytest.mark.slow
 def test_a_spring_that_is_pulled_slowly_moves_against_its_acceleration():
     spring = pulled_slowly(Plant(viscous=0.5, other=lambda position, velocity: -5.0 * position))
     simulator = Simulator(Joint(inertia=JOINT.inertia))

@@ -27,6 +27,7 @@ def test_what_remains_is_learned_and_predicts_runs_that_were_held_out():
     assert learned(found)["channels"][0]["samples"] == len(table)
 
 
+@pytest.mark.slow
 def test_nothing_is_learned_where_nothing_is_left():
     for plant in (Plant(), Plant(friction=0.3)):
         found = diagnosed(plant)

@@ -67,6 +67,7 @@ EVERYTHING = {
 }
 
 
+@pytest.mark.slow
 def test_everything_at_once_can_be_flown(racer):
     case = PlantCase(effects=EVERYTHING, outside={"gusts": 1.0, "thrust_fade": 0.1}, runs=3, duration=4.0)
     recording, key = fly(case, racer, seed=1)

@@ -61,6 +61,7 @@ def _train(folder: Path) -> None:
     Training(PointMass(64), FEW, seed=3).run(folder, lambda entry, number: time.sleep(0.05))
 
 
+@pytest.mark.slow
 def test_a_killed_training_goes_on_from_its_checkpoint_as_if_nothing_had_happened(tmp_path):
     folder = tmp_path / "checkpoint"
     process = multiprocessing.get_context("spawn").Process(target=_train, args=(folder,))

@@ -61,6 +61,7 @@ def test_no_voltage_beyond_what_the_battery_has_is_applied(shuttle):
     np.testing.assert_array_equal(most.position, beyond.position)
 
 
+@pytest.mark.slow
 def test_trials_differ_by_what_is_concealed_and_a_seed_fixes_them(shuttle):
     rubbing = {"coulomb_friction@drive": {"level": 0.05}}
     first = drive(shuttle, pulse(6.0), trials=3, scatter=0.1, seed=1, **rubbing)

@@ -43,6 +43,7 @@ def flown(machines, steps=40):
     return {name: torch.stack([entry[name] for entry in path]) for name in path[0]}
 
 
+@pytest.mark.slow
 def test_a_machine_that_conceals_nothing_flies_as_in_the_ideal_simulator():
     ours, theirs = flown(Fleet(flight_in(Simulator(RACER), FLYING))), flown(deployed(sensors=QUIET))
     torch.testing.assert_close(theirs["position"], ours["position"], rtol=0, atol=5e-3)

@@ -32,6 +32,7 @@ def environment():
     return racing(3, settings=RacingSettings(flying=COARSE, starts=STILL))
 
 
+@pytest.mark.slow
 def test_laps_at_a_constant_speed_take_the_time_of_the_circle(environment):
     laps = fly_laps(environment, Carried(environment, speed=8.0), seed=0, laps=2, seconds=30.0)
     expected = 2.0 * math.pi * 4.0 / 8.0

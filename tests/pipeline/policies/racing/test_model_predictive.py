@@ -59,6 +59,7 @@ def test_the_least_within_bounds_is_that_of_scipy(seed, size):
     np.testing.assert_allclose(found, exact, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_race_is_flown_as_fast_as_it_was_planned(pilot):
     laps = fly_laps(racing(4, settings=SETTINGS), pilot, seed=0, laps=2, seconds=15.0)
     metrics = laps.metrics()

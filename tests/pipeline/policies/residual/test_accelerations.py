@@ -82,6 +82,7 @@ def test_the_residual_is_part_of_a_simulator_that_is_read_as_it_was_written(reco
         read_simulator(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_policy_feels_it(recording):
     state, reference = typical(recording)
     simulators = (Simulator(racer()), with_residual(recording, Simulator(racer())))

@@ -35,6 +35,7 @@ def start(flight, dtype: torch.dtype):
     return *flight.step(tumbling(BATCH, seed=1, dtype=dtype), action), action
 
 
+@pytest.mark.slow
 def test_the_compiled_racer_flies_as_the_eager_one():
     flight = racer()
     state, action = tumbling(BATCH, seed=1, dtype=torch.float32), actions(BATCH, seed=2, dtype=torch.float32)
@@ -71,6 +72,7 @@ def test_the_whole_control_step_is_written_down_as_it_is(integrator):
     torch.testing.assert_close(found, fused.pack(*flight.step(state, action, memory)), rtol=1e-9, atol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", list(MACHINES))
 def test_every_effect_of_the_catalogue_can_be_fused(kind):
     chosen = [e for e in effects_of(kind) if isinstance(e, ActuatorEffect | WrenchEffect | CommandEffect)]
