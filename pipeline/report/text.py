@@ -115,7 +115,7 @@ def spoken(name: object) -> str:
 
 def sentence(text: str) -> str:
     """Write a sentence of the diagnosis as print does: names as words, spaced per cent, one minus sign."""
-    words = re.sub(r"\b[a-z]+(?:_[a-z]+)+\b", lambda name: spoken(name[0]), text)
+    words = re.sub(r"\b[a-z]+(?:_[a-z]+)+\b|\b(coulomb|stribeck)\b", lambda name: spoken(name[0]), text)
     return minus(re.sub(r"(?<=\d)%", f"{NARROW_SPACE}%", words))
 
 

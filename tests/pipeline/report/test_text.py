@@ -102,3 +102,11 @@ def test_lists_read_as_sentences():
     assert text.listed(["a", "b", "c"]) == "a, b and c"
     assert text.listed(["a", "b"], "or") == "a or b"
     assert text.listed([]) == ""
+
+
+def test_a_sentence_of_the_diagnosis_is_written_as_print():
+    said = "beside coulomb friction: explains 4% in run_4, equals rotor_drag at -3"
+    assert (
+        text.sentence(said)
+        == f"beside Coulomb friction: explains 4{text.NARROW_SPACE}% in run_4, equals rotor drag at −3"
+    )
