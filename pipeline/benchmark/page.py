@@ -67,7 +67,7 @@ def write_docs(results: Sequence[measures.Result], command: str) -> None:
 
 
 def renew_introduction() -> None:
-    """Replace the introduction of docs/proof.md and keep the results that were measured.
+    """Renew the introduction and the table of seeds in docs/proof.md; what was measured stays.
 
     Raises:
         ValueError: when the page has no results.

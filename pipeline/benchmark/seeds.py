@@ -1,9 +1,5 @@
-"""Which seeds of the benchmark were used for what, and what its earlier runs scored: `seeds.csv` as a section.
+"""Which seeds of the benchmark were used for what, and what its earlier runs scored: `seeds.csv` as a section."""
 
-python -m simgap.benchmark.seeds docs/proof.md
-"""
-
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -46,13 +42,3 @@ def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def _table(rows: pd.DataFrame) -> str:
     return markdown_table(list(rows.columns), rows.to_numpy().tolist())
-
-
-def show_seeds(page: Path) -> None:
-    """Write the table into a page that is there: as its last section, in place of the one before."""
-    above = page.read_text(encoding="utf-8").partition(f"{HEADING}\n")[0].rstrip()
-    page.write_text(f"{above}\n\n{seeds_text(read_seeds())}\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    show_seeds(Path(sys.argv[1]))

@@ -3,7 +3,7 @@
 import re
 
 from simgap.artifacts import PROJECT_ROOT
-from simgap.benchmark.seeds import read_seeds, seeds_text, show_seeds
+from simgap.benchmark.seeds import read_seeds, seeds_text
 
 COUNTS = ["clear", "faint", "pairs", "nulls", "decoys", "hidden", "mixed"]
 
@@ -34,13 +34,3 @@ def test_the_page_has_a_line_for_each_row():
 
 def test_the_documentation_shows_the_table_as_it_is():
     assert seeds_text(read_seeds()) in (PROJECT_ROOT / "docs" / "proof.md").read_text(encoding="utf-8")
-
-
-def test_showing_the_table_again_changes_nothing_and_keeps_what_stands_above(tmp_path):
-    page = tmp_path / "proof.md"
-    page.write_text("# Proof\n\ntext\n")
-    show_seeds(page)
-    once = page.read_text()
-    assert once == f"# Proof\n\ntext\n\n{seeds_text(read_seeds())}\n"
-    show_seeds(page)
-    assert page.read_text() == once
