@@ -112,25 +112,26 @@ def dry_friction(
     """
     level = torch.as_tensor(level, dtype=velocity.dtype)
     backward = level if backward_level is None else torch.as_tensor(backward_level, dtype=velocity.dtype)
-    held = torch.maximum(torch.minimum(applied, level), -backward)
+    # Levels that differ are one level beside a constant load of half their difference.
+    level, load = 0.5 * (level + backward), 0.5 * (level - backward)
+    applied = applied - load
+    held = torch.maximum(torch.minimum(applied, level), -level)
     speed = velocity / slides.velocity
     if slides.within_samples:
-        return _over_samples(level, backward, speed, held, applied)
-    return _at_an_instant(level, backward, speed, held)
+        return _over_samples(level, speed, held, applied) - load
+    return _at_an_instant(level, speed, held) - load
 
 
-def _at_an_instant(forward: Tensor, backward: Tensor, speed: Tensor, held: Tensor) -> Tensor:
+def _at_an_instant(level: Tensor, speed: Tensor, held: Tensor) -> Tensor:
     """Blend from sticking to sliding as the speed (...,), in units of the sliding velocity, grows."""
     slip = torch.tanh(speed)
-    sliding = torch.where(slip > 0, forward, backward) * slip * slip.abs()
-    return -sliding - (1.0 - slip.square()) * held
+    return -level * slip * slip.abs() - (1.0 - slip.square()) * held
 
 
-def _over_samples(forward: Tensor, backward: Tensor, speed: Tensor, held: Tensor, applied: Tensor) -> Tensor:
+def _over_samples(level: Tensor, speed: Tensor, held: Tensor, applied: Tensor) -> Tensor:
     """Return the mean friction over a sample with sliding in both directions and a share of sticking."""
     direction = speed.clamp(-1.0, 1.0)
-    sliding = 0.5 * ((forward + backward) * direction + (forward - backward))
     share = held / torch.where(applied == 0.0, 1.0, applied)
     share = torch.where(applied == held, 1.0, share)
     resting = (1.0 - direction**_NOISY) * share
-    return -(1.0 - resting) * sliding - resting * held
+    return -(1.0 - resting) * level * direction - resting * held

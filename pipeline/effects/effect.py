@@ -73,6 +73,8 @@ class Effect(ABC):
     """Names of effects that give the same model in combination with other named effects."""
     usual: ClassVar[bool] = False
     """Whether every machine of the kind has it, so that wrong platform numbers may only show together with it."""
+    prior_odds: ClassVar[float] = 0.15
+    """Odds that a machine of the kind has the effect to a notable degree and its model lacks it."""
     kinked: ClassVar[bool] = False
     """Whether the law has a kink between the values of `starts`, which a gradient-based fit cannot cross."""
     formula: ClassVar[str]

@@ -64,7 +64,7 @@ def _estimate(
     count = int(groups.max()) + 1
     if count < 4:
         return None
-    jacobian = fit.jacobian[mine][..., columns] / fit.scale[:, None]
+    jacobian = fit.jacobian[mine][..., columns] / fit.scale[..., None]
     residual = fit.residual[mine] / fit.scale
     gram = torch.einsum("brcp,brcq->pq", jacobian, jacobian)
     bread = inverse_of(gram)

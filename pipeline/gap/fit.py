@@ -7,12 +7,14 @@ from torch import Tensor
 
 from simgap.effects import Effect, Parameter, WrenchEffect
 from simgap.gap.residuals import channels_on, residual_rows, row_weights, signals_inside
+from simgap.gap.temper import Temper, energy_of
 from simgap.physics.weak_form import WindowFunctions, mean_of
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 
 _FIT_STEPS = 12
 _COST_TOLERANCE = 1e-7  # least promised decrease of the cost per row
+_LIKELIHOOD_TOLERANCE = 1e-2  # least promised gain of log likelihood
 _DIFFERENCE = 1e-4
 
 
@@ -26,6 +28,7 @@ class Problem:
         noise: standard deviation of a row by sensor noise alone, (channels,).
         quadrature: by how much sums over samples may miss the integrals that rows are, RMS, (channels,).
         cluster: stretches within which residuals may be correlated, (blocks,).
+        temper: how rows count; None: all alike.
     """
 
     blocks: Blocks
@@ -33,6 +36,25 @@ class Problem:
     noise: Tensor
     quadrature: Tensor
     cluster: Tensor
+    temper: Temper | None = None
+
+    def scale(self, residual: Tensor) -> Tensor:
+        """Return what rows are weighed with: the standard deviation that each would have if it counted once.
+
+        (blocks, 1, channels) where rows are tempered, else (channels,).
+        """
+        if self.temper is None:
+            return channel_scale(residual, self.noise)
+        noise = self.noise.square().clamp_min(1e-24)
+        return self.temper.weight(energy_of(residual, noise), noise).rsqrt()[:, None]
+
+    def cost(self, residual: Tensor) -> float:
+        """Return the negative log likelihood of a residual (blocks, rows, channels), up to a constant."""
+        if self.temper is None:
+            scale = channel_scale(residual, self.noise)
+            return float((scale.log() + 0.5 * residual.square().mean((0, 1)) / scale.square()).sum())
+        noise = self.noise.square().clamp_min(1e-24)
+        return -float(self.temper.value(energy_of(residual, noise), noise).sum())
 
     def residual(self, simulator: Simulator) -> Tensor:
         """Return what a simulator leaves of the equations of motion, (blocks, rows, channels)."""
@@ -114,13 +136,15 @@ def fit(simulator: Simulator, problem: Problem) -> Fit:
     residual = problem.residual(with_values(simulator, values))
     jacobian = jacobian_of(with_values(simulator, values), problem, residual)
     for _ in range(_FIT_STEPS):
-        scale = channel_scale(residual, problem.noise)
+        scale = problem.scale(residual)
         change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
-        if promised < _COST_TOLERANCE * residual.numel():
+        if promised < (
+            _COST_TOLERANCE * residual.numel() if problem.temper is None else _LIKELIHOOD_TOLERANCE
+        ):
             break
         values, residual = line_search(simulator, problem, values, change, residual, scale)
         jacobian = jacobian_of(with_values(simulator, values), problem, residual)
-    scale = channel_scale(residual, problem.noise)
+    scale = problem.scale(residual)
     covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)
     return Fit(with_errors(with_values(simulator, values), covariance), residual, jacobian, scale, covariance)
 
@@ -199,7 +223,7 @@ def bounded_newton_step(
 
     Also return by how much the step promises to lower the weighted cost.
     """
-    weighted = jacobian / scale[:, None]
+    weighted = jacobian / scale[..., None]
     gram = torch.einsum("brcp,brcq->pq", weighted, weighted)
     gradient = torch.einsum("brcp,brc->p", weighted, residual / scale)
     free = ~(((values <= low) & (gradient < 0)) | ((values >= high) & (gradient > 0)))
@@ -242,7 +266,7 @@ def clustered_covariance(jacobian: Tensor, residual: Tensor, scale: Tensor, clus
     Source: Liang & Zeger 1986, Longitudinal data analysis using generalized linear models (Biometrika 73), with the
     small-sample factor G/(G − 1).
     """
-    weighted = jacobian / scale[:, None]
+    weighted = jacobian / scale[..., None]
     gram = torch.einsum("brcp,brcq->pq", weighted, weighted)
     score = torch.einsum("brcp,brc->bp", weighted, residual / scale)
     groups = int(cluster.max()) + 1

@@ -12,7 +12,6 @@ from simgap.gap.fit import (
     Problem,
     bounded_newton_step,
     bounds_of,
-    channel_scale,
     clustered_covariance,
     columns_of,
     effect_jacobian,
@@ -78,7 +77,7 @@ def _residual_at(start: Simulator, current: Fit, effect: Effect, problem: Proble
 
 
 def _best(fits: Sequence[Fit], problem: Problem) -> Fit:
-    return min(fits, key=lambda each: _cost(each.residual, problem))
+    return min(fits, key=lambda each: problem.cost(each.residual))
 
 
 def _rests_on_a_bound(found: Fit, effect: Effect) -> bool:
@@ -102,26 +101,17 @@ def _freed(found: Fit, effect: Effect) -> Simulator:
 
 def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) -> Fit:
     simulator, residual = start, _residual_at(start, current, effect, problem)
-    costs, linear = [_cost(residual, problem)], start.is_linear_in(effect)
+    costs, linear = [problem.cost(residual)], start.is_linear_in(effect)
     added = effect_jacobian(simulator, effect, problem, residual)
     for step in range(_MOST_STEPS):
         if step > 0 and not linear:
             added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
         simulator, residual = _stepped(simulator, residual, jacobian, problem, linear)
-        costs.append(_cost(residual, problem))
+        costs.append(problem.cost(residual))
         if costs[-2] - costs[-1] <= _PROGRESS * (costs[0] - costs[-1]):
             break
     return _finished(simulator, residual, jacobian, problem)
-
-
-def _cost(residual: Tensor, problem: Problem) -> float:
-    """Return the negative log likelihood of a row, up to a constant, with the variances that suit the residual best.
-
-    Weights of the fit before would hold an effect back that takes much off one equation and costs another one a little.
-    """
-    scale = channel_scale(residual, problem.noise)
-    return float((scale.log() + 0.5 * residual.square().mean((0, 1)) / scale.square()).sum())
 
 
 def remove(current: Fit, effect: Effect, problem: Problem, known: FittedEffect | None = None) -> Fit:
@@ -190,16 +180,18 @@ def _promise(simulator: Simulator, effect: Effect, current: Fit, few: Problem, p
     added = effect_jacobian(simulator, effect, few, residual)
     jacobian = torch.cat([current.jacobian[part], added], dim=-1)
     low, high = bounds_of(simulator)
-    step = bounded_newton_step(jacobian, residual, current.scale, values_of(simulator), low, high)
+    scale = current.scale if few.temper is None else current.scale[part]
+    step = bounded_newton_step(jacobian, residual, scale, values_of(simulator), low, high)
     change = step[0].minimum(high - values_of(simulator)).maximum(low - values_of(simulator))
-    return float(((residual - jacobian @ change) / current.scale).square().sum())
+    left = residual - jacobian @ change
+    return float((left / scale).square().sum()) if few.temper is None else few.cost(left)
 
 
 def _stepped(
     simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem, linear: bool
 ) -> tuple[Simulator, Tensor]:
     low, high = bounds_of(simulator)
-    values, scale = values_of(simulator), channel_scale(residual, problem.noise)
+    values, scale = values_of(simulator), problem.scale(residual)
     change, _ = bounded_newton_step(jacobian, residual, scale, values, low, high)
     if linear:
         after = (values + change).clamp(low, high)
@@ -209,6 +201,6 @@ def _stepped(
 
 
 def _finished(simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem) -> Fit:
-    scale = channel_scale(residual, problem.noise)
+    scale = problem.scale(residual)
     covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)
     return Fit(with_errors(simulator, covariance), residual, jacobian, scale, covariance)

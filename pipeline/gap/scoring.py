@@ -50,7 +50,7 @@ def cross_validated(fit: Fit, fold: Tensor) -> Tensor:
     """
     if fit.jacobian.shape[-1] == 0:
         return fit.residual
-    weighted = fit.jacobian / fit.scale[:, None]
+    weighted = fit.jacobian / fit.scale[..., None]
     gram = torch.einsum("brcp,brcq->bpq", weighted, weighted)
     score = torch.einsum("brcp,brc->bp", weighted, fit.residual / fit.scale)
     out = fit.residual.clone()
@@ -94,7 +94,7 @@ def significance_of(fit: Fit, columns: list[int], neutral: list[float], clusters
     """Test the parameters in some columns of a fit against their neutral values."""
     distance = fit.values[columns] - torch.tensor(neutral, dtype=torch.float64)
     robust = fit.covariance[columns][:, columns]
-    weighted = fit.jacobian / fit.scale[:, None]
+    weighted = fit.jacobian / fit.scale[..., None]
     naive = inverse_of(torch.einsum("brcp,brcq->pq", weighted, weighted))
     statistic = float(distance @ inverse_of(robust) @ distance)
     freedom = max(clusters - fit.jacobian.shape[-1], 1)

@@ -12,6 +12,7 @@ class CoulombFriction(AxisFriction):
     name = "coulomb_friction"
     parameters = (Parameter("level", "N·m", 0.1, 0.0, 1e4),)
     usual = True
+    prior_odds = 1.0
     needs = ("velocity", "effort")
     formula = "torque = −level · sign(velocity); at standstill it holds whatever is applied, up to its level"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"

@@ -13,6 +13,7 @@ class ViscousFriction(WrenchEffect):
     acts_on = "torque"
     parameters = (Parameter("coefficient", "N·m·s/rad", 0.01, 0.0, 1e4),)
     usual = True
+    prior_odds = 1.0
     needs = ("velocity",)
     formula = "torque = −coefficient · velocity"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"

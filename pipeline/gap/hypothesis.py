@@ -1,0 +1,113 @@
+"""A hypothesis about what a simulator lacks, and the evidence for it."""
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from simgap.effects import Effect, ParameterError
+from simgap.gap.fit import Fit
+from simgap.gap.likelihood import Likelihood
+from simgap.gap.prior import log_odds, log_prior, prior_precision
+from simgap.gap.reading import Reading
+from simgap.gap.resolution import is_short
+from simgap.simulation import FittedEffect, Simulator
+
+_TOLERANCE = 0.002
+"""Relative error of a platform number that is none: discretisation is no better."""
+_NO_SIZE = 1e-9
+"""Of its realistic size: an effect that is no larger does nothing, and is not another hypothesis than the one without."""
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A set of effects with its fit and its evidence.
+
+    Attributes:
+        reading: how the commands act.
+        keys: of the effects that the nominal simulator lacks.
+        fit: of the simulator with them.
+        likelihood: of the recording.
+        occam: log of the share of the prior's volume that the recording leaves to the parameters (Laplace).
+        prior: log prior odds of the effects.
+    """
+
+    reading: Reading
+    keys: frozenset[str]
+    fit: Fit
+    likelihood: Likelihood
+    occam: float
+    prior: float
+
+    @property
+    def place(self) -> tuple[bool, frozenset[str]]:
+        """What tells it from other hypotheses."""
+        return self.reading.held, self.keys
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The effects worth a name: all but those within what timing and platform numbers are known to."""
+        simulator, step = self.fit.simulator, self.reading.problem.blocks.time_step
+        return frozenset(f.effect.key for f in simulator.free if not is_tolerance(f, simulator, step))
+
+    @property
+    def score(self) -> float:
+        """The log evidence times the prior, up to a constant that all hypotheses share."""
+        return self.likelihood.value + self.occam + self.prior
+
+
+def weigh(fitted: Fit, reading: Reading) -> Hypothesis:
+    """Return the hypothesis that a fit stands for, with the Laplace approximation of its evidence.
+
+    Source: MacKay 1992, Bayesian interpolation (Neural Computation 4), eq. 2.5.
+    """
+    likelihood, scales = reading.likelihood_of(fitted), reading.scales
+    effects = [f.effect for f in fitted.simulator.free]
+    occam = log_prior(fitted, scales) + _log_volume(fitted, likelihood, prior_precision(fitted, scales))
+    prior = -math.inf if any(map(_idle, effects, _sizes(fitted))) else _log_prior_odds(fitted, reading)
+    return Hypothesis(reading, frozenset(effect.key for effect in effects), fitted, likelihood, occam, prior)
+
+
+def information_of(fitted: Fit, likelihood: Likelihood) -> Tensor:
+    """Return the tempered Fisher information of a fit's parameters, (parameters, parameters)."""
+    jacobian = fitted.jacobian
+    return torch.einsum("brcp,brcq,bc->pq", jacobian, jacobian, likelihood.weight)
+
+
+def _log_volume(fitted: Fit, likelihood: Likelihood, precision: Tensor) -> float:
+    """Return log((2π)^(k/2) · |information|^(−½)) of the k parameters, whatever their units."""
+    if not len(precision):
+        return 0.0
+    information = information_of(fitted, likelihood) + torch.diag(precision)
+    size = information.diagonal().sqrt()
+    _, determinant = torch.linalg.slogdet(information / size / size[:, None])
+    return float(0.5 * len(precision) * math.log(2.0 * math.pi) - 0.5 * determinant - size.log().sum())
+
+
+def is_tolerance(fitted: FittedEffect, simulator: Simulator, time_step: float) -> bool:
+    """Whether an effect is within what is known: a delay of a part of a sample, a number off by a few thousandths.
+
+    It stays in the simulator, where it keeps others from standing in for it, and gets no name.
+    """
+    if isinstance(fitted.effect, ParameterError):
+        return abs(float(fitted.values["ratio"]) - 1.0) < _TOLERANCE
+    return is_short(fitted.effect.lateness(fitted.values, simulator.constants()), time_step)
+
+
+def _log_prior_odds(fitted: Fit, reading: Reading) -> float:
+    simulator, step = fitted.simulator, reading.problem.blocks.time_step
+    odds = math.log(reading.odds)
+    for f in simulator.free:
+        odds += 0.0 if is_tolerance(f, simulator, step) else log_odds(f.effect)
+    return odds
+
+
+def _sizes(fitted: Fit) -> list[float]:
+    return [float(f.values[f.effect.parameters[0].name]) for f in fitted.simulator.free]
+
+
+def _idle(effect: Effect, size: float) -> bool:
+    """Whether an effect does nothing: its first parameter, its size, is where it changes nothing."""
+    first = effect.parameters[0]
+    return abs(size - first.neutral) <= _NO_SIZE * abs(first.default)

@@ -1,0 +1,99 @@
+"""How probable the recorded rows are under a fitted simulator.
+
+What a block counts is in `simgap.gap.temper`.
+
+E² keeps the Jacobian. An equation of motion can be met by making all of its terms small (a dead zone as wide as the
+commands, next to a small inertia). What counts is the residual over what it would be without commands.
+"""
+
+from dataclasses import dataclass, replace
+
+import torch
+from torch import Tensor
+
+from simgap.effects import ActuatorEffect, Effect
+from simgap.gap.fit import Fit, Problem
+from simgap.gap.residuals import channel_series, noise_of_rows, residual_rows
+from simgap.physics.weak_form import mean_rate_of
+from simgap.simulation import Simulator
+from simgap.simulation.blocks import Blocks
+from simgap.simulation.signals import COMMANDS
+
+_SENT = "motor_command"
+_AXES = ("joint",)
+"""Kinds whose equations can be met by making all terms small: both sides stand for one effort."""
+
+
+@dataclass(frozen=True)
+class Likelihood:
+    """The tempered log likelihood of a recording under one fitted simulator.
+
+    Attributes:
+        value: log likelihood up to a constant that all hypotheses share.
+        weight: what each row's squared residual counts in it, (blocks, channels): the curvature of the likelihood.
+        excess: mean square of the residual over the noise's, at least 1, (channels,).
+    """
+
+    value: float
+    weight: Tensor
+    excess: Tensor
+
+
+class LikelihoodOf:
+    """The likelihood of fits to one problem; what only depends on the recording is computed once."""
+
+    def __init__(self, problem: Problem, nominal: Simulator) -> None:
+        """Prepare for fits of simulators that extend a nominal one."""
+        self.problem = problem
+        self.keeps_jacobian = nominal.platform.kind in _AXES
+        self.still = _without_commands(problem.blocks)
+        self.moved = _moved(nominal, problem) if self.keeps_jacobian else None
+
+    def __call__(self, fitted: Fit) -> Likelihood:
+        """Return the likelihood of a fit."""
+        simulator, problem = fitted.simulator, self.problem
+        assert problem.temper is not None
+        heard = noise_of_rows(_obeying(simulator, problem.blocks.held), problem.blocks, problem.functions)
+        silenced = (problem.noise.square() - heard.square()).clamp_min(0.0)
+        noise = torch.maximum(heard, problem.noise).square() + problem.quadrature.square()
+        left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
+        value = problem.temper.value(left, noise)
+        value = value + 0.5 * problem.temper.lasting * len(left) * self.energy(simulator).log()
+        return Likelihood(float(value.sum()), problem.temper.weight(left, noise), left.mean(0) / noise)
+
+    def energy(self, simulator: Simulator) -> Tensor:
+        """Return what a simulator's residuals would be without commands, mean square, (channels,); else ones."""
+        if self.moved is None:
+            return torch.ones(len(self.problem.noise), dtype=torch.float64)
+        rows = residual_rows(simulator, self.still, self.problem.functions)
+        return rows.square().mean((0, 1)) + self.moved
+
+
+def _obeying(simulator: Simulator, held: bool) -> Simulator:
+    """Return a simulator without the effects that filter commands sent by a program: such commands hold no noise.
+
+    An effect that filters a noisy input lowers the residual and explains nothing: the noise that it removes is added
+    again. A multirotor's command is always sent; a voltage may have been measured, unless it is `held`.
+    """
+    return simulator.with_effects(tuple(f for f in simulator.effects if not _smooths(f.effect, held)))
+
+
+def _smooths(effect: Effect, held: bool) -> bool:
+    return isinstance(effect, ActuatorEffect) and effect.smooths_commands and (held or _SENT in effect.needs)
+
+
+def _without_commands(blocks: Blocks) -> Blocks:
+    signals, held = (
+        {name: torch.zeros_like(series) if name in COMMANDS else series for name, series in part.items()}
+        for part in (blocks.signals, blocks.held_commands)
+    )
+    return replace(blocks, signals=signals, held_commands=held)
+
+
+def _moved(nominal: Simulator, problem: Problem) -> Tensor:
+    """Return the mean square of the recorded rate of each channel's momentum, (channels,)."""
+    blocks, functions = problem.blocks, problem.functions
+    rates = [
+        mean_rate_of(functions, series.measured, blocks.held) for series in channel_series(nominal, blocks)
+    ]
+    return torch.stack([rate.square().mean() for rate in rates])

@@ -1,0 +1,157 @@
+"""Which hypotheses near one are worth fitting: all sets within two effects of it, scored on its linearisation.
+
+An effect that another one stands in for cannot be added alone, nor the other one dropped alone. Sets that differ by two
+effects are many, and a fit of each would be slow. Around a fit every effect adds columns to one regression, from which
+the residual of each set follows without the simulator.
+"""
+
+from collections.abc import Container, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from simgap.effects import Effect
+from simgap.gap.fit import Problem, columns_of
+from simgap.gap.hypothesis import Hypothesis
+from simgap.gap.likelihood import LikelihoodOf
+from simgap.gap.refit import remove
+from simgap.simulation import FittedEffect
+
+_BLOCKS = 60
+"""Blocks that sets are scored on, drawn evenly: what is promising needs no more."""
+_RIDGE = 1e-9
+"""Of a column's own energy: two effects with the same column share it."""
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A set of effects near a hypothesis.
+
+    Attributes:
+        keys: of its effects.
+        effects: with values to start a fit from.
+        promise: the score that the linearisation gives it.
+    """
+
+    keys: frozenset[str]
+    effects: tuple[FittedEffect, ...]
+    promise: float
+
+
+class Neighbours:
+    """The sets within two effects of one hypothesis."""
+
+    def __init__(
+        self, centre: Hypothesis, added: Sequence[Hypothesis], problem: Problem, likelihood_of: LikelihoodOf
+    ) -> None:
+        """Set the regression up.
+
+        Args:
+            centre: the hypothesis.
+            added: the same with one more effect each.
+            problem: what is fitted.
+            likelihood_of: the likelihood of fits to it.
+        """
+        self.centre, self.likelihood_of = centre, likelihood_of
+        self.mine = {f.effect.key: f for f in centre.fit.simulator.free}
+        self.new = {f.effect.key: f for f in map(_last, added)}
+        self.gain = {_last(h).effect.key: h.occam + h.prior - centre.occam - centre.prior for h in added}
+        self.columns: dict[str, list[int]] = {}
+        self.offset: dict[str, int] = {}
+        series = [centre.fit.residual[..., None]]
+        for key, fitted in self.mine.items():
+            self.offset[key] = sum(part.shape[-1] for part in series)
+            gone = remove(centre.fit, fitted.effect, problem).residual - centre.fit.residual
+            series.append(gone[..., None])
+            self._note(key, series, centre.fit.jacobian[..., columns_of(centre.fit, fitted.effect)])
+        for hypothesis in added:
+            effect = _last(hypothesis).effect
+            own = hypothesis.fit.jacobian[..., columns_of(hypothesis.fit, effect)]
+            self._note(effect.key, series, torch.cat([_contribution(hypothesis, centre), own], dim=-1))
+        part = _spread(len(centre.fit.residual))
+        self.gram = _gram(torch.cat([each[part] for each in series], dim=-1))
+        self.energy = likelihood_of.energy(centre.fit.simulator).log().sum()
+        assert problem.temper is not None
+        self.temper, self.share = problem.temper, len(centre.fit.residual) / len(part)
+        self.noise = problem.noise.square().clamp_min(1e-24)
+        self.total = np.einsum("bc,bcpq->pq", centre.likelihood.weight[part].numpy(), self.gram)
+
+    def _note(self, key: str, series: list[Tensor], columns: Tensor) -> None:
+        first = sum(part.shape[-1] for part in series)
+        self.columns[key] = list(range(first, first + columns.shape[-1]))
+        series.append(columns)
+
+    def best(self, count: int, known: Container[frozenset[str]]) -> list[Proposal]:
+        """Return the most promising sets that are not among the known ones, best first."""
+        keys = frozenset(self.mine)
+        sets = {(keys - set(gone)) | set(come): (gone, come) for gone, come in self._moves()}
+        fresh = [Proposal(each, (), self._promise(*move)) for each, move in sets.items() if each not in known]
+        fresh.sort(key=lambda proposal: -proposal.promise)
+        return [Proposal(p.keys, self._starts(p.keys), p.promise) for p in fresh[:count]]
+
+    def _moves(self) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
+        """Yield which effects go and which come: at most two of each, and more than one in all."""
+        goings = [(), *combinations(self.mine, 1), *combinations(self.mine, 2)]
+        comings = [(), *combinations(self.new, 1), *combinations(self.new, 2)]
+        for gone in goings:
+            for come in comings:
+                if 2 <= len(gone) + len(come) <= 3:
+                    yield gone, come
+
+    def _promise(self, gone: tuple[str, ...], come: tuple[str, ...]) -> float:
+        kept = [key for key in self.mine if key not in gone]
+        chosen = [column for key in (*kept, *come) for column in self.columns[key]]
+        target = np.zeros(self.gram.shape[-1])
+        target[[0, *(self.offset[key] for key in gone)]] = 1.0
+        left = self._left(target, chosen)
+        value = self._value(left)
+        return value + self.centre.occam + self.centre.prior + sum(self.gain[key] for key in come)
+
+    def _left(self, target: NDArray[np.float64], chosen: list[int]) -> NDArray[np.float64]:
+        """Return the mean square that a weighted regression of a target on columns leaves, (blocks, channels)."""
+        change = target.copy()
+        if chosen:
+            square = self.total[np.ix_(chosen, chosen)]
+            square = square + np.diag(_RIDGE * np.diag(square) + 1e-300)
+            change[chosen] -= np.linalg.solve(square, self.total[chosen] @ target)
+        used = np.flatnonzero(change)
+        part, kept = change[used], self.gram[..., used[:, None], used]
+        return (kept @ part) @ part
+
+    def _value(self, left: NDArray[np.float64]) -> float:
+        floored = torch.maximum(torch.from_numpy(left), self.noise)
+        value = self.share * float(self.temper.value(floored, self.noise).sum())
+        return value + float(0.5 * self.temper.lasting * len(left) * self.share * self.energy)
+
+    def _starts(self, keys: frozenset[str]) -> tuple[FittedEffect, ...]:
+        every = self.new | self.mine
+        return tuple(FittedEffect(every[key].effect, every[key].values) for key in sorted(keys))
+
+
+def _last(hypothesis: Hypothesis) -> FittedEffect:
+    return hypothesis.fit.simulator.free[-1]
+
+
+def _spread(blocks: int) -> list[int]:
+    """Return some of the blocks, drawn evenly."""
+    return torch.linspace(0, blocks - 1, min(blocks, _BLOCKS)).round().long().tolist()
+
+
+def _contribution(hypothesis: Hypothesis, centre: Hypothesis) -> Tensor:
+    """Return what the last effect of a hypothesis takes off the centre's residual, (blocks, rows, channels, 1)."""
+    effect: Effect = _last(hypothesis).effect
+    others = [
+        c for c in range(hypothesis.fit.jacobian.shape[-1]) if c not in columns_of(hypothesis.fit, effect)
+    ]
+    moved = hypothesis.fit.values[others] - centre.fit.values
+    taken = centre.fit.residual - hypothesis.fit.residual - hypothesis.fit.jacobian[..., others] @ moved
+    return taken[..., None]
+
+
+def _gram(series: Tensor) -> NDArray[np.float64]:
+    """Return the mean products of columns (blocks, rows, channels, columns), (blocks, channels, columns, columns)."""
+    return (torch.einsum("brcp,brcq->bcpq", series, series) / series.shape[1]).numpy()

@@ -1,0 +1,93 @@
+"""The search for hypotheses: add, drop, swap, merge, split and other timing, with everything visited kept.
+
+The best hypothesis that is not expanded yet is expanded next, as long as its score lies within Occam's window of the best.
+So several lines of thought stay alive, nothing is dropped for good, and the answer is never below the best visited.
+Source of the window: Madigan & Raftery 1994, Model selection and accounting for model uncertainty (JASA 89).
+"""
+
+import time
+from collections.abc import Sequence
+
+from simgap.effects import Effect
+from simgap.gap.fit import Fit, fit
+from simgap.gap.hypothesis import Hypothesis, weigh
+from simgap.gap.neighbours import Neighbours
+from simgap.gap.reading import Reading
+from simgap.gap.refit import extend, shrink
+from simgap.gap.starts import starts_of
+
+_WINDOW = 3.0
+"""Of log odds: a hypothesis twenty times less probable than the best is not followed further."""
+_PROPOSALS = 6
+"""Neighbours by two effects that are fitted for each hypothesis."""
+
+Place = tuple[bool, frozenset[str]]
+
+
+class Search:
+    """All hypotheses visited for one recording."""
+
+    def __init__(self, readings: Sequence[Reading]) -> None:
+        """Begin with the hypotheses that nothing is missing."""
+        self.readings = list(readings)
+        self.visited: dict[Place, Hypothesis] = {}
+        self.expanded: set[Place] = set()
+        for reading in readings:
+            self._visit(fit(reading.nominal, reading.problem), reading)
+
+    @property
+    def ranked(self) -> list[Hypothesis]:
+        """Every visited hypothesis, the most probable first."""
+        return sorted(self.visited.values(), key=lambda hypothesis: -hypothesis.score)
+
+    def run(self, most_effects: int, seconds: float) -> bool:
+        """Expand hypotheses until none within the window is left; return whether time sufficed."""
+        end = time.monotonic() + seconds
+        while (following := self._next()) is not None:
+            if time.monotonic() > end:
+                return False
+            self._expand(following, most_effects)
+        return True
+
+    def _next(self) -> Hypothesis | None:
+        ranked = self.ranked
+        least = ranked[0].score - _WINDOW
+        waiting = (h for h in ranked if h.score >= least and h.place not in self.expanded)
+        return next(waiting, None)
+
+    def _expand(self, centre: Hypothesis, most_effects: int) -> None:
+        self.expanded.add(centre.place)
+        reading = centre.reading
+        polished = self._visit(fit(centre.fit.simulator, reading.problem), reading)
+        centre = max((centre, polished), key=lambda hypothesis: hypothesis.score)
+        self._retime(centre)
+        for fitted in centre.fit.simulator.free:
+            if (reading.held, centre.keys - {fitted.effect.key}) not in self.visited:
+                self._visit(shrink(centre.fit, fitted.effect, reading.problem), reading)
+        added = [self._added(centre, e) for e in reading.catalogue if e.key not in centre.keys]
+        near = Neighbours(centre, added, reading.problem, reading.likelihood_of)
+        known = {keys for held, keys in self.visited if held == reading.held}
+        for proposal in near.best(_PROPOSALS, known):
+            if len(proposal.keys) <= most_effects and proposal.promise > self.ranked[0].score - _WINDOW:
+                start = reading.nominal.with_effects((*reading.nominal.known, *proposal.effects))
+                self._visit(fit(start, reading.problem), reading)
+
+    def _retime(self, centre: Hypothesis) -> None:
+        """Visit the same effects under every other timing of the commands."""
+        for other in self.readings:
+            if (other.held, centre.keys) not in self.visited:
+                start = other.nominal.with_effects((*other.nominal.known, *centre.fit.simulator.free))
+                self._visit(fit(start, other.problem), other)
+
+    def _added(self, centre: Hypothesis, effect: Effect) -> Hypothesis:
+        reading = centre.reading
+        starts = starts_of(effect, reading.problem.blocks, reading.scales)
+        return self._visit(extend(centre.fit, effect, reading.problem, starts), reading)
+
+    def _visit(self, fitted: Fit, reading: Reading) -> Hypothesis:
+        """Weigh a fit and keep it where it is the best of its effects."""
+        hypothesis = weigh(fitted, reading)
+        before = self.visited.get(hypothesis.place)
+        if before is None or hypothesis.score > before.score:
+            self.visited[hypothesis.place] = hypothesis
+        return hypothesis
