@@ -187,8 +187,11 @@ def _check_fit(fit: dict[str, Any], warnings: list[str]) -> None:
         assert any("held out" in warning for warning in warnings)
         return
     assert _number(fit["gap_closed"], high=1.0)
-    low, high = fit["gap_closed_interval"]
-    assert low <= fit["gap_closed"] <= high
+    if len(fit["held_out_runs"]) == 1:
+        assert fit["gap_closed_interval"] is None
+    else:
+        low, high = fit["gap_closed_interval"]
+        assert low <= fit["gap_closed"] <= high
     gap = fit["before"] - fit["noise_floor"]
     if gap > 0:
         share = (fit["before"] - fit["after"]) / gap

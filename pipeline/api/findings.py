@@ -147,7 +147,7 @@ class Fit:
         after: error of the diagnosed simulator.
         noise_floor: error that the sensors' noise alone would make.
         gap_closed: (before − after) / (before − noise_floor); None where no run could be held out.
-        gap_closed_interval: 95 % interval of it.
+        gap_closed_interval: 95 % interval of it; None where fewer than two runs were held out.
     """
 
     metric: str

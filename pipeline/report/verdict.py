@@ -8,6 +8,7 @@ from simgap.recordings.contradiction import SUSPECTED
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
 from simgap.report.text import (
+    NARROW_SPACE,
     estimate,
     interval,
     is_number,
@@ -29,6 +30,8 @@ LABELS = {
 }
 BELIEVED = 0.5
 """The probability from which on an effect is stated; below it stands under "perhaps"."""
+NO_INTERVAL = "one run: no interval"
+"""What is said in place of an interval over runs where one run was held out."""
 TIMES_NOISE = 2.0
 """Times the noise, within which what is left is not mentioned."""
 
@@ -161,6 +164,14 @@ def why_unknown(fit: dict[str, Any]) -> str:
     return "the error is too close to its floor to measure it" if held_out else "no run could be held out"
 
 
+def sureness(fit: dict[str, Any]) -> str:
+    """Write the interval of the share of the gap closed, or why there is none; empty where that is not known."""
+    bounds = interval(fit.get("gap_closed_interval"))
+    if bounds:
+        return f"95{NARROW_SPACE}% interval {bounds}"
+    return NO_INTERVAL if len(fit.get("held_out_runs") or []) == 1 else ""
+
+
 def verdict_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     """Say what the diagnosis found, before everything else."""
     diagnosis = inputs.diagnosis
@@ -238,8 +249,7 @@ def _closed(diagnosis: dict[str, Any]) -> str:
     )
     if not is_number(fit.get("gap_closed")):
         return f"How much of the gap closes is not known: {why_unknown(fit)}.{left}"
-    bounds = interval(fit.get("gap_closed_interval"))
-    sure = f" (95{chr(0x202F)}% interval {bounds})" if bounds else ""
+    sure = f" ({known})" if (known := sureness(fit)) else ""
     share = percent(fit["gap_closed"])
     return f"The corrected simulator closes {share} of the gap on runs never used for fitting{sure}.{left}"
 

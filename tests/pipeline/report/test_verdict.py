@@ -42,6 +42,15 @@ def test_how_much_of_the_gap_closes_is_said_with_what_is_left():
     assert summary(found).closed.endswith("What is left is 3 times the noise.")
 
 
+def test_one_run_that_was_held_out_gives_no_interval_and_says_so():
+    found = diagnosis("missing_physics")
+    found["fit"] |= {"held_out_runs": ["melon_run1"], "gap_closed_interval": None}
+    assert "closes 97% of the gap on runs never used for fitting (one run: no interval)." in plain(
+        summary(found).closed
+    )
+    assert any("(one run: no interval)" in line for line in terminal_lines(found))
+
+
 @pytest.mark.parametrize(
     ("closed", "after", "said"),
     [
