@@ -54,7 +54,7 @@ def groups_of(order: Sequence[int], seconds: Sequence[float], pairs: Sequence[tu
         pairs: of runs that are the two directions of one test.
     """
     partner = {one: pair for pair in pairs for one in pair}
-    runs = list(dict.fromkeys(partner.get(run, (run,)) for run in order))
+    runs: list[tuple[int, ...]] = list(dict.fromkeys(partner.get(run, (run,)) for run in order))
     runs = runs if len(runs) > 1 else [(run,) for run in order]
     return Groups(runs, [sum(seconds[run] for run in group) for group in runs])
 
