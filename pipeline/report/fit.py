@@ -12,10 +12,10 @@ from simgap.report.figure import (
     band,
     line,
 )
+from simgap.report.improvement import NO_INTERVAL, sureness, why_unknown
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
 from simgap.report.text import is_number, quantity, spoken
-from simgap.report.verdict import NO_INTERVAL, sureness, why_unknown
 
 _DIVERGENCE = 50.0  # ratio of the largest errors before and after
 

@@ -94,6 +94,35 @@ def test_an_effect_in_two_groups_is_named_once_and_told_apart_below():
     ]
 
 
+def test_a_subject_is_said_wherever_the_name_is():
+    found = diagnosis("missing_physics")
+    entry = found["effects"][0]
+    found["effects"] = [
+        entry | {"name": "rotor_fault", "subject": "3"},
+        entry | {"name": "rotor_fault", "subject": "4"},
+        entry | {"name": "motor_constant_error", "subject": "drive"},
+        entry | {"name": "rotor_drag", "subject": None},
+    ]
+    found["ambiguous"] = [
+        {"names": ["backlash", "slope"], "subjects": ["steer", None], "separate_by": "Turn to and fro."}
+    ]
+    assert headline(found) == (
+        "The simulator leaves out rotor fault (rotor 3 and rotor 4) and rotor drag, and the platform file is wrong "
+        "about motor constant (drive)."
+    )
+    said = summary(found)
+    assert [effect.words for effect in said.believed] == [
+        "rotor fault (rotor 3)",
+        "rotor fault (rotor 4)",
+        "motor constant error (drive)",
+        "rotor drag",
+    ]
+    assert said.ambiguous[0].startswith("backlash (steer) or slope: this recording cannot tell.")
+    lines = terminal_lines(found)
+    assert any(line.startswith("  rotor_fault (rotor 3): ") for line in lines)
+    assert any(line.startswith("  rotor_drag: ") for line in lines)
+
+
 def test_what_has_no_name_is_said_with_its_size_and_the_noise():
     (rest,) = summary(diagnosis("unexplained")).unnamed
     assert rest == "torque y: 0.21 N·m, 4.2 times the noise; it follows velocity x and motor speed"
