@@ -6,7 +6,7 @@ from typing import Any
 from simgap.errors import InputError
 from simgap.policies.racing.settings import TASK, TrackSettings
 from simgap.policies.settings import PolicyTraining
-from simgap.runner import StageConfig, StageRun, stage
+from simgap.runner import StageConfig, StageRun, in_pipeline, stage
 from simgap.stages._trainings import trained
 
 
@@ -23,11 +23,16 @@ class TrainPolicyStage(StageConfig):
 def train_policy(config: TrainPolicyStage, run: StageRun) -> None:
     """Train a racing policy in a simulator by PPO."""
     task = config.train_policy.task
-    if task is None:
-        run.leave_out(
-            "train_policy: no policy is trained, because no task is set (example: train_policy=racing_quick)"
-        )
+    if task is None and in_pipeline():
+        run.leave_out("train_policy: no policy is trained, because the branch sets no task")
         return
+    if task is None:
+        missing = (
+            "train_policy=racing_quick" if config.platform else "platform=racer train_policy=racing_quick"
+        )
+        raise InputError(
+            "no task is set, so there is nothing to train", "train_policy.task", f"give {missing}"
+        )
     if task != TASK:
         raise InputError(f"there is no task {task!r}", "train_policy.task", f"use {TASK}")
     trained(config.train_policy, config.track, config.platform, config, run)

@@ -108,8 +108,10 @@ def check_diagnosis(document: dict[str, Any], kind: str) -> None:
     chances = [effect["probability"] for effect in document["effects"]]
     assert chances == sorted(chances, reverse=True)
     for ambiguity in document["ambiguous"]:
-        _keys(ambiguity, "names separate_by")
-        assert len(ambiguity["names"]) >= 2
+        _keys(ambiguity, "names subjects separate_by")
+        assert len(ambiguity["names"]) == len(ambiguity["subjects"]) >= 2
+        for name, subject in zip(ambiguity["names"], ambiguity["subjects"], strict=True):
+            _check_subject(name, subject, kind)
         assert _sentence(ambiguity["separate_by"])
     for unnamed in document["unnamed"]:
         _keys(unnamed, "channel depends_on formula share size")
@@ -162,8 +164,9 @@ def _check_mismatch(mismatch: dict[str, Any]) -> None:
 
 
 def _check_effect(effect: dict[str, Any], kind: str) -> None:
-    _keys(effect, "name probability acts_on parameters statement")
+    _keys(effect, "name subject probability acts_on parameters statement")
     assert effect["name"] in NAMES[kind]
+    _check_subject(effect["name"], effect["subject"], kind)
     assert _number(effect["probability"], 0.0, 1.0)
     assert effect["acts_on"] in ACTS_ON[kind]
     assert _sentence(effect["statement"])
@@ -174,6 +177,19 @@ def _check_effect(effect: dict[str, Any], kind: str) -> None:
         assert _number(parameter["std"], 0.0)
         assert isinstance(parameter["unit"], str)
         assert parameter["unit"]
+
+
+def _check_subject(name: str, subject: Any, kind: str) -> None:
+    assert subject is None or (isinstance(subject, str) and subject)
+    if name == "rotor_fault":
+        assert subject in ("1", "2", "3", "4")
+    if kind == "swerve" and name in (
+        "coulomb_friction",
+        "viscous_friction",
+        "backlash",
+        "motor_constant_error",
+    ):
+        assert subject in ("drive", "steer")
 
 
 def _check_fit(fit: dict[str, Any], warnings: list[str]) -> None:
@@ -187,8 +203,11 @@ def _check_fit(fit: dict[str, Any], warnings: list[str]) -> None:
         assert any("held out" in warning for warning in warnings)
         return
     assert _number(fit["gap_closed"], high=1.0)
-    low, high = fit["gap_closed_interval"]
-    assert low <= fit["gap_closed"] <= high
+    if len(fit["held_out_runs"]) == 1:
+        assert fit["gap_closed_interval"] is None
+    else:
+        low, high = fit["gap_closed_interval"]
+        assert low <= fit["gap_closed"] <= high
     gap = fit["before"] - fit["noise_floor"]
     if gap > 0:
         share = (fit["before"] - fit["after"]) / gap

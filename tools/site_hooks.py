@@ -1,6 +1,10 @@
-"""What the site adds to mkdocs, which mkdocs.yml names: it shows the tutorials, which are scripts, as pages."""
+"""What the site adds to mkdocs, which mkdocs.yml names: it shows the tutorials, which are scripts, as pages.
+
+A page of docs links to a tutorial's script, which is there in a checkout. On the site the link leads to the page.
+"""
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -11,6 +15,9 @@ from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).resolve().parents[1]
+SCRIPT = re.compile(
+    r"(\]\((?:\.\./)*tutorials/\w+)\.py\b"
+)  # a link to a tutorial, from any page but a tutorial
 RUN = "SIMGAP_RUN_TUTORIALS"  # set: run each tutorial and show what it gives; it takes minutes
 
 
@@ -20,6 +27,11 @@ def on_files(files: Files, config: Any, **_: Any) -> Files:
         for name, content in _pages(script).items():
             files.append(File.generated(config, f"tutorials/{name}", content=content))
     return files
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Make links to the scripts of tutorials lead to their pages."""
+    return SCRIPT.sub(r"\1.md", markdown)
 
 
 def _pages(script: Path) -> dict[str, bytes]:

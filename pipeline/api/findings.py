@@ -33,6 +33,7 @@ class Effect:
             `chassis`.
         parameters: by name.
         statement: what it is and what to do, one sentence.
+        subject: what the name is about: the number of a rotor or module, a group, a sensor; None if the name says that.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Effect:
     acts_on: str
     parameters: Mapping[str, Parameter]
     statement: str
+    subject: str | None = None
 
 
 @dataclass(frozen=True)
@@ -49,10 +51,12 @@ class Ambiguity:
     Attributes:
         names: of the effects; the one that was named comes first.
         separate_by: the manoeuvre that would tell them apart, one sentence.
+        subjects: what each name is about, as the subject of an effect.
     """
 
     names: tuple[str, ...]
     separate_by: str
+    subjects: tuple[str | None, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -147,7 +151,7 @@ class Fit:
         after: error of the diagnosed simulator.
         noise_floor: error that the sensors' noise alone would make.
         gap_closed: (before − after) / (before − noise_floor); None where no run could be held out.
-        gap_closed_interval: 95 % interval of it.
+        gap_closed_interval: 95 % interval of it; None where fewer than two runs were held out.
     """
 
     metric: str

@@ -107,6 +107,8 @@ def _off(errors: Mapping[str, float], entry: str) -> str:
 def _closed(fit: Mapping[str, Any]) -> str:
     if fit["gap_closed"] is None:
         return "nothing held out"
+    if fit["gap_closed_interval"] is None:
+        return f"{fit['gap_closed']:.0%} (one run: no interval)"
     low, high = fit["gap_closed_interval"]
     return f"{fit['gap_closed']:.0%} ({low:.0%}–{high:.0%})"
 

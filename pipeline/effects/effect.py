@@ -87,6 +87,9 @@ class Effect(ABC):
     """Whether a diagnosis may name it. It may not name a sum of terms that would absorb other effects, nor a finer law
     of an effect that has a name already."""
 
+    names_its_subject: ClassVar[bool] = False
+    """Whether the name of a swerve drive's effect says what it is about, so that the group adds nothing."""
+
     @property
     def key(self) -> str:
         """The unique name within a kind; a swerve drive's effects carry their group, as in `backlash@steer`."""
@@ -123,6 +126,16 @@ class Effect(ABC):
     def lateness(self, values: Values, constants: Values) -> float:
         """Return the delay that the effect causes, s; 0 if it has no timing."""
         return 0.0
+
+    def subject(self, values: Values) -> str:
+        """Return what the name is about: the number of a rotor or module, a group, a sensor; "" if the name says that.
+
+        Args:
+            values: of the parameters.
+        """
+        if self.kind != "swerve" or self.names_its_subject:
+            return ""
+        return "" if self.acts_on == "chassis" else self.acts_on
 
     def units(self, position_unit: str = "rad") -> dict[str, str]:
         """Return the unit of each parameter; on a sliding axis N·m becomes N and rad becomes m."""

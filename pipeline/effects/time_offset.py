@@ -13,6 +13,9 @@ class TimeOffset(MeasurementEffect):
     on_command_clock: ClassVar[tuple[str, ...]]
     """The signals on the clock of the commands, if present."""
 
+    late: ClassVar[str] = "state"
+    """What is recorded late."""
+
     name = "sensor_time_offset"
     acts_on = "measurement"
     parameters = (Parameter("offset", "s", 0.02, -0.1, 0.1),)
@@ -34,6 +37,10 @@ class TimeOffset(MeasurementEffect):
     def lateness(self, values: Values, constants: Values) -> float:
         """Return the offset."""
         return float(values["offset"])
+
+    def subject(self, values: Values) -> str:
+        """Return what is recorded late."""
+        return self.late
 
     def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Signal]:
         """Delay the motors' signals by the offset so that both clocks agree.

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
         "warnings": list(diagnosis.warnings),
         "mismatch": [_mismatch(m) for m in diagnosis.mismatches],
         "effects": sorted(effects, key=lambda effect: -effect["probability"]),
-        "ambiguous": [_ambiguous(rivalry) for rivalry in diagnosis.naming.rivalries],
+        "ambiguous": [ambiguous(rivalry, fitted) for rivalry in diagnosis.naming.rivalries],
         "unnamed": [
             {
                 "channel": u.channel.name,
@@ -68,6 +69,7 @@ def _effect(diagnosis: Diagnosis, candidate: Candidate, fitted: FittedEffect) ->
     acts_on = "force" if effect.acts_on == "torque" and unit == "m" else effect.acts_on
     return {
         "name": effect.name,
+        "subject": effect.subject(fitted.values) or None,
         "probability": diagnosis.probabilities[effect.key],
         "acts_on": acts_on,
         "parameters": {
@@ -78,11 +80,14 @@ def _effect(diagnosis: Diagnosis, candidate: Candidate, fitted: FittedEffect) ->
     }
 
 
-def _ambiguous(rivalry: Rivalry) -> dict[str, Any]:
+def ambiguous(rivalry: Rivalry, fitted: Mapping[str, FittedEffect]) -> dict[str, Any]:
+    """Return the names that are not told apart; an effect that is not in the simulator has no values."""
     effects = (rivalry.winner, *rivalry.rivals)
+    values = [fitted[e.key].values if e.key in fitted else e.neutral() for e in effects]
     advice = "; ".join(dict.fromkeys(effect.excitation for effect in effects))
     return {
         "names": [effect.name for effect in effects],
+        "subjects": [effect.subject(known) or None for effect, known in zip(effects, values, strict=True)],
         "separate_by": f"{advice[0].upper()}{advice[1:]}.",
     }
 

@@ -35,7 +35,7 @@ class HorizonError:
         quantity: part of the state; an attitude's error is the angle, any other's the Euclidean norm.
         unit: its unit.
         horizon: s, (steps,).
-        before: mean error with 95 % interval over runs: (steps, 3) mean, low, high.
+        before: mean error with 95 % interval over runs: (steps, 3) mean, low, high; one run has no interval: NaN.
         after: the same with the named effects.
         noise_floor: error that sensor noise alone would give a right simulator, (steps,).
     """
@@ -113,12 +113,13 @@ def _size(quantity: str, simulated: Tensor, recorded: Tensor) -> Tensor:
 
 
 def _with_interval(sizes: Tensor, run: Tensor, resamples: int) -> Tensor:
-    """Return mean and bootstrap interval over runs of errors (blocks, steps): (steps, 3)."""
+    """Return mean and bootstrap interval over runs of errors (blocks, steps): (steps, 3); NaN for one run."""
     groups = torch.unique(run, return_inverse=True)[1]
     count = int(groups.max()) + 1
     mean = sizes.mean(0)
     if count < 2:
-        groups, count = torch.arange(len(run)), len(run)
+        unknown = torch.full_like(mean, torch.nan)
+        return torch.stack([mean, unknown, unknown], dim=1)
     summed = sizes.new_zeros((count, sizes.shape[1])).index_add(0, groups, sizes)
     counted = sizes.new_zeros(count).index_add(0, groups, torch.ones(len(run), dtype=sizes.dtype))
     drawn = torch.from_numpy(np.random.default_rng(0).integers(0, count, (resamples, count)))

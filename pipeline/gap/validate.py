@@ -29,7 +29,7 @@ class Validation:
         after: of the simulator with the named effects.
         noise_floor: of a simulator that were right, by the sensors' noise alone.
         gap_closed: (before − after) / (before − noise_floor), at most 1; None where nothing could be held out.
-        interval: 95 % bootstrap interval of it.
+        interval: 95 % bootstrap interval of it; None where fewer than two runs were held out.
         channels: RMS per channel: before, after, noise floor; (channels, 3).
         learned: of the simulator with the named effects and what was learned of the rest; None where nothing was.
     """
@@ -128,9 +128,15 @@ def gap_closed(before: float, after: float, noise_floor: float) -> float:
     return min((before - after) / (before - noise_floor), 1.0)
 
 
-def _interval(energy: Tensor, noise: float, blocks: Blocks, resamples: int) -> tuple[float, float]:
-    """Bootstrap over whole runs, or over stretches of 5 s where there are fewer than five runs."""
+def _interval(energy: Tensor, noise: float, blocks: Blocks, resamples: int) -> tuple[float, float] | None:
+    """Bootstrap over whole runs, or over stretches of 5 s where there are two to four runs; one run gives None.
+
+    The stretches of one run share its load, its temperature and its floor: how much they differ says nothing of how
+    another run would.
+    """
     runs = torch.unique(blocks.run, return_inverse=True)[1]
+    if int(runs.max()) < 1:
+        return None
     groups = runs if int(runs.max()) >= 4 else clusters_of(blocks, _HELD_OUT_CLUSTER_DURATION)
     count = int(groups.max()) + 1
     summed = energy.new_zeros((count, 2)).index_add(0, groups, energy)

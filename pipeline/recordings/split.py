@@ -5,12 +5,15 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from simgap.errors import InputError
+from simgap.recordings.holdouts import chosen, first, groups_of, most_alike
+from simgap.recordings.opposites import opposite_runs
+from simgap.recordings.resemblance import distances_of
 
 PARTS = ("train", "validation", "holdout")
-_DECIMALS = 6  # of a distance, beyond which runs resemble each other alike
 RESEMBLANCE, CHANCE = "resemblance", "chance"
 
 
@@ -19,19 +22,50 @@ class Split:
     """How the runs of a dataset are divided.
 
     Patterns name runs as file names are matched (`melon_*`); a run that no pattern names is trained on.
-    Without any pattern the fractions say how many runs go where. Which ones are held out says how much they resemble
-    each other: a run that is alone in what it does has to be fitted, or nothing can be learned from it.
+    Without any pattern the fractions say how much of the recorded time goes where. The two directions of one test stay
+    together, and half of the time and of the tests is fitted. Which tests are held out says how much they resemble
+    others: a test that is alone in what it does has to be fitted, or nothing can be learned from it.
     """
 
     validation: list[str] = field(default_factory=list)  # patterns of runs to choose a model by
     holdout: list[str] = field(default_factory=list)  # patterns of runs to prove a result on
-    validation_fraction: float = 0.15  # of the runs, where no pattern is given
-    holdout_fraction: float = 0.25  # of the runs, where no pattern is given; at least one where there are two
-    held_out_by: str = RESEMBLANCE  # of runs that do the like one is held out; or chance: the seed draws them
+    validation_fraction: float = 0.15  # of the seconds, where no pattern is given
+    holdout_fraction: float = (
+        0.25  # of the seconds, where no pattern is given; at least one run where there are two
+    )
+    held_out_by: str = (
+        RESEMBLANCE  # of tests that do the like one is held out; or chance: the seed draws them
+    )
+
+
+def split_recording(frame: pd.DataFrame, kind: str, split: Split, seed: int = 0) -> dict[str, str]:
+    """Divide the runs of a cleaned recording; see `split_runs`.
+
+    Args:
+        frame: its samples, uniform in time.
+        kind: quadrotor, swerve or joint.
+        split: the patterns or fractions.
+        seed: for the draw.
+
+    Raises:
+        InputError: as `split_runs`.
+    """
+    rows = frame.groupby(frame["run"].astype(str), sort=False)["t"]
+    runs = [str(run) for run in rows.groups]
+    if split.validation or split.holdout:
+        return split_runs(runs, split, seed)
+    seconds = (rows.size() * rows.agg(lambda time: time.diff().median())).fillna(0.0)
+    known = {str(run): float(duration) for run, duration in seconds.items()}
+    return split_runs(runs, split, seed, distances_of(frame), known, opposite_runs(frame, kind))
 
 
 def split_runs(
-    runs: Sequence[str], split: Split, seed: int = 0, distances: NDArray[np.float64] | None = None
+    runs: Sequence[str],
+    split: Split,
+    seed: int = 0,
+    distances: NDArray[np.float64] | None = None,
+    seconds: Mapping[str, float] | None = None,
+    opposites: Sequence[tuple[str, str]] = (),
 ) -> dict[str, str]:
     """Assign each run to train, validation or holdout.
 
@@ -40,6 +74,9 @@ def split_runs(
         split: the patterns or fractions.
         seed: for the draw where fractions decide.
         distances: between the runs, (runs, runs), see `simgap.recordings.resemblance`; None where chance decides.
+        seconds: that each run lasts; None where all last equally long.
+        opposites: pairs of runs that are the two directions of one test, see `simgap.recordings.opposites`; fractions
+            keep them together, if there is another test.
 
     Returns:
         Run to part, in the order of `runs`. One run alone is trained on.
@@ -48,7 +85,7 @@ def split_runs(
         InputError: when a fraction is not one, the patterns leave nothing to fit, or there is no such `held_out_by`.
     """
     if not (split.validation or split.holdout):
-        return _by_fraction(runs, split, seed, distances)
+        return _by_fraction(runs, split, seed, distances, seconds or dict.fromkeys(runs, 1.0), opposites)
     parts = {run: _matched(run, split) for run in runs}
     if runs and "train" not in parts.values():
         raise InputError("no run is left to fit", "dataset.split", "let some run match no pattern")
@@ -63,21 +100,27 @@ def _matched(run: str, split: Split) -> str:
 
 
 def _by_fraction(
-    runs: Sequence[str], split: Split, seed: int, distances: NDArray[np.float64] | None
+    runs: Sequence[str],
+    split: Split,
+    seed: int,
+    distances: NDArray[np.float64] | None,
+    seconds: Mapping[str, float],
+    opposites: Sequence[tuple[str, str]],
 ) -> dict[str, str]:
     _check(split)
-    count = len(runs)
-    held = min(max(round(split.holdout_fraction * count), 1), count - 1) if split.holdout_fraction else 0
-    chosen = min(round(split.validation_fraction * count), count - 1 - held)
-    order = np.random.default_rng(seed).permutation(count)
-    drawn = [sorted(runs)[index] for index in order]
-    if distances is not None and split.held_out_by == RESEMBLANCE:
-        places = [list(runs).index(run) for run in drawn]
-        drawn = [drawn[index] for index in _most_alike_first(distances[np.ix_(places, places)], held)]
-    part = dict.fromkeys(drawn, "train")
-    part |= dict.fromkeys(drawn[:held], "holdout")
-    part |= dict.fromkeys(drawn[held : held + max(chosen, 0)], "validation")
-    return {run: part[run] for run in runs}
+    place = {run: index for index, run in enumerate(runs)}
+    order = np.random.default_rng(seed).permutation(len(runs))
+    drawn = [place[sorted(runs)[index]] for index in order]
+    pairs = [(place[one], place[other]) for one, other in opposites]
+    groups = groups_of(drawn, [seconds[run] for run in runs], pairs)
+    known = distances if split.held_out_by == RESEMBLANCE else None
+    choose = first if known is None else most_alike(groups, known)
+    held = chosen(groups, split.holdout_fraction, choose, at_least_one=True)
+    validating = chosen(groups, split.validation_fraction, first, held)
+    parts = dict.fromkeys(runs, "train")
+    for part, taken in (("holdout", held), ("validation", validating)):
+        parts |= {runs[run]: part for group in taken for run in groups.runs[group]}
+    return parts
 
 
 def _check(split: Split) -> None:
@@ -89,19 +132,6 @@ def _check(split: Split) -> None:
     if split.held_out_by not in (RESEMBLANCE, CHANCE):
         where = "dataset.split.held_out_by"
         raise InputError(f"there is no {split.held_out_by!r}", where, f"use {RESEMBLANCE} or {CHANCE}")
-
-
-def _most_alike_first(distances: NDArray[np.float64], count: int) -> list[int]:
-    """Return the indices of the runs, first the `count` runs that most resemble one of the others.
-
-    Of two that are nearest to each other, that is the one which is nearer to all.
-    """
-    left, first = list(range(len(distances))), []
-    for _ in range(count):
-        among = distances[np.ix_(left, left)].round(_DECIMALS)
-        nearest = np.where(np.eye(len(left), dtype=bool), np.inf, among).min(axis=1)
-        first.append(left.pop(np.lexsort((among.sum(axis=1), nearest))[0]))
-    return [*first, *left]
 
 
 def runs_of(split: Mapping[str, str], part: str) -> list[str]:

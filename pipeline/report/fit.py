@@ -12,10 +12,10 @@ from simgap.report.figure import (
     band,
     line,
 )
+from simgap.report.improvement import NO_INTERVAL, sureness, why_unknown
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
 from simgap.report.text import is_number, quantity, spoken
-from simgap.report.verdict import why_unknown
 
 _DIVERGENCE = 50.0  # ratio of the largest errors before and after
 
@@ -31,6 +31,8 @@ def fit_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
         "fit": fit,
         "named": bool(inputs.diagnosis["effects"]),
         "unknown": why_unknown(fit),
+        "sureness": sureness(fit),
+        "bands": "Bands are bootstrap intervals over runs" if any(map(_has_band, horizons)) else NO_INTERVAL,
         "bars": _bars(fit | {"learned": learned.get("after")}),
         "learned": learned.get("channels") or [],
         "learned_closes": learned.get("gap_closed"),
@@ -59,9 +61,8 @@ def _horizon(entry: dict[str, Any]) -> Figure:
     time = entry["horizon"]
     marks = []
     for key, colour, shade in (("before", BEFORE, BEFORE_BAND), ("after", AFTER, AFTER_BAND)):
-        low, high = entry.get(f"{key}_low"), entry.get(f"{key}_high")
-        if low and high:
-            marks.append(band(time, low, high, shade))
+        if _has_band(entry, key):
+            marks.append(band(time, entry[f"{key}_low"], entry[f"{key}_high"], shade))
         marks.append(line(time, entry[key], key, colour, dot=2.5))
     if floor := entry.get("noise_floor"):
         level = floor if isinstance(floor, list) else [floor] * len(time)
@@ -70,6 +71,12 @@ def _horizon(entry: dict[str, Any]) -> Figure:
     caption = f"Error of {spoken(entry['quantity'])} over the horizon"
     log = _diverges(entry)
     return Figure(caption, "horizon (s)", title, marks, 300, log=log, zero=not log)
+
+
+def _has_band(entry: dict[str, Any], key: str = "after") -> bool:
+    """Whether the interval of an error is known: one run alone has none."""
+    bounds = [entry.get(f"{key}_low"), entry.get(f"{key}_high")]
+    return all(bound and all(map(is_number, bound)) for bound in bounds)
 
 
 def _diverges(entry: dict[str, Any]) -> bool:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from simgap.report.naming import with_subject
 from simgap.report.text import NARROW_SPACE, NO_BREAK, minus
 from simgap.report.verdict import Named, summary
 
@@ -32,5 +33,5 @@ def _lines(diagnosis: dict[str, Any]) -> Iterator[str]:
 
 def _effects(effects: Sequence[Named]) -> Iterator[str]:
     for effect in effects:
-        yield f"  {effect.name}: {effect.facts}"
+        yield f"  {with_subject(effect.name, effect.subject)}: {effect.facts}"
         yield f"    {effect.statement}"

@@ -6,6 +6,7 @@ from typing import Any
 
 from simgap.effects import effects_of, kinds
 from simgap.report.inputs import ReportInputs
+from simgap.report.naming import rivals
 from simgap.report.section import Drawing, Section
 from simgap.report.text import listed, spoken
 from simgap.report.verdict import notable, told_apart
@@ -39,7 +40,7 @@ def next_recordings(diagnosis: dict[str, Any], kind: str) -> Iterator[str]:
     if not (diagnosis.get("fit") or {}).get("held_out_runs"):
         yield "Record at least five separate runs: one of them can then be held out, which proves the result."
     for entry in diagnosis.get("ambiguous") or []:
-        yield f"To tell {listed(map(spoken, entry['names']), 'and')} apart: {entry['separate_by']}"
+        yield f"To tell {listed(rivals(entry), 'and')} apart: {entry['separate_by']}"
     shown_by = {effect.name: effect.excitation for effect in effects_of(kind)} if kind in kinds() else {}
     for effect in told_apart(diagnosis["effects"])[1]:
         if effect["name"] in shown_by:

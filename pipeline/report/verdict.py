@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from simgap.recordings.contradiction import SUSPECTED
+from simgap.report.improvement import sureness, why_unknown
 from simgap.report.inputs import ReportInputs
+from simgap.report.naming import each_once, rivals, subject_of, with_subject
 from simgap.report.section import Drawing, Section
 from simgap.report.text import (
     estimate,
-    interval,
     is_number,
     listed,
     minus,
@@ -39,13 +40,15 @@ class Named:
 
     Attributes:
         name: as the contract writes it.
-        words: the same as words, with its group where two groups have it.
+        words: the same as words, with its subject.
+        subject: what the name is about, as words; empty where the name says that.
         facts: its values and its probability.
         statement: what a person can do about it.
     """
 
     name: str
     words: str
+    subject: str
     facts: str
     statement: str
 
@@ -90,7 +93,7 @@ def summary(diagnosis: dict[str, Any]) -> Summary:
         believed=_named(believed, diagnosis["effects"]),
         perhaps=_named(doubted, diagnosis["effects"]),
         ambiguous=[
-            f"{listed(map(spoken, entry['names']), 'or')}: this recording cannot tell. To tell them apart: "
+            f"{listed(rivals(entry), 'or')}: this recording cannot tell. To tell them apart: "
             f"{_small(entry['separate_by'])}"
             for entry in diagnosis.get("ambiguous") or []
         ],
@@ -155,12 +158,6 @@ def doubts_of(diagnosis: dict[str, Any]) -> list[str]:
     return [warning for warning in diagnosis.get("warnings") or [] if not warning.startswith(said)]
 
 
-def why_unknown(fit: dict[str, Any]) -> str:
-    """Say why the share of the gap closed is not given."""
-    held_out = fit.get("held_out_runs")
-    return "the error is too close to its floor to measure it" if held_out else "no run could be held out"
-
-
 def verdict_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     """Say what the diagnosis found, before everything else."""
     diagnosis = inputs.diagnosis
@@ -172,38 +169,30 @@ def verdict_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
 
 def _believed(missing: Sequence[dict[str, Any]], wrong: Sequence[dict[str, Any]]) -> str:
     """Return one sentence without a full stop on what is believed; empty where nothing is."""
-    left_out = f"The simulator leaves out {listed(_distinct(missing))}" if missing else ""
-    numbers = listed(name.removesuffix(" error") for name in _distinct(wrong))
+    left_out = f"The simulator leaves out {listed(each_once(missing))}" if missing else ""
+    numbers = listed(each_once([entry | {"name": entry["name"].removesuffix("_error")} for entry in wrong]))
     mistaken = f"the platform file is wrong about {numbers}" if wrong else ""
     both = f"{left_out}, and {mistaken}" if missing and wrong else left_out or mistaken
     return both[:1].upper() + both[1:]
 
 
-def _distinct(effects: Sequence[dict[str, Any]]) -> list[str]:
-    """Name every effect once, though two groups may have it."""
-    return list(dict.fromkeys(spoken(effect["name"]) for effect in effects))
-
-
 def _contradicted(contradictions: Sequence[dict[str, Any]]) -> str:
-    suspicions = [f"{each['column']} ({_suspected(each)})" for each in contradictions]
+    suspicions = [
+        f"{each['column']} ({SUSPECTED.get(each['suspected'], spoken(each['suspected']))})"
+        for each in contradictions
+    ]
     suspected = f" Suspected: {listed(dict.fromkeys(suspicions))}." if suspicions else ""
     return f"Mend the recording or the platform file first: nothing can be named.{suspected}"
 
 
-def _suspected(contradiction: dict[str, Any]) -> str:
-    return SUSPECTED.get(contradiction["suspected"], spoken(contradiction["suspected"]))
-
-
 def _named(effects: Sequence[dict[str, Any]], among: Sequence[dict[str, Any]]) -> list[Named]:
-    names = [effect["name"] for effect in among]
     described = []
     for effect in effects:
-        # An effect that acts on two groups of a swerve drive is two entries of one name.
-        group = f" ({spoken(effect['acts_on'])})" if names.count(effect["name"]) > 1 else ""
+        name, subject = str(effect["name"]), subject_of(effect, among)
         facts = [*parameters(effect), f"probability {probability(effect.get('probability'))}"]
-        words = f"{spoken(effect['name'])}{group}"
+        statement = minus(str(effect.get("statement") or ""))
         described.append(
-            Named(str(effect["name"]), words, ", ".join(facts), minus(str(effect.get("statement") or "")))
+            Named(name, with_subject(spoken(name), subject), subject, ", ".join(facts), statement)
         )
     return described
 
@@ -238,8 +227,7 @@ def _closed(diagnosis: dict[str, Any]) -> str:
     )
     if not is_number(fit.get("gap_closed")):
         return f"How much of the gap closes is not known: {why_unknown(fit)}.{left}"
-    bounds = interval(fit.get("gap_closed_interval"))
-    sure = f" (95{chr(0x202F)}% interval {bounds})" if bounds else ""
+    sure = f" ({known})" if (known := sureness(fit)) else ""
     share = percent(fit["gap_closed"])
     return f"The corrected simulator closes {share} of the gap on runs never used for fitting{sure}.{left}"
 

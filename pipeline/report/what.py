@@ -1,6 +1,7 @@
 """What is missing: the effects named, those that cannot be told apart, and what has no name."""
 
 from simgap.report.inputs import ReportInputs
+from simgap.report.naming import rivals, subject_of
 from simgap.report.section import Drawing, Section
 from simgap.report.verdict import notable, parameters, size_of, told_apart
 
@@ -11,14 +12,14 @@ def what_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     if diagnosis is None:
         return None
     believed, doubted = (
-        [effect | {"values": parameters(effect)} for effect in effects]
+        [effect | {"values": parameters(effect), "about": subject_of(effect)} for effect in effects]
         for effects in told_apart(diagnosis["effects"])
     )
     unnamed = [entry | {"size": size_of(entry)} for entry in notable(diagnosis.get("unnamed") or [])]
     content = {
         "believed": believed,
         "doubted": doubted,
-        "ambiguous": diagnosis.get("ambiguous") or [],
+        "ambiguous": [entry | {"rivals": rivals(entry)} for entry in diagnosis.get("ambiguous") or []],
         "unnamed": unnamed,
     }
     return Section("what", "What it is", content)

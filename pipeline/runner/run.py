@@ -3,6 +3,7 @@
 import json
 import logging
 import math
+import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -95,6 +96,14 @@ class StageRun:
         if self.metrics and not path.exists():
             plain = {key: value if math.isfinite(value) else None for key, value in self.metrics.items()}
             path.write_text(json.dumps(plain, indent=2, sort_keys=True) + "\n")
+
+
+def in_pipeline() -> bool:
+    """Whether DVC runs the stage as a part of a branch: then a stage without work writes empty metrics for the others.
+
+    DVC says so in the environment of every command that it runs.
+    """
+    return bool(os.environ.get("DVC_STAGE"))
 
 
 def _how_to_get(path: Path) -> str:

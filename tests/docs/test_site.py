@@ -50,6 +50,15 @@ def test_the_readme_is_short_and_its_links_lead_somewhere():
         assert (PROJECT_ROOT / target.partition("#")[0]).exists(), target
 
 
+def test_links_between_pages_lead_somewhere_in_a_checkout_too():
+    """On a code host pages are files: a page that exists on the site alone cannot be followed there."""
+    docs = PROJECT_ROOT / "docs"
+    for page in docs.rglob("*.md"):
+        for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
+            if "://" not in target and not target.startswith("#"):
+                assert (page.parent / target.partition("#")[0]).exists(), (page.name, target)
+
+
 def build(folder, pages, **environment):
     """Build a small site of these pages by the project's own configuration."""
     whole = yaml.safe_load((PROJECT_ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
@@ -76,6 +85,19 @@ def test_a_tutorial_is_run_where_that_is_wanted(tmp_path, environment, output):
     done = build(tmp_path, pages, **environment)
     assert done.returncode == 0, done.stderr
     assert ("666" in (tmp_path / "site" / "tutorials" / "one.html").read_text(encoding="utf-8")) == output
+
+
+@pytest.mark.slow
+def test_a_link_to_a_tutorials_script_leads_to_its_page_on_the_site(tmp_path):
+    pages = {
+        "docs/index.md": "[one](tutorials/one.py#the-end)\n",
+        "docs/how_to/two.md": "[one](../tutorials/one.py)\n",
+        "docs/tutorials/one.py": "# %% [markdown]\n# ## The end\n",
+    }
+    done = build(tmp_path, pages)
+    assert done.returncode == 0, done.stderr
+    assert 'href="tutorials/one.html#the-end"' in (tmp_path / "site" / "index.html").read_text("utf-8")
+    assert 'href="../tutorials/one.html"' in (tmp_path / "site" / "how_to" / "two.html").read_text("utf-8")
 
 
 @pytest.mark.slow

@@ -131,7 +131,27 @@ def test_the_tiny_track_is_learnt(tmp_path):
     assert metrics["least_margin"] >= 0.15
 
 
-def test_a_branch_without_a_policy_trains_none_and_flies_none(tmp_path):
+def test_without_a_task_a_person_is_told_what_to_give_and_nothing_is_left(tmp_path):
+    command = [sys.executable, "-m", "simgap.stages.train_policy"]
+    environment = {key: value for key, value in os.environ.items() if key != "DVC_STAGE"}
+    for places in (["platform=racer"], ["platform=racer", "output=there"], []):
+        done = subprocess.run(
+            [*command, *places, f"tracking.uri=sqlite:///{tmp_path}/runs.db"],
+            cwd=tmp_path,
+            env=environment | {"PYTHONPATH": str(ROOT)},
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 2
+        assert done.stderr.splitlines() == [
+            "simgap train_policy: train_policy.task: no task is set, so there is nothing to train; "
+            f"give {'' if places else 'platform=racer '}train_policy=racing_quick"
+        ]
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_a_branch_without_a_policy_trains_none_and_flies_none(tmp_path, monkeypatch):
+    monkeypatch.setenv("DVC_STAGE", "train_policy@nanodrone")  # as DVC does
     for stage in (train_policy, evaluate):
         ran(stage, f"artifacts={tmp_path}", "tracking.enabled=false")
         assert [path.name for path in (tmp_path / stage.name).iterdir()] == ["metrics.json"]

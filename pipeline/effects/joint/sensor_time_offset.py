@@ -10,6 +10,7 @@ class JointTimeOffset(TimeOffset):
     """Position and velocity are recorded late relative to voltage or effort, or early if negative."""
 
     kind = "joint"
+    late = "position and velocity"
     needs = ("effort",)
     on_command_clock = ("voltage", "effort")
     excitation = "run a fast chirp or command steps, so that command and acceleration can be aligned"

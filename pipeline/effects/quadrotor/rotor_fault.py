@@ -26,6 +26,10 @@ class _RotorFault(WrenchEffect):
         """Each rotor is an entry of its own."""
         return f"{self.name}@{self.rotor}"
 
+    def subject(self, values: Values) -> str:
+        """Return the number of the rotor."""
+        return str(self.rotor)
+
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the change from the lost thrust: specific force, m/s², and torque, N·m."""
         index = self.rotor - 1

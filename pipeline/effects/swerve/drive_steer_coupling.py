@@ -11,6 +11,7 @@ class DriveSteerCoupling(ConstantEffect):
     name = "drive_steer_coupling"
     kind = "swerve"
     acts_on = "drive"
+    names_its_subject = True
     parameters = (Parameter("ratio", "1", 3.0, -50.0, 50.0),)
     formula = (
         "motor speed = gear_ratio · wheel speed + ratio · module rate; module torque += ratio · motor torque"

@@ -9,6 +9,7 @@ class InertiaError(ParameterError):
     name = "inertia_error"
     kind = "swerve"
     acts_on = "drive"
+    names_its_subject = True
     formula = "inertia = ratio · nominal inertia"
     source = "the platform's nominal equations"
     sentence = "The inertia is {ratio} times the value in the platform file; correct it."

@@ -9,6 +9,7 @@ class MassError(ParameterError):
     name = "mass_error"
     kind = "swerve"
     acts_on = "drive"
+    names_its_subject = True
     formula = "mass = ratio · nominal mass"
     source = "the platform's nominal equations"
     sentence = "The mass is {ratio} times the value in the platform file; correct it."

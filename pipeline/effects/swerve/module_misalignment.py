@@ -12,6 +12,7 @@ from simgap.platforms.swerve_constraint import along_the_wheels
 from simgap.platforms.swerve_kinematics import lateral_matrix, rolling_speed
 
 _OFFSETS = tuple(f"offset_{module}" for module in range(1, 5))
+_STANDS_OUT = 2.0  # times the next offset, from which on one module is to blame; a choice of words, no test
 
 
 class ModuleMisalignment(ConstantEffect, WrenchEffect):
@@ -40,6 +41,12 @@ class ModuleMisalignment(ConstantEffect, WrenchEffect):
     excitation = "accelerate hard along x, along y and in yaw, and record the chassis' own motion"
     symptom = "The robot drifts or yaws in a straight drive, and the drive motors need more torque."
     look_alikes = ("slope",)
+
+    def subject(self, values: Values) -> str:
+        """Return the number of the module that is off by more than twice as much as any other one, or ""."""
+        sizes = [abs(float(values[name])) for name in _OFFSETS]
+        second, first = sorted(sizes)[-2:]
+        return str(sizes.index(first) + 1) if first > _STANDS_OUT * second else ""
 
     def adjust(self, constants: Values, values: Values) -> dict[str, Any]:
         """Return the constants with the modules' offsets."""

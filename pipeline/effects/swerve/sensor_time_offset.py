@@ -11,6 +11,7 @@ class SwerveTimeOffset(TimeOffset):
 
     kind = "swerve"
     acts_on = "chassis"
+    late = "motion"
     on_command_clock = ("drive_voltage", "steer_voltage")
     sentence = (
         "The motion was recorded {offset} s late relative to the voltages, which looks like an equal delay of"

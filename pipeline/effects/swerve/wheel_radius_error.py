@@ -9,6 +9,7 @@ class WheelRadiusError(ParameterError):
     name = "wheel_radius_error"
     kind = "swerve"
     acts_on = "drive"
+    names_its_subject = True
     formula = "wheel_radius = ratio · nominal wheel_radius"
     source = "the platform's nominal equations"
     sentence = (

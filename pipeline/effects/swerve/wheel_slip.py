@@ -22,6 +22,7 @@ class WheelSlip(ActuatorEffect):
     name = "wheel_slip"
     kind = "swerve"
     acts_on = "drive"
+    names_its_subject = True
     parameters = (Parameter("friction_coefficient", "1", 0.9, 0.02, 100.0, neutral=100.0),)
     formula = (
         "√(pull² + side force²) ≤ friction_coefficient · mass · gravity / 4 for each wheel, both cut alike; beyond it "

@@ -24,8 +24,7 @@ from simgap.recordings.cleaning.straight import erase_straight
 from simgap.recordings.cleaning.work import RunUnderCleaning, changes_table
 from simgap.recordings.contract import REQUIRED
 from simgap.recordings.recording import Recording
-from simgap.recordings.resemblance import distances_of
-from simgap.recordings.split import Split, split_runs
+from simgap.recordings.split import Split, split_recording
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,7 @@ def clean_with_coverage(
     settings.check()
     split = split or Split()
     if recording.cleaned:
-        parts = split_runs(recording.runs, split, seed, distances_of(recording.frame))
+        parts = split_recording(recording.frame, recording.kind, split, seed)
         runs = [_take_up(recording, name, rows) for name, rows in _by_run(recording)]
         return Cleaned(dataclasses.replace(recording, split=parts), changes_table([]), coverage(runs))
     runs = [_take_up(recording, name, rows) for name, rows in _by_run(recording)]
@@ -89,7 +88,7 @@ def clean_with_coverage(
     result = dataclasses.replace(
         recording,
         frame=frame,
-        split=split_runs([run.name for run in usable], split, seed, distances_of(frame)),
+        split=split_recording(frame, recording.kind, split, seed),
         clock_offset={run.name: run.clock_offset for run in usable if run.clock_offset is not None},
         noise_kept={run.name: run.noise_kept for run in usable if run.noise_kept < 1.0},
         cleaned=True,

@@ -74,3 +74,10 @@ def test_a_row_says_what_is_known_found_and_restored():
         "`friction` back",
         "12",
     ]
+
+
+def test_one_held_out_run_has_no_interval():
+    answer = diagnosis(backlash=(0.9, 1.0)) | {"branch": "servo"}
+    answer["score"] = score_published(KNOWN, answer)
+    answer["diagnosis"]["fit"]["gap_closed_interval"] = None
+    assert published_rows([answer])[0][3] == "80% (one run: no interval)"

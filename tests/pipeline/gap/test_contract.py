@@ -7,9 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simgap.gap.contract import diagnosis_document, write_json
+from simgap.effects import effect_by_key
+from simgap.gap.ambiguity import Rivalry
+from simgap.gap.contract import ambiguous, diagnosis_document, write_json
 from simgap.gap.evidence import write_evidence
-from simgap.simulation import Simulator, read_simulator, write_simulator
+from simgap.simulation import FittedEffect, Simulator, read_simulator, write_simulator
 from tests.contract_checker import check_diagnosis, read_diagnosis
 from tests.pipeline.gap.problems import diagnosed, quick
 from tests.pipeline.gap.recordings import (
@@ -49,6 +51,19 @@ def test_every_verdict_is_written_as_the_contract_says(plant, verdict, tmp_path)
 def test_a_quadrotor_is_written_as_the_contract_says():
     simulator = Simulator(replace(racer(), mass=racer().mass / 1.15))
     check_diagnosis(diagnosis_document(quick(uneventful_flights()[0], simulator)), "quadrotor")
+
+
+def test_rivals_come_with_their_subjects():
+    def swerve(key):
+        return effect_by_key("swerve", key)
+
+    rivalry = Rivalry(swerve("backlash@steer"), (swerve("module_misalignment@chassis"),), 0.6)
+    offsets = {f"offset_{module}": 0.3 * (module == 2) for module in range(1, 5)}
+    known = {"module_misalignment@chassis": FittedEffect(swerve("module_misalignment@chassis"), offsets)}
+    for fitted, module in ((known, "2"), ({}, None)):
+        entry = ambiguous(rivalry, fitted)
+        assert entry["names"] == ["backlash", "module_misalignment"]
+        assert entry["subjects"] == ["steer", module]
 
 
 def test_units_follow_the_axis_and_places_are_the_contracts():

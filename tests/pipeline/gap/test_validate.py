@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from simgap.effects import effect_by_key
 from simgap.errors import InputError
 from simgap.gap.diagnosis import diagnose
+from simgap.gap.horizon import horizon_errors
 from simgap.gap.residuals import channels_on, noise_of_rows
 from simgap.gap.settings import Gap
 from simgap.gap.validate import Validation, gap_closed, validate
@@ -100,6 +101,25 @@ def test_the_interval_contains_the_estimate(plant):
     low, high = validation.interval
     assert low <= validation.gap_closed <= high <= 1.0
     assert validation.after < validation.before
+
+
+@pytest.mark.parametrize(("held", "known"), [((5,), False), ((4, 5), True), ((1, 2, 3, 4, 5), True)])
+def test_one_held_out_run_gives_no_interval(held, known):
+    """Stretches of one run say nothing about another run."""
+    nominal = joint_simulator()
+    friction = joint_simulator(FittedEffect(effect_by_key("joint", "coulomb_friction"), {"level": 0.3}))
+    problem = problem_of(joint_recording(Plant(friction=0.3)), nominal)
+    blocks = problem.blocks.of_runs([f"run_{run}" for run in held])
+    validation = validate(
+        nominal, friction, blocks, problem.functions, list(channels_on(nominal, blocks)), True, resamples=50
+    )
+    assert len(validation.held_out_runs) == len(held)
+    assert validation.gap_closed > 0.8
+    assert (validation.interval is not None) == known
+    for error in horizon_errors(nominal, friction, blocks, 0.2, 50):
+        for curve in (error.before, error.after):
+            assert torch.isfinite(curve[:, 0]).all()
+            assert bool(torch.isfinite(curve).all()) == known
 
 
 def test_one_run_proves_nothing_and_says_so():

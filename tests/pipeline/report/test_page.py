@@ -90,6 +90,37 @@ def test_every_verdict_has_a_page_under_one_and_a_half_megabytes(tmp_path, verdi
     assert len(page.encode()) < MOST_BYTES
 
 
+def test_the_page_says_which_rotor_a_fault_is_about(tmp_path):
+    path = make_branch(tmp_path) / "diagnose" / "diagnosis.json"
+    found = json.loads(path.read_text())
+    found["effects"][0] |= {"name": "rotor_fault", "subject": "3"}
+    found["ambiguous"] = [
+        {"names": ["rotor_fault", "steady_wind"], "subjects": ["3", None], "separate_by": "Hover and turn."}
+    ]
+    path.write_text(json.dumps(found))
+    page = page_of(ReportInputs.of_branch(tmp_path), tmp_path)
+    assert "<strong>rotor fault (rotor 3)</strong>: " in page  # the verdict
+    assert "<strong>rotor fault</strong> (rotor 3)<br>" in page  # the table
+    assert "<strong>rotor fault (rotor 3) or steady wind</strong>: Hover and turn." in page
+    assert "To tell rotor fault (rotor 3) and steady wind apart" in page
+
+
+def test_one_held_out_run_has_no_interval_and_no_bands(tmp_path):
+    folder = make_branch(tmp_path) / "diagnose"
+    path, curves = folder / "diagnosis.json", folder / "evidence" / "horizon.json"
+    found, horizons = json.loads(path.read_text()), json.loads(curves.read_text())
+    found["fit"] |= {"held_out_runs": ["melon_run1"], "gap_closed_interval": None}
+    for entry in horizons:
+        entry |= {key: [None] * len(entry["horizon"]) for key in entry if key.endswith(("_low", "_high"))}
+    path.write_text(json.dumps(found))
+    curves.write_text(json.dumps(horizons))
+    page = page_of(ReportInputs.of_branch(tmp_path), tmp_path)
+    assert "(one run: no interval)" in page
+    assert "One run: no interval." in page
+    assert "95\u202f% interval" not in page.partition('<section id="traces">')[0]
+    assert "bootstrap intervals" not in page
+
+
 def test_a_page_full_of_evidence_stays_under_the_bound(tmp_path):
     branch = make_branch(tmp_path)
     evidence = branch / "diagnose" / "evidence"

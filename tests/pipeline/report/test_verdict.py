@@ -42,6 +42,15 @@ def test_how_much_of_the_gap_closes_is_said_with_what_is_left():
     assert summary(found).closed.endswith("What is left is 3 times the noise.")
 
 
+def test_one_run_that_was_held_out_gives_no_interval_and_says_so():
+    found = diagnosis("missing_physics")
+    found["fit"] |= {"held_out_runs": ["melon_run1"], "gap_closed_interval": None}
+    assert "closes 97% of the gap on runs never used for fitting (one run: no interval)." in plain(
+        summary(found).closed
+    )
+    assert any("(one run: no interval)" in line for line in terminal_lines(found))
+
+
 @pytest.mark.parametrize(
     ("closed", "after", "said"),
     [
@@ -83,6 +92,35 @@ def test_an_effect_in_two_groups_is_named_once_and_told_apart_below():
         "viscous friction (drive)",
         "viscous friction (steer)",
     ]
+
+
+def test_a_subject_is_said_wherever_the_name_is():
+    found = diagnosis("missing_physics")
+    entry = found["effects"][0]
+    found["effects"] = [
+        entry | {"name": "rotor_fault", "subject": "3"},
+        entry | {"name": "rotor_fault", "subject": "4"},
+        entry | {"name": "motor_constant_error", "subject": "drive"},
+        entry | {"name": "rotor_drag", "subject": None},
+    ]
+    found["ambiguous"] = [
+        {"names": ["backlash", "slope"], "subjects": ["steer", None], "separate_by": "Turn to and fro."}
+    ]
+    assert headline(found) == (
+        "The simulator leaves out rotor fault (rotor 3 and rotor 4) and rotor drag, and the platform file is wrong "
+        "about motor constant (drive)."
+    )
+    said = summary(found)
+    assert [effect.words for effect in said.believed] == [
+        "rotor fault (rotor 3)",
+        "rotor fault (rotor 4)",
+        "motor constant error (drive)",
+        "rotor drag",
+    ]
+    assert said.ambiguous[0].startswith("backlash (steer) or slope: this recording cannot tell.")
+    lines = terminal_lines(found)
+    assert any(line.startswith("  rotor_fault (rotor 3): ") for line in lines)
+    assert any(line.startswith("  rotor_drag: ") for line in lines)
 
 
 def test_what_has_no_name_is_said_with_its_size_and_the_noise():
