@@ -38,7 +38,7 @@ def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
     that is shorter than the sampling can show counts as zero, since the diagnosis does not name it.
     """
     from simgap.effects import effect_by_key
-    from simgap.gap.prepare import prepare
+    from simgap.gap.reading import likeliest_reading
     from simgap.gap.residuals import noise_of_rows, residual_rows
     from simgap.gap.resolution import is_short
     from simgap.platforms.settings import SimulatorSettings
@@ -48,10 +48,10 @@ def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
 
     recording, key = record_drawn(case)
     cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, case.seed).recording
-    nominal = build_simulator(case.platform, SimulatorSettings(), cleaned.units)
-    prepared = prepare(cleaned, nominal, config.gap)
-    blocks, functions = prepared.problem.blocks, prepared.problem.functions
     known = _known(case.kind, key)
+    whole = build_simulator(case.platform, SimulatorSettings(effects=known), cleaned.units)
+    prepared = likeliest_reading(cleaned, whole, config.gap).prepared
+    blocks, functions = prepared.problem.blocks, prepared.problem.functions
     without = {name: values for name, values in known.items() if not _is_of(name, effect)}
     simulators = [
         replace(

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
-from simgap.gap.candidate import BEYOND_NOISE
 from simgap.gap.fit import Fit, Problem, excess_of
+from simgap.gap.settings import BEYOND_NOISE
 from simgap.platforms.mechanism import Channel
 
 _COARSE_SHARE = 0.5  # time step over settling time, above which samples do not resolve the motion

@@ -7,9 +7,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from simgap.gap.ambiguity import Rivalry
-from simgap.gap.candidate import Candidate
 from simgap.gap.diagnosis import Diagnosis
+from simgap.gap.name import Named, Rivalry
 from simgap.simulation import FittedEffect
 
 SCHEMA = "simgap.diagnosis/1"
@@ -19,7 +18,8 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the diagnosis as plain numbers, texts and lists."""
     fitted = {f.effect.key: f for f in diagnosis.simulator.effects}
     effects = [
-        _effect(diagnosis, candidate, fitted[candidate.effect.key]) for candidate in diagnosis.naming.named
+        _effect(diagnosis, named, fitted.get(named.effect.key, named.fitted))
+        for named in diagnosis.naming.named
     ]
     validation = diagnosis.validation
     return {
@@ -63,14 +63,14 @@ def _mismatch(mismatch: Any) -> dict[str, Any]:
     }
 
 
-def _effect(diagnosis: Diagnosis, candidate: Candidate, fitted: FittedEffect) -> dict[str, Any]:
-    effect, unit = candidate.effect, diagnosis.simulator.position_unit
+def _effect(diagnosis: Diagnosis, named: Named, fitted: FittedEffect) -> dict[str, Any]:
+    effect, unit = named.effect, diagnosis.simulator.position_unit
     units = effect.units(unit)
     acts_on = "force" if effect.acts_on == "torque" and unit == "m" else effect.acts_on
     return {
         "name": effect.name,
         "subject": effect.subject(fitted.values) or None,
-        "probability": diagnosis.probabilities[effect.key],
+        "probability": named.probability,
         "acts_on": acts_on,
         "parameters": {
             name: {"value": value, "std": fitted.std[name], "unit": units[name]}

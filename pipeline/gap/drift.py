@@ -1,7 +1,6 @@
 """Drift of fitted parameters between runs: a sign that an effect absorbs another one."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
@@ -64,8 +63,9 @@ def _estimate(
     count = int(groups.max()) + 1
     if count < 4:
         return None
-    jacobian = fit.jacobian[mine][..., columns] / fit.scale[..., None]
-    residual = fit.residual[mine] / fit.scale
+    scale = fit.scale.expand_as(fit.residual)[mine]
+    jacobian = fit.jacobian[mine][..., columns] / scale[..., None]
+    residual = fit.residual[mine] / scale
     gram = torch.einsum("brcp,brcq->pq", jacobian, jacobian)
     bread = inverse_of(gram)
     change = bread @ torch.einsum("brcp,brc->p", jacobian, residual)
@@ -88,8 +88,3 @@ def _heterogeneity(name: str, pairs: list[tuple[float, float]], distance: float)
     between = max(q - freedom, 0.0) / others if others > 0 else 0.0
     spread = math.sqrt(between) / max(distance, 1e-12)
     return Drift(name, spread, float(stats.chi2.sf(q, freedom)))
-
-
-def unsteadiness_of(drifts: Sequence[Drift]) -> float:
-    """Return the greatest drift between runs that is both certain and large, over the value."""
-    return max((drift.spread for drift in drifts if drift.notable), default=0.0)

@@ -9,11 +9,10 @@ import pandas as pd
 import torch
 from torch import Tensor
 
-from simgap.gap.candidate import Candidate
-from simgap.gap.candidates_table import candidates
 from simgap.gap.contract import write_json
 from simgap.gap.diagnosis import Diagnosis, regimes_on
 from simgap.gap.learned import LearnedResidual
+from simgap.gap.ranking import candidates, hypotheses
 from simgap.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
 from simgap.gap.residuals import channel_series, measured_rows, residual_rows
 from simgap.gap.validate import gap_closed
@@ -25,7 +24,6 @@ _BINS = 8
 _LAW_BINS = 15
 _MOST_ROWS = 20_000
 _Z95 = 1.96
-_SCORE = "explained share of the error energy above the noise, cross-validated over runs, in the effect's best channel"
 
 
 def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
@@ -33,11 +31,9 @@ def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     traces(diagnosis).to_parquet(folder / "traces.parquet", index=False)
     residuals(diagnosis).to_parquet(folder / "residuals.parquet", index=False)
-    write_json(competition(diagnosis), folder / "competition.json")
+    write_json({"probabilities": diagnosis.naming.posterior.inclusion()}, folder / "posterior.json")
+    write_json(hypotheses(diagnosis), folder / "hypotheses.json")
     write_json(candidates(diagnosis), folder / "candidates.json")
-    write_json(
-        {key: asdict(features) for key, features in diagnosis.features.items()}, folder / "features.json"
-    )
     write_json(laws(diagnosis), folder / "laws.json")
     write_json(horizons(diagnosis), folder / "horizon.json")
     write_json(regime_maps(diagnosis), folder / "regimes.json")
@@ -147,30 +143,6 @@ def samples(entry: LearnedResidual) -> pd.DataFrame:
     return pd.DataFrame(columns | {"residual": entry.neighbours.outputs[:, 0].numpy()})
 
 
-def competition(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return every round of the selection with its candidates, the best first."""
-    kept = {candidate.effect.key for candidate in diagnosis.naming.named}
-    steps = []
-    for number, turn in enumerate((turn for turn in diagnosis.naming.rounds if turn.candidates), start=1):
-        ranked = sorted(turn.candidates, key=lambda candidate: -candidate.gain)
-        entries = [_entry(c, turn.winner is c, c.effect.key in kept) for c in ranked]
-        steps.append({"step": number, "candidates": entries})
-    return {"metric": _SCORE, "steps": steps}
-
-
-def _entry(candidate: Candidate, chosen: bool, kept: bool) -> dict[str, Any]:
-    dropped = "dropped later" if chosen and not kept else ""
-    return {
-        "name": candidate.effect.key,
-        "gain": candidate.share,
-        "gain_low": candidate.share_interval[0],
-        "gain_high": candidate.share_interval[1],
-        "p_value": candidate.p_value,
-        "chosen": chosen,
-        "note": candidate.refusal or dropped,
-    }
-
-
 def laws(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """Return, for each named effect and channel it acts on, its law drawn through what it explains."""
     blocks, fit = diagnosis.fitting.blocks, diagnosis.naming.fit
@@ -178,8 +150,9 @@ def laws(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     regimes = [(r, mean_of(functions, r.series).flatten()) for r in regimes_on(blocks, diagnosis.simulator)]
     cluster = diagnosis.fitting.cluster.repeat_interleave(len(functions.centres))
     drawn = []
-    for candidate in diagnosis.naming.named:
-        kept = tuple(f for f in diagnosis.simulator.effects if f.effect.key != candidate.effect.key)
+    inside = {f.effect.key for f in fit.simulator.free}
+    for key in (named.effect.key for named in diagnosis.naming.named if named.effect.key in inside):
+        kept = tuple(f for f in diagnosis.simulator.effects if f.effect.key != key)
         without = residual_rows(diagnosis.simulator.with_effects(kept), blocks, functions)
         contribution = without - fit.residual
         for i, channel in enumerate(diagnosis.channels):
@@ -187,7 +160,7 @@ def laws(diagnosis: Diagnosis) -> list[dict[str, Any]]:
             if float(law.abs().max()) > 0:
                 target = law + fit.residual[..., i].flatten()
                 drawn.append(
-                    {"effect": candidate.effect.key, "channel": channel.name, "unit": channel.unit}
+                    {"effect": key, "channel": channel.name, "unit": channel.unit}
                     | _law(law, target, regimes, cluster)
                 )
     return drawn

@@ -41,9 +41,9 @@ class Hypothesis:
     prior: float
 
     @property
-    def place(self) -> tuple[bool, frozenset[str]]:
+    def place(self) -> tuple[tuple[bool, str], frozenset[str]]:
         """What tells it from other hypotheses."""
-        return self.reading.held, self.keys
+        return self.reading.timing, self.keys
 
     @property
     def names(self) -> frozenset[str]:

@@ -7,52 +7,63 @@ import torch
 from torch import Tensor
 
 from simgap.effects import Effect, ParameterError
-from simgap.gap.candidate import BEYOND_NOISE
 from simgap.gap.candidates import allowed, available_signals
-from simgap.gap.command_hold import cost_of, left_of
-from simgap.gap.fit import Problem, channel_scale, excess_of, fit
-from simgap.gap.name import Naming
-from simgap.gap.prepare import Prepared
+from simgap.gap.fit import Problem
+from simgap.gap.hypothesis import Hypothesis
+from simgap.gap.reading import Reading
 from simgap.gap.scoring import independent_clusters
 from simgap.gap.settings import Gap
-from simgap.gap.short_lags import name_with_short_lags
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 
 _DRIVER_STEP = 0.01  # relative step of the finite difference in a driver
-_LEAST_COST = 2.0  # least cost of a latent input and its effect
+_UNRECORDED = 0.5
+"""Odds that the driver of an effect was at work where nobody recorded it."""
 _DRIVER_PASSES = 2  # a thrust depends on the square of a voltage
 
 
-def name_with_latent_inputs(prepared: Prepared, naming: Naming, settings: Gap) -> tuple[Prepared, Naming]:
-    """Repeat the selection with estimates of the latent inputs, and keep it if it costs less.
+def driven_readings(centre: Hypothesis, settings: Gap) -> list[tuple[Reading, list[Effect]]]:
+    """Return readings in which a driver that was not recorded is estimated, each with the effects that it drives.
 
-    An unrecorded driver that changes between runs looks like a parameter error that drifts. Each latent input costs as
-    much as a name.
+    A driver that changes between runs looks like a parameter error that drifts. It is estimated beside the effects of a
+    hypothesis; for each stretch by the others of its run, so that an estimate explains no row that it was made of.
+
+    Args:
+        centre: what is known beside.
+        settings: of the gap engine.
     """
-    effects = undriven(prepared.nominal, prepared.problem.blocks, settings.effects)
-    if not effects or not _suspicious(prepared, naming):
-        return prepared, naming
-    known = [f for f in naming.fit.simulator.effects if not isinstance(f.effect, ParameterError)]
-    simulator = prepared.nominal.with_effects(tuple(known))
-    problem, proving = prepared.problem, prepared.proving
+    reading, found = centre.reading, []
+    effects = undriven(reading.nominal, reading.problem.blocks, settings.effects)
+    known = [f for f in centre.fit.simulator.effects if not isinstance(f.effect, ParameterError)]
+    simulator = reading.nominal.with_effects(tuple(known))
     for driver in sorted({effect.driver for effect in effects}):
-        law = DriverLaw.of([effect for effect in effects if effect.driver == driver], problem, simulator)
-        problem = replace(problem, blocks=with_signal(problem.blocks, driver, law.along(problem)))
-        proving = with_signal(proving, driver, law.along(_problem_on(proving, problem)))
-    if not _may_cost_less(naming, effects, problem, simulator):
-        return prepared, naming
-    driven = replace(prepared, problem=problem, proving=proving)
-    driven, renamed = name_with_short_lags(driven, settings)
-    used = {c.effect.driver for c in renamed.named} & {effect.driver for effect in effects}
-    if not used or cost_of(renamed, problem.noise) + len(used) >= cost_of(naming, problem.noise):
-        return prepared, naming
-    remarks = [
-        f"{driver} was not recorded: its changes within each run were estimated from the motion, its absolute value is "
+        driven = [effect for effect in effects if effect.driver == driver]
+        law = DriverLaw.of(driven, reading.problem, simulator)
+        found.append((_with_driver(reading, law, driven), driven))
+    return found
+
+
+def _with_driver(reading: Reading, law: "DriverLaw", driven: Sequence[Effect]) -> Reading:
+    prepared, name = reading.prepared, law.name
+    problem = prepared.problem
+    estimated = replace(problem, blocks=with_signal(problem.blocks, name, law.along(problem)))
+    proving = with_signal(prepared.proving, name, law.along(_problem_on(prepared.proving, problem)))
+    remark = (
+        f"{name} was not recorded: its changes within each run were estimated from the motion, its absolute value is "
         "unknown; record it to be sure"
-        for driver in sorted(used)
-    ]
-    return replace(driven, remarks=[*driven.remarks, *remarks]), renamed
+    )
+    prepared = replace(prepared, problem=estimated, proving=proving, remarks=[*prepared.remarks, remark])
+    catalogue = (*reading.catalogue, *driven)
+    return Reading(
+        reading.held, prepared, catalogue, reading.odds * _UNRECORDED * _share_of_levels(problem), name
+    )
+
+
+def _share_of_levels(problem: Problem) -> float:
+    """Return what one free level for each run costs, as odds: (stretches in the run)^(−½) (Schwarz 1978)."""
+    runs = torch.unique(torch.stack([problem.blocks.run, problem.cluster]), dim=1)[0]
+    _, stretches = torch.unique(runs, return_counts=True)
+    return float(stretches.double().rsqrt().prod())
 
 
 def undriven(simulator: Simulator, blocks: Blocks, names: Sequence[str] | None) -> list[Effect]:
@@ -110,7 +121,7 @@ class DriverLaw:
         line = constant(problem.blocks, self.rest)
         for _ in range(_DRIVER_PASSES):
             residual, answer = self._answer(problem, line - taken, torch.ones_like(line))
-            scale = channel_scale(residual, problem.noise)
+            scale = problem.scale(residual)
             information = (answer / scale).square().sum((1, 2))
             score = (answer * residual / scale.square()).sum((1, 2))
             shown = problem.blocks.inner(line).mean(1) + score / information.clamp_min(1e-300)
@@ -122,7 +133,7 @@ class DriverLaw:
         series = constant(problem.blocks, self.rest)
         residual, level = self._answer(problem, series, torch.ones_like(series))
         _, falling = self._answer(problem, series, -load)
-        weight = 1.0 / channel_scale(residual, problem.noise)
+        weight = (1.0 / problem.scale(residual)).expand_as(residual)
         time = problem.blocks.start[:, None, None]
         apart = [torch.zeros(()), torch.zeros(())]
         for run in torch.unique(problem.blocks.run):
@@ -133,7 +144,7 @@ class DriverLaw:
                 falling[mine],
                 residual[mine],
             ]
-            line, slope, own, left = ((column * weight).flatten() for column in columns)
+            line, slope, own, left = ((column * weight[mine]).flatten() for column in columns)
             basis = torch.linalg.qr(torch.stack([line, slope], dim=1))[0]
             own = own - basis @ (basis.T @ own)
             apart = [apart[0] + own @ left, apart[1] + own @ own]
@@ -182,20 +193,6 @@ def _lines(problem: Problem, shown: Tensor, information: Tensor, rest: float, sl
             slope = (weight * (time - centre) * (shown[others] - level)).sum() / spread * float(sloping)
             series[mine] = level + slope * (blocks.start[mine, None] + offset - centre)
     return series
-
-
-def _suspicious(prepared: Prepared, naming: Naming) -> bool:
-    """Whether more than noise is left, or a parameter error is named, and a latent input could cost less."""
-    left = excess_of(naming.fit, prepared.problem.noise) > BEYOND_NOISE
-    taken_up = any(isinstance(c.effect, ParameterError) for c in naming.named)
-    return (bool(left.any()) or taken_up) and cost_of(naming, prepared.problem.noise) > _LEAST_COST
-
-
-def _may_cost_less(naming: Naming, effects: Sequence[Effect], problem: Problem, simulator: Simulator) -> bool:
-    """Whether all named effects and all driven effects, fitted together, could cost less."""
-    driven = tuple(FittedEffect(effect, effect.defaults()) for effect in effects)
-    together = fit(simulator.with_effects((*naming.fit.simulator.effects, *driven)), problem)
-    return left_of(together, problem.noise) + _LEAST_COST < cost_of(naming, problem.noise)
 
 
 def _problem_on(blocks: Blocks, problem: Problem) -> Problem:

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
+from scipy import stats
 from torch import Tensor
 
-from simgap.gap.ambiguity import is_beyond_chance
 from simgap.gap.fit import Problem
 from simgap.gap.regimes import Regime
 from simgap.physics.weak_form import WindowFunctions, mean_of
@@ -17,6 +17,7 @@ from simgap.simulation.knn_residual import NearestNeighbours
 _NEIGHBOUR_COUNTS = (5, 15, 45, 135)  # numbers of neighbours
 _MOST_SAMPLES = 4000  # windows that are stored
 _LEARNED_LEVEL = 0.05  # level of the test, over all channels
+_SLIGHT = 1.0  # of log likelihood: a bare mention (Kass & Raftery 1995, Bayes factors)
 _FEATURE_ROUNDING = 1e-9  # of a feature's size
 _LEAST_ENERGY = 0.2  # of the noise energy, as for a formula
 
@@ -136,4 +137,5 @@ def _predicts(explained: Tensor, left: Tensor, problem: Problem, place: int, cha
         return False
     clusters = explained.new_zeros(int(problem.cluster.max()) + 1)
     gained = clusters.index_add(0, problem.cluster, explained) / (2.0 * left.square().mean())
-    return is_beyond_chance(gained, _LEARNED_LEVEL / channels)
+    chance = stats.ttest_1samp(gained.numpy(), 0.0, alternative="greater").pvalue
+    return float(gained.sum()) > _SLIGHT and float(chance) <= _LEARNED_LEVEL / channels

@@ -1,112 +1,138 @@
-"""Selection of the missing effects: the order of the selection's moves."""
+"""What is named: the effects that the posterior over hypotheses believes in."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-from simgap.effects import Effect, MeasurementEffect, ParameterError
-from simgap.gap.ambiguity import Rivalry, is_beyond_chance
-from simgap.gap.candidate import Candidate
-from simgap.gap.competition import Competition, Round
+import torch
+
+from simgap.effects import Effect
+from simgap.gap.calibration import calibrated
 from simgap.gap.fit import Fit, Problem
-from simgap.gap.look_alikes import substitute, unite
-from simgap.gap.settings import Gap
-from simgap.simulation import FittedEffect, Simulator
+from simgap.gap.hypothesis import Hypothesis
+from simgap.gap.posterior import Posterior, posterior_of
+from simgap.gap.reading import Reading
+from simgap.gap.refit import remove
+from simgap.gap.search import Search
+from simgap.gap.settings import BELIEVED, Gap
+from simgap.simulation import FittedEffect
 
-_OUTDONE = 0.1  # weight among rivals, below which one more exchange is tried
-_TIMES_NOISE_ENERGY = 10.0  # times the energy of the noise
+_LEAST_EXCESS = 0.01
+"""Of the noise energy: what a share is related to where nothing was left."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """One named effect.
+
+    Attributes:
+        fitted: the effect with its values.
+        probability: of its being there, recalibrated.
+        channel: index of the channel of whose residual it explains most.
+        share: of the error above the noise there that it explains beside the others.
+    """
+
+    fitted: FittedEffect
+    probability: float
+    channel: int
+    share: float
+
+    @property
+    def effect(self) -> Effect:
+        """The effect."""
+        return self.fitted.effect
+
+
+@dataclass(frozen=True)
+class Rivalry:
+    """A named effect and those that the recording cannot tell from it.
+
+    Attributes:
+        winner: the named effect.
+        rivals: effects of which one is there in its place.
+    """
+
+    winner: Effect
+    rivals: tuple[Effect, ...]
 
 
 @dataclass(frozen=True)
 class Naming:
-    """The result of the selection.
+    """The result of the search.
 
     Attributes:
-        base: fit of the nominal simulator.
-        fit: fit of the simulator with every named effect.
-        named: the named effects, each scored as if it had entered last.
-        rounds: all rounds of the selection.
-        rivalries: named effects with look-alikes.
-        short: named effects whose delay is shorter than the sampling can show.
-        dropped: why an effect that was added is out again, by key.
+        posterior: over all hypotheses that were visited.
+        base: fit of the nominal simulator to the rows of the best hypothesis.
+        fit: of the best hypothesis.
+        named: the named effects, the most probable first.
+        rivalries: named effects with rivals.
+        complete: whether the search came to its end within its budget.
     """
 
+    posterior: Posterior
     base: Fit
     fit: Fit
-    named: tuple[Candidate, ...]
-    rounds: tuple[Round, ...]
+    named: tuple[Named, ...]
     rivalries: tuple[Rivalry, ...]
-    short: tuple[FittedEffect, ...] = ()
-    dropped: Mapping[str, str] = field(default_factory=dict)
+    complete: bool
+
+    @property
+    def best(self) -> Hypothesis:
+        """The most probable hypothesis."""
+        return self.posterior.best
+
+    @property
+    def probabilities(self) -> dict[str, float]:
+        """The probability of each effect that was considered, by key, recalibrated, the most probable first."""
+        return {key: calibrated(raw) for key, raw in self.posterior.inclusion().items()}
 
 
-def name(simulator: Simulator, problem: Problem, settings: Gap) -> Naming:
-    """Select the effects that explain the residual of a nominal simulator.
+def name(readings: Sequence[Reading], settings: Gap) -> Naming:
+    """Search for the effects that a nominal simulator lacks.
 
-    Clock offsets and errors of platform numbers come first, since they are not missing physics. Then one effect is
-    added at a time, with backward elimination. If a number was named and more than noise is left, the selection is
-    repeated with the whole catalogue from the start; it counts if it predicts significantly better. If ten times the
-    noise is still left, a selection begins with all numbers and the usual friction together, and another one adds them
-    to the named effects, because they may show only together.
+    Args:
+        readings: the recording under every timing of its commands.
+        settings: of the gap engine.
     """
-    competition = Competition(simulator, problem, settings)
-    settled = _numbers_and_clocks(competition.catalogue)
-    competition.run(settled)
-    competition.finish()
-    rests_on_them = competition.names() & {effect.key for effect in settled}
-    if competition.leaves_more_than_noise() and competition.has_room() and rests_on_them:
-        again = Competition(simulator, problem, settings)
-        again.finish()
-        if is_beyond_chance(again.scores() - competition.scores()):
-            competition = again
-    competition = _begun_with_usual(competition, Competition(simulator, problem, settings))
-    competition = _begun_with_usual(competition, competition.continued())
-    competition.conclude()
-    rivalries = _rivalries(competition)
-    if any(rivalry.weight < _OUTDONE for rivalry in rivalries):
-        competition.exchange()
-        competition.conclude()
-        rivalries = _rivalries(competition)
-    much_is_left = competition.leaves_more_than_noise(times=_TIMES_NOISE_ENERGY)
-    if (much_is_left and substitute(competition, rivalries)) or unite(competition, rivalries):
-        competition.conclude()
-        rivalries = _rivalries(competition)
-    return Naming(
-        competition.base,
-        competition.current,
-        tuple(competition.named()),
-        tuple(competition.rounds),
-        rivalries,
-        competition.short_times(),
-        competition.dropped,
-    )
+    search = Search(readings, settings)
+    complete = search.run(settings.most_effects, settings.budget)
+    posterior = posterior_of(list(search.visited.values()))
+    best = posterior.best
+    base = search.bases[best.reading.timing]
+    named = _named(posterior, base, settings.least_probability)
+    return Naming(posterior, base, best.fit, named, _rivalries(posterior, named), complete)
 
 
-def _begun_with_usual(competition: Competition, other: Competition) -> Competition:
-    """Return another selection, begun with the usual effects, if much is left and it predicts better."""
-    usual = usual_of(competition.catalogue)
-    if not (usual and competition.leaves_more_than_noise(times=_TIMES_NOISE_ENERGY)):
-        return competition
-    other.begin_with(usual)
-    other.finish()
-    return other if is_beyond_chance(other.scores() - competition.scores()) else competition
+def _named(posterior: Posterior, base: Fit, least: float) -> tuple[Named, ...]:
+    """Return the names of the best hypothesis that are probable enough, and others that are more likely than not."""
+    found = []
+    for key, raw in posterior.inclusion().items():
+        probability = calibrated(raw)
+        if probability < (least if key in posterior.best.names else BELIEVED):
+            continue
+        hypothesis = posterior.best_with(key)
+        fitted = next(f for f in hypothesis.fit.simulator.free if f.effect.key == key)
+        channel, share = _share(hypothesis.fit, fitted.effect, base, hypothesis.reading.problem)
+        found.append(Named(fitted, probability, channel, share))
+    return tuple(found)
 
 
-def _rivalries(competition: Competition) -> tuple[Rivalry, ...]:
-    """Return the named effects that have look-alikes, with these."""
-    return tuple(
-        rivalry for winner in competition.named() if (rivalry := competition.rivalry(winner)) is not None
-    )
+def _share(found: Fit, effect: Effect, base: Fit, problem: Problem) -> tuple[int, float]:
+    """Return the channel in which an effect explains most, and the share of the error there that it explains."""
+    noise = problem.noise.square()
+    without = remove(found, effect, problem).residual.square().mean((0, 1))
+    explained = without - found.residual.square().mean((0, 1))
+    channel = int((explained / torch.maximum(without, noise)).argmax())
+    gap = base.residual.square().mean((0, 1)) - noise
+    excess = torch.maximum(torch.maximum(gap, without - noise), _LEAST_EXCESS * noise)
+    return channel, float((explained / excess)[channel].clamp(0.0, 1.0))
 
 
-def usual_of(catalogue: list[Effect]) -> list[Effect]:
-    """Return the errors of platform numbers and the usual effects of the kind; empty if it has none."""
-    physics = [effect for effect in catalogue if effect.usual]
-    numbers = [effect for effect in catalogue if isinstance(effect, ParameterError)]
-    return numbers + physics if physics else []
-
-
-def _numbers_and_clocks(catalogue: list[Effect]) -> list[Effect]:
-    """Return the effects that compete first: clocks, numbers, and what these may be mistaken for."""
-    errors = [e for e in catalogue if isinstance(e, MeasurementEffect | ParameterError)]
-    mistaken = {name for effect in errors for name in effect.yields_to}
-    return errors + [e for e in catalogue if e.name in mistaken]
+def _rivalries(posterior: Posterior, named: Sequence[Named]) -> tuple[Rivalry, ...]:
+    pairs = posterior.rivals()
+    rivalries = []
+    for winner in (entry.effect for entry in named):
+        keys = {b if a == winner.key else a for a, b in pairs if winner.key in (a, b)}
+        if keys:
+            rivals = tuple(posterior.effect(key) for key in sorted(keys))
+            rivalries.append(Rivalry(winner, rivals))
+    return tuple(rivalries)

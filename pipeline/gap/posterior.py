@@ -5,10 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from simgap.effects import Effect
 from simgap.gap.hypothesis import Hypothesis
 
 _RIVAL = 0.05
 """Least probability of a name that is said to be a rival of another one."""
+_TOGETHER = 0.5
+"""Of the probability that two independent names would have together: below, one takes the other's place."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +30,14 @@ class Posterior:
     def best(self) -> Hypothesis:
         """The most probable hypothesis."""
         return self.hypotheses[0]
+
+    def best_with(self, key: str) -> Hypothesis:
+        """Return the most probable hypothesis that names an effect."""
+        return next(hypothesis for hypothesis in self.hypotheses if key in hypothesis.names)
+
+    def effect(self, key: str) -> Effect:
+        """Return an effect that some hypothesis names."""
+        return next(f.effect for f in self.best_with(key).fit.simulator.free if f.effect.key == key)
 
     def inclusion(self) -> dict[str, float]:
         """Return the probability of each effect being there, by key, the most probable first.
@@ -50,7 +61,7 @@ class Posterior:
         return [
             (first, second)
             for first, second in combinations(inclusion, 2)
-            if self.together(first, second) < 0.5 * inclusion[first] * inclusion[second]
+            if self.together(first, second) < _TOGETHER * inclusion[first] * inclusion[second]
         ]
 
 

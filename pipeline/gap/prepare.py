@@ -6,7 +6,6 @@ import torch
 
 from simgap.errors import InputError
 from simgap.gap.fit import Problem
-from simgap.gap.hold_test import cut_blocks_as_held
 from simgap.gap.residuals import noise_of_rows, quadrature_of_rows
 from simgap.gap.resolution import resolution_of, resolved, with_resolution
 from simgap.gap.scoring import ENOUGH_CLUSTERS, independent_clusters
@@ -15,7 +14,7 @@ from simgap.gap.settings import Gap
 from simgap.physics.weak_form import window_functions
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
-from simgap.simulation.blocks import Blocks
+from simgap.simulation.blocks import Blocks, cut_blocks
 
 _SHORTEST = 0.5  # s, shortest block
 _LONGEST_STEP = 1.0  # s between samples; slower recordings do not show the motion
@@ -40,14 +39,14 @@ class Prepared:
     remarks: list[str]
 
 
-def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool | None = None) -> Prepared:
+def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool) -> Prepared:
     """Cut a recording and divide it.
 
     Args:
         recording: cleaned, with its runs divided into train, validation and hold-out.
         nominal: what is believed before.
         settings: of the gap engine.
-        held: whether commands are held between samples; None: what the recording looks like.
+        held: whether commands are held between samples.
 
     Raises:
         InputError: when the recording is too short or its samples too rare, or no run is left to fit.
@@ -72,11 +71,10 @@ def _require_motion(recording: Recording) -> None:
         )
 
 
-def _blocks(
-    recording: Recording, nominal: Simulator, settings: Gap, held: bool | None
-) -> tuple[Blocks, list[str]]:
+def _blocks(recording: Recording, nominal: Simulator, settings: Gap, held: bool) -> tuple[Blocks, list[str]]:
     settings = _suiting(settings, recording)
-    blocks = cut_blocks_as_held(recording, nominal.platform, settings, held)
+    lengths = settings.block_duration, settings.margin
+    blocks = cut_blocks(recording, nominal.platform, *lengths, held=held)
     remarks: list[str] = []
     if recording.kind == "quadrotor":
         blocks, remarks = settle_accelerometer(blocks, nominal.platform.gravity, settings.test_width)

@@ -1,6 +1,8 @@
-"""How the commands of a recording act: held from one sample to the next, or measured at their own instants.
+"""How the inputs of a recording act: commands held or measured, slow drivers recorded or estimated.
 
-Which of the two is right shows only together with the effects, so that each is half of a hypothesis.
+Commands may be held from one sample to the next, or measured at their own instants. A battery's voltage that nobody
+recorded may follow from the motion. Which of these is right shows only together with the effects, so that the reading
+of a recording is one half of a hypothesis and its effects are the other.
 """
 
 from dataclasses import dataclass, replace
@@ -8,7 +10,7 @@ from functools import cached_property
 
 from simgap.effects import Effect
 from simgap.gap.candidates import candidates_for
-from simgap.gap.fit import Problem
+from simgap.gap.fit import Problem, fit
 from simgap.gap.likelihood import LikelihoodOf
 from simgap.gap.prepare import Prepared, prepare
 from simgap.gap.scales import Scales, scales_of
@@ -19,24 +21,31 @@ from simgap.simulation import Simulator
 from simgap.simulation.signals import COMMANDS
 
 _FAST_CONTROLLER = 0.1
-"""Odds that a multirotor's commands are held as long as its samples last: most controllers are faster than their logs."""
+"""Odds that a multirotor's commands are held as long as its samples last: most controllers are faster than logs."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """A recording under one timing of its commands.
+    """A recording with one timing of its commands, and with or without an estimated driver.
 
     Attributes:
         held: whether commands are held between samples.
         prepared: the rows.
         catalogue: effects that may be missing.
-        odds: prior odds of this timing.
+        odds: prior odds of this reading.
+        driver: the signal that was estimated from the motion; empty where none was.
     """
 
     held: bool
     prepared: Prepared
     catalogue: tuple[Effect, ...]
     odds: float = 1.0
+    driver: str = ""
+
+    @property
+    def timing(self) -> tuple[bool, str]:
+        """What tells it from other readings."""
+        return self.held, self.driver
 
     @property
     def nominal(self) -> Simulator:
@@ -66,6 +75,9 @@ def readings_of(recording: Recording, nominal: Simulator, settings: Gap) -> list
         recording: cleaned.
         nominal: what is believed before.
         settings: of the gap engine.
+
+    Raises:
+        InputError: when the recording is too short or its samples too rare, or no run is left to fit.
     """
     measured = _reading(recording, nominal, settings, held=False)
     if COMMANDS.isdisjoint(measured.problem.blocks.signals):
@@ -73,11 +85,22 @@ def readings_of(recording: Recording, nominal: Simulator, settings: Gap) -> list
     return [measured, _reading(recording, nominal, settings, held=True)]
 
 
+def likeliest_reading(recording: Recording, simulator: Simulator, settings: Gap) -> Reading:
+    """Return the reading under which a simulator explains a recording best.
+
+    Args:
+        recording: cleaned.
+        simulator: with all that is known.
+        settings: of the gap engine.
+    """
+    readings = readings_of(recording, simulator, settings)
+    return max(readings, key=lambda each: each.likelihood_of(fit(each.nominal, each.problem)).value)
+
+
 def _reading(recording: Recording, nominal: Simulator, settings: Gap, held: bool) -> Reading:
     prepared = prepare(recording, nominal, settings, held)
     problem = prepared.problem
     problem = replace(problem, temper=temper_of(problem.blocks, problem.functions))
-    prepared = replace(prepared, problem=problem)
-    signals = prepared.problem.blocks.signals
     odds = _FAST_CONTROLLER if held and recording.kind == "quadrotor" else 1.0
-    return Reading(held, prepared, tuple(candidates_for(prepared.nominal, signals, settings.effects)), odds)
+    catalogue = candidates_for(prepared.nominal, problem.blocks.signals, settings.effects)
+    return Reading(held, replace(prepared, problem=problem), tuple(catalogue), odds)

@@ -91,7 +91,13 @@ def _rollout_problem(simulator: Simulator, problem: Problem, horizon: float) -> 
     recorded = motion_of(simulator.platform).pack(inner)
     cluster = torch.unique(problem.cluster[part], return_inverse=True)[1]
     return RolloutProblem(
-        blocks, problem.functions, noise, torch.zeros_like(noise), cluster, recorded, substeps
+        blocks,
+        problem.functions,
+        noise,
+        torch.zeros_like(noise),
+        cluster,
+        recorded=recorded,
+        substeps=substeps,
     )
 
 

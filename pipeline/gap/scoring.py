@@ -1,12 +1,9 @@
-"""Cross-validated scores of fits, their clusters and significance."""
-
-from dataclasses import dataclass
+"""Folds, independent stretches and cross-validated residuals of fits."""
 
 import torch
-from scipy import stats
 from torch import Tensor
 
-from simgap.gap.fit import Fit, channel_scale, inverse_of
+from simgap.gap.fit import Fit, inverse_of
 from simgap.simulation.blocks import Blocks
 
 _CLUSTER_DURATION = 3.0  # s; residuals further apart count as independent
@@ -65,39 +62,3 @@ def log_score(residual: Tensor, scale: Tensor) -> Tensor:
     """Return the Gaussian log likelihood of each block's residual, up to a constant: (blocks,)."""
     standard = residual / scale
     return -0.5 * (standard.square() + 2.0 * torch.log(scale)).sum((1, 2))
-
-
-def predictive_score(residual: Tensor, noise: Tensor) -> Tensor:
-    """Return the log likelihood of each block's left-out residual with the spread that such residuals show, (blocks,).
-
-    The spread of fitted residuals would count one badly predicted run many times over.
-    """
-    return log_score(residual, channel_scale(residual, noise))
-
-
-@dataclass(frozen=True)
-class Significance:
-    """The Wald test of parameters against their neutral values.
-
-    Attributes:
-        p_value: of the Wald test with the clustered covariance.
-        statistic: its z² (several parameters: χ²).
-        design_effect: how many times wider the robust error is than the one of independent rows, squared.
-    """
-
-    p_value: float
-    statistic: float
-    design_effect: float
-
-
-def significance_of(fit: Fit, columns: list[int], neutral: list[float], clusters: int) -> Significance:
-    """Test the parameters in some columns of a fit against their neutral values."""
-    distance = fit.values[columns] - torch.tensor(neutral, dtype=torch.float64)
-    robust = fit.covariance[columns][:, columns]
-    weighted = fit.jacobian / fit.scale[..., None]
-    naive = inverse_of(torch.einsum("brcp,brcq->pq", weighted, weighted))
-    statistic = float(distance @ inverse_of(robust) @ distance)
-    freedom = max(clusters - fit.jacobian.shape[-1], 1)
-    p_value = float(stats.f.sf(statistic / len(columns), len(columns), freedom))
-    ratio = robust.diagonal() / naive[columns][:, columns].diagonal().clamp_min(1e-300)
-    return Significance(p_value, statistic, max(float(ratio.max()), 1.0))

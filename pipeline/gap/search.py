@@ -11,29 +11,39 @@ from collections.abc import Sequence
 from simgap.effects import Effect
 from simgap.gap.fit import Fit, fit
 from simgap.gap.hypothesis import Hypothesis, weigh
+from simgap.gap.latent_inputs import driven_readings
 from simgap.gap.neighbours import Neighbours
 from simgap.gap.reading import Reading
 from simgap.gap.refit import extend, shrink
+from simgap.gap.settings import Gap
 from simgap.gap.starts import starts_of
+from simgap.simulation import FittedEffect
 
 _WINDOW = 3.0
 """Of log odds: a hypothesis twenty times less probable than the best is not followed further."""
 _PROPOSALS = 6
 """Neighbours by two effects that are fitted for each hypothesis."""
 
-Place = tuple[bool, frozenset[str]]
+Place = tuple[tuple[bool, str], frozenset[str]]
 
 
 class Search:
     """All hypotheses visited for one recording."""
 
-    def __init__(self, readings: Sequence[Reading]) -> None:
-        """Begin with the hypotheses that nothing is missing."""
-        self.readings = list(readings)
+    def __init__(self, readings: Sequence[Reading], settings: Gap) -> None:
+        """Begin with the hypotheses that nothing is missing.
+
+        Args:
+            readings: the recording under every timing of its commands.
+            settings: of the gap engine.
+        """
+        self.readings, self.settings = list(readings), settings
+        self.bases: dict[tuple[bool, str], Fit] = {}
         self.visited: dict[Place, Hypothesis] = {}
         self.expanded: set[Place] = set()
         for reading in readings:
-            self._visit(fit(reading.nominal, reading.problem), reading)
+            self.bases[reading.timing] = fit(reading.nominal, reading.problem)
+            self._visit(self.bases[reading.timing], reading)
 
     @property
     def ranked(self) -> list[Hypothesis]:
@@ -41,12 +51,18 @@ class Search:
         return sorted(self.visited.values(), key=lambda hypothesis: -hypothesis.score)
 
     def run(self, most_effects: int, seconds: float) -> bool:
-        """Expand hypotheses until none within the window is left; return whether time sufficed."""
+        """Expand hypotheses until none within the window is left; return whether the search came to that end.
+
+        It ends before when the time is over, or when the person interrupts it: what was visited stays.
+        """
         end = time.monotonic() + seconds
-        while (following := self._next()) is not None:
-            if time.monotonic() > end:
-                return False
-            self._expand(following, most_effects)
+        try:
+            while (following := self._next()) is not None:
+                if time.monotonic() > end:
+                    return False
+                self._expand(following, most_effects)
+        except KeyboardInterrupt:
+            return False
         return True
 
     def _next(self) -> Hypothesis | None:
@@ -60,13 +76,15 @@ class Search:
         reading = centre.reading
         polished = self._visit(fit(centre.fit.simulator, reading.problem), reading)
         centre = max((centre, polished), key=lambda hypothesis: hypothesis.score)
-        self._retime(centre)
+        if not reading.driver:
+            self._retime(centre)
+            self._drive(centre)
         for fitted in centre.fit.simulator.free:
-            if (reading.held, centre.keys - {fitted.effect.key}) not in self.visited:
+            if (reading.timing, centre.keys - {fitted.effect.key}) not in self.visited:
                 self._visit(shrink(centre.fit, fitted.effect, reading.problem), reading)
         added = [self._added(centre, e) for e in reading.catalogue if e.key not in centre.keys]
         near = Neighbours(centre, added, reading.problem, reading.likelihood_of)
-        known = {keys for held, keys in self.visited if held == reading.held}
+        known = {keys for timing, keys in self.visited if timing == reading.timing}
         for proposal in near.best(_PROPOSALS, known):
             if len(proposal.keys) <= most_effects and proposal.promise > self.ranked[0].score - _WINDOW:
                 start = reading.nominal.with_effects((*reading.nominal.known, *proposal.effects))
@@ -75,9 +93,18 @@ class Search:
     def _retime(self, centre: Hypothesis) -> None:
         """Visit the same effects under every other timing of the commands."""
         for other in self.readings:
-            if (other.held, centre.keys) not in self.visited:
+            if (other.timing, centre.keys) not in self.visited:
                 start = other.nominal.with_effects((*other.nominal.known, *centre.fit.simulator.free))
                 self._visit(fit(start, other.problem), other)
+
+    def _drive(self, centre: Hypothesis) -> None:
+        """Visit the same effects with one more whose driver was not recorded and is estimated."""
+        for reading, effects in driven_readings(centre, self.settings):
+            self.bases.setdefault(reading.timing, fit(reading.nominal, reading.problem))
+            for effect in effects:
+                driven = FittedEffect(effect, effect.defaults())
+                start = reading.nominal.with_effects((*centre.fit.simulator.effects, driven))
+                self._visit(fit(start, reading.problem), reading)
 
     def _added(self, centre: Hypothesis, effect: Effect) -> Hypothesis:
         reading = centre.reading

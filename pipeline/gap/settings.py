@@ -5,8 +5,12 @@ from dataclasses import dataclass
 from simgap.checks import check_not_negative, check_positive
 from simgap.errors import InputError
 
-_SHARES = ("significance", "least_share", "least_probability")
-_LENGTHS = ("block_duration", "test_width", "horizon", "fit_horizon", "significance")
+_SHARES = ("least_share", "least_probability")
+_LENGTHS = ("block_duration", "test_width", "horizon", "fit_horizon", "budget")
+BELIEVED = 0.5
+"""Probability from which an effect is more likely there than not."""
+BEYOND_NOISE = 4.0
+"""Times the noise energy, above which a gap counts: coloured noise may reach it."""
 _COUNT_KEYS = ("most_effects", "most_blocks", "resamples")
 
 
@@ -22,12 +26,12 @@ class Gap:
     """Width of the test functions that residuals are averaged with, s."""
     margin: float = 0.5
     """Time before a block in which effects with memory settle, s."""
-    significance: float = 1e-3
-    """Greatest chance of naming an effect that is not there, over the whole catalogue."""
+    budget: float = 120.0
+    """Greatest time of the search, s; then the best answer so far is given, marked as such."""
     least_share: float = 0.02
-    """Least share of the excess over the noise floor that an effect must explain, cross-validated."""
-    least_probability: float = 0.15
-    """Least probability, before look-alikes share it, of a named effect."""
+    """Least share of the excess over the noise floor that a formula must explain, cross-validated."""
+    least_probability: float = 0.3
+    """Least probability of a named effect."""
     folds: int = 5
     """Folds of the cross-validation over runs."""
     most_effects: int = 8

@@ -6,9 +6,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from simgap.gap.candidate import BEYOND_NOISE
 from simgap.gap.residuals import channels_on, noise_of_rows, residual_rows
 from simgap.gap.scoring import clusters_of
+from simgap.gap.settings import BEYOND_NOISE
 from simgap.physics.weak_form import WindowFunctions
 from simgap.platforms.mechanism import Channel
 from simgap.simulation import Simulator

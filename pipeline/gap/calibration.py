@@ -1,0 +1,6 @@
+"""Placeholder until the recalibration is merged."""
+
+
+def calibrated(probability: float) -> float:
+    """Return it."""
+    return probability
