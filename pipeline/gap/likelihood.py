@@ -20,6 +20,8 @@ from simgap.simulation.blocks import Blocks
 from simgap.simulation.signals import COMMANDS
 
 _SENT = "motor_command"
+_INEXACT = 0.03
+"""Of what a law explains: no textbook law holds better, so that what is left below it is no evidence for another one."""
 _AXES = ("joint",)
 """Kinds whose equations can be met by making all terms small: both sides stand for one effort."""
 
@@ -46,6 +48,7 @@ class LikelihoodOf:
         """Prepare for fits of simulators that extend a nominal one."""
         self.problem = problem
         self.keeps_jacobian = nominal.platform.kind in _AXES
+        self.base = problem.residual(nominal)
         self.still = _without_commands(problem.blocks)
         self.moved = _moved(nominal, problem) if self.keeps_jacobian else None
 
@@ -55,11 +58,13 @@ class LikelihoodOf:
         assert problem.temper is not None
         heard = noise_of_rows(_obeying(simulator, problem.blocks.held), problem.blocks, problem.functions)
         silenced = (problem.noise.square() - heard.square()).clamp_min(0.0)
+        explained = (self.base - fitted.residual).square().mean(1)
         noise = torch.maximum(heard, problem.noise).square() + problem.quadrature.square()
+        noise = noise + _INEXACT**2 * explained
         left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
         value = problem.temper.value(left, noise)
         value = value + 0.5 * problem.temper.lasting * len(left) * self.energy(simulator).log()
-        return Likelihood(float(value.sum()), problem.temper.weight(left, noise), left.mean(0) / noise)
+        return Likelihood(float(value.sum()), problem.temper.weight(left, noise), (left / noise).mean(0))
 
     def energy(self, simulator: Simulator) -> Tensor:
         """Return what a simulator's residuals would be without commands, mean square, (channels,); else ones."""

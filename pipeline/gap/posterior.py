@@ -53,7 +53,7 @@ class Posterior:
     def together(self, first: str, second: str) -> float:
         """Return the probability of two effects being there at once."""
         pairs = zip(self.hypotheses, self.weights, strict=True)
-        return sum(weight for hypothesis, weight in pairs if {first, second} <= hypothesis.names)
+        return sum((weight for hypothesis, weight in pairs if {first, second} <= hypothesis.names), 0.0)
 
     def rivals(self) -> list[tuple[str, str]]:
         """Return pairs of effects of which one is there and hardly both: a recording cannot tell them apart."""

@@ -81,7 +81,7 @@ def densities_of(fitted: FittedEffect, scales: Scales) -> list[Density]:
 
 def log_prior(fitted: Fit, scales: Scales) -> float:
     """Return the log density of a fit's parameters under their priors, in their units."""
-    return sum(density.log(value) for density, value in _priors(fitted, scales))
+    return sum((density.log(value) for density, value in _priors(fitted, scales)), 0.0)
 
 
 def prior_precision(fitted: Fit, scales: Scales) -> Tensor:

@@ -5,6 +5,7 @@ So several lines of thought stay alive, nothing is dropped for good, and the ans
 Source of the window: Madigan & Raftery 1994, Model selection and accounting for model uncertainty (JASA 89).
 """
 
+import math
 import time
 from collections.abc import Sequence
 
@@ -27,6 +28,10 @@ _PROPOSALS = 6
 Place = tuple[tuple[bool, str], frozenset[str]]
 
 
+class _TimeIsOver(Exception):
+    """The search has used up its time."""
+
+
 class Search:
     """All hypotheses visited for one recording."""
 
@@ -39,6 +44,7 @@ class Search:
         """
         self.readings, self.settings = list(readings), settings
         self.bases: dict[tuple[bool, str], Fit] = {}
+        self.end = math.inf
         self.visited: dict[Place, Hypothesis] = {}
         self.expanded: set[Place] = set()
         for reading in readings:
@@ -55,13 +61,11 @@ class Search:
 
         It ends before when the time is over, or when the person interrupts it: what was visited stays.
         """
-        end = time.monotonic() + seconds
+        self.end = time.monotonic() + seconds
         try:
             while (following := self._next()) is not None:
-                if time.monotonic() > end:
-                    return False
                 self._expand(following, most_effects)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, _TimeIsOver):
             return False
         return True
 
@@ -112,9 +116,11 @@ class Search:
         return self._visit(extend(centre.fit, effect, reading.problem, starts), reading)
 
     def _visit(self, fitted: Fit, reading: Reading) -> Hypothesis:
-        """Weigh a fit and keep it where it is the best of its effects."""
+        """Weigh a fit and keep it where it is the best of its effects; end the search where its time is over."""
         hypothesis = weigh(fitted, reading)
         before = self.visited.get(hypothesis.place)
         if before is None or hypothesis.score > before.score:
             self.visited[hypothesis.place] = hypothesis
+        if time.monotonic() > self.end:
+            raise _TimeIsOver
         return hypothesis

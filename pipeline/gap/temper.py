@@ -55,11 +55,11 @@ class Temper:
 
         Args:
             left: mean square of the residual in each block, at least the noise's, (blocks, channels).
-            noise: mean square of the noise, (channels,).
+            noise: mean square of the noise in each block, (blocks, channels) or (channels,).
         """
         spoilt, sound = self._kinds(left / noise)
         _, value = self._share(spoilt, sound)
-        return value - 0.5 * self.lasting * len(left) * noise.log()
+        return value - 0.5 * self.lasting * noise.log().expand_as(left).sum(0)
 
     def weight(self, left: Tensor, noise: Tensor) -> Tensor:
         """Return what a row's squared residual counts in it, (blocks, channels): the curvature of the likelihood."""
