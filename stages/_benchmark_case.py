@@ -88,6 +88,7 @@ def _examine_concealed(task: Concealed, folder: Path, answer: dict[str, Any]) ->
     The case is left out if its effects cannot reach the size that its category demands.
     """
     from simgap.benchmark.strength import is_settled
+    from simgap.gap.calibration import hash_of_score
     from simgap.stages._strengths import settled
     from simgap.stages.record import record_sealed
 
@@ -97,6 +98,7 @@ def _examine_concealed(task: Concealed, folder: Path, answer: dict[str, Any]) ->
         return
     answer["source"] = record_sealed(case, folder / "record" / "recording.parquet", task.sealed)
     answer["seconds_recording"] = time.perf_counter() - start
+    answer["code"] = hash_of_score()  # what calibration is fitted to has to be of one version
     sections = ("dataset", "clean", "simulator", "gap")
     values = {key: asdict(getattr(task.config, key)) for key in sections}
     values |= {"platform": case.platform, "seed": case.seed}
@@ -130,7 +132,12 @@ def _timed(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
 
 
 def _diagnosed(values: dict[str, Any], folder: Path, commands: tuple[str, ...]) -> dict[str, Any]:
-    """Run stages on a folder of artifacts and return the diagnosis, if there is one."""
+    """Run stages on a folder of artifacts.
+
+    Returns:
+        The `diagnosis` and the `posterior`, each where there is one. The latter holds the probability of each effect
+        before recalibration, by key.
+    """
     from importlib import import_module
 
     from simgap.runner.compose import typed
@@ -141,7 +148,11 @@ def _diagnosed(values: dict[str, Any], folder: Path, commands: tuple[str, ...]) 
         output = folder / name
         output.mkdir(parents=True)
         command(typed(command.config_class, values | places), StageRun(output))
-    found = folder / "diagnose"
-    files = {"diagnosis": found / "diagnosis.json"}
-    files |= {name: found / "evidence" / f"{name}.json" for name in ("features", "competition")}
-    return {key: json.loads(path.read_text(encoding="utf-8")) for key, path in files.items() if path.exists()}
+    diagnosis = _read(folder / "diagnose" / "diagnosis.json")
+    posterior = _read(folder / "diagnose" / "evidence" / "posterior.json")
+    answer = {"diagnosis": diagnosis, "posterior": posterior and posterior["probabilities"]}
+    return {key: value for key, value in answer.items() if value is not None}
+
+
+def _read(path: Path) -> dict[str, Any] | None:
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None

@@ -1,4 +1,4 @@
-"""The stage that fits the coefficients of the probabilities to benchmarks on calibration seeds."""
+"""The stage that fits the recalibration of the probabilities to benchmarks on calibration seeds."""
 
 import json
 from dataclasses import dataclass, field
@@ -16,13 +16,13 @@ class CalibrateStage(StageConfig):
 
 @stage(CalibrateStage)
 def calibrate(config: CalibrateStage, run: StageRun) -> None:
-    """Fit the coefficients of the probabilities to benchmark results on calibration seeds."""
+    """Fit the recalibration of the probabilities to benchmark results on calibration seeds."""
     import yaml
 
     from simgap.artifacts import require_checkout
     from simgap.benchmark.calibration import fit_calibration, statements_of
     from simgap.errors import InputError
-    from simgap.gap.probability import CALIBRATION
+    from simgap.gap.calibration import CALIBRATION, hash_of_score
 
     if config.prove.write_calibration:
         require_checkout("prove.write_calibration=true")
@@ -34,11 +34,13 @@ def calibrate(config: CalibrateStage, run: StageRun) -> None:
         for result in json.loads(run.input(path).read_text(encoding="utf-8"))
         if "case" in result
     ]
+    code = hash_of_score()
     content = {
         "made_by": f"simgap calibrate on {len(results)} cases",
         "seeds": sorted({result["seed"] for result in results}),
         "kinds": sorted({result["case"]["kind"] for result in results}),
-        **fit_calibration(statements_of(results)),
+        "code": code,
+        **fit_calibration(statements_of(results, code)),
     }
     text = yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
     (run.output / CALIBRATION.name).write_text(text, encoding="utf-8")

@@ -1,7 +1,7 @@
-"""Calibration of probabilities: a logistic regression of "the named effect is present" on its features."""
+"""Recalibration fitted: a logistic regression of "the effect is there" on the log odds that the posterior gives."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -10,32 +10,40 @@ from numpy.typing import NDArray
 
 from simgap.benchmark.reliability import brier_score, calibration_error
 from simgap.errors import InputError
-from simgap.gap.probability import DIRECTIONS, Calibration, Features
+from simgap.gap.calibration import Calibration, log_odds
 
 SEEDS = range(10_000, 20_000)
 """Seeds of benchmarks that probabilities are fitted to; those of every other benchmark are for scoring."""
 
+LEAST_PROBABILITY = 0.05
+"""Least posterior probability of an effect that counts as stated.
+
+Below it lie hundreds of effects of the catalogue that nobody would name. They would outweigh the rest.
+"""
+
 _LEAST_STATEMENTS = 40
-_PENALTY = 1.0  # one observation's worth of doubt about every standardised coefficient
+"""Fewest statements of a fit: with fewer, the prior would decide as much as they do."""
+_WIDTH = 1.0
+"""Standard deviation of the prior of the intercept about 0, and of the slope's logarithm about 0.
+
+One unit of log odds, and a factor of e: the posterior is expected to be about right, as far as nothing else is shown.
+"""
 _FOLDS = 5
+"""Parts of the cross-validation: each fit has four fifths of the cases."""
 
 
 @dataclass(frozen=True)
 class Statement:
-    """One effect that a diagnosis named.
+    """One effect that a posterior thought possible.
 
     Attributes:
         case: name of the case.
-        features: `Features.scaled`, by name.
-        kind: kind of platform.
-        weight: posterior weight of the effect among its look-alikes.
-        true: whether the effect is present.
+        probability: that the posterior gave it, before recalibration.
+        true: whether the effect was concealed in the case.
     """
 
     case: str
-    features: dict[str, float]
-    kind: str
-    weight: float
+    probability: float
     true: bool
 
 
@@ -44,94 +52,81 @@ def is_for_calibration(seed: int) -> bool:
     return seed in SEEDS
 
 
-def statements_of(results: Sequence[Mapping[str, Any]]) -> list[Statement]:
-    """Return every named effect with its features and whether it was concealed.
+def statements_of(results: Sequence[Mapping[str, Any]], code: str) -> list[Statement]:
+    """Return every effect that a posterior gave `LEAST_PROBABILITY` or more, and whether it was concealed.
+
+    Args:
+        results: of `simgap prove`. `posterior` holds the probability by key of the effect, before recalibration.
+        code: hash of the present score (`simgap.gap.calibration.hash_of_score`).
 
     Raises:
-        InputError: when a result belongs to a seed that is for scoring.
+        InputError: when a result belongs to a seed that is for scoring, or to another version of the score.
     """
-    statements = []
-    for result in results:
-        if not is_for_calibration(result["seed"]):
-            where = f"{SEEDS.start} to {SEEDS.stop - 1}"
-            raise InputError(
-                f"seed {result['seed']} is for scoring", result["name"], f"use seeds from {where}"
-            )
-        concealed = set(result.get("score", {}).get("concealed", ()))
-        grouped = any("@" in name for name in concealed)
-        for key, features in (result.get("features") or {}).items():
+    return [statement for result in results for statement in _statements(result, code)]
+
+
+def _statements(result: Mapping[str, Any], code: str) -> Iterator[Statement]:
+    _check(result, code)
+    concealed = set(result.get("score", {}).get("concealed", ()))
+    grouped = any("@" in name for name in concealed)
+    for key, probability in (result.get("posterior") or {}).items():
+        if probability >= LEAST_PROBABILITY:
             name = key if grouped else key.partition("@")[0]
-            known = Features(**features)
-            statements.append(
-                Statement(result["name"], known.scaled, known.kind, known.weight, name in concealed)
-            )
-    return statements
+            yield Statement(result["name"], probability, name in concealed)
+
+
+def _check(result: Mapping[str, Any], code: str) -> None:
+    """Refuse a result that nothing may be fitted to."""
+    if not is_for_calibration(result["seed"]):
+        where = f"{SEEDS.start} to {SEEDS.stop - 1}"
+        raise InputError(f"seed {result['seed']} is for scoring", result["name"], f"use seeds from {where}")
+    if result.get("posterior") and result.get("code") != code:
+        raise InputError(
+            "was diagnosed by another version of the score", result["name"], "run simgap prove again"
+        )
 
 
 def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
-    """Fit the logistic regression and measure its calibration on left-out cases.
-
-    A feature whose coefficient comes out against its direction is left out: more evidence never lowers a probability.
-    Every kind of platform has an intercept of its own, drawn towards that of all (partial pooling).
-    Effects with rivals are left out of the fit, since their probability is that of presence times their weight; the
-    figures beside it count them.
+    """Fit intercept and slope, and measure the calibration on left-out cases.
 
     Returns:
-        `intercept`, `coefficients` by feature, `offsets` by kind, `statements`, `true`, and, cross-validated over
-        cases, `brier_score` and `expected_calibration_error`.
+        `intercept`, `slope`, `statements`, `true`, and, cross-validated over cases, `brier_score` and
+        `expected_calibration_error`.
 
     Raises:
         InputError: when there are too few statements, or all are alike.
     """
-    alone = [statement.true for statement in statements if statement.weight == 1.0]
-    right = sum(alone)
-    if len(alone) < _LEAST_STATEMENTS or right in (0, len(alone)):
-        what = f"{len(alone)} statements, {right} of them true, are too few"
+    right = sum(statement.true for statement in statements)
+    if len(statements) < _LEAST_STATEMENTS or right in (0, len(statements)):
+        what = f"{len(statements)} statements, {right} of them true, are too few"
         raise InputError(what, "prove.results", "run more cases with calibration seeds")
-    fitted = _fitted(statements)
-    kept = [(p, s.true) for p, s in zip(_cross_validated(statements), statements, strict=True)]
-    return asdict(fitted) | {
+    stated = list(zip(_cross_validated(statements), (s.true for s in statements), strict=True))
+    return asdict(_fitted(statements)) | {
         "statements": len(statements),
-        "true": sum(statement.true for statement in statements),
-        "brier_score": brier_score(kept),
-        "expected_calibration_error": calibration_error(kept),
+        "true": right,
+        "brier_score": brier_score(stated),
+        "expected_calibration_error": calibration_error(stated),
     }
 
 
 def _fitted(statements: Sequence[Statement]) -> Calibration:
-    from sklearn.linear_model import LogisticRegression
+    """Return the most probable intercept and slope. The slope's logarithm is fitted, so that it stays above zero."""
+    from scipy.optimize import minimize
 
-    alone = [statement for statement in statements if statement.weight == 1.0]
-    true = np.array([statement.true for statement in alone])
-    kinds = sorted({statement.kind for statement in alone})
-    own = np.array([[float(statement.kind == kind) for kind in kinds] for statement in alone])
-    names = [] if true.all() or not true.any() else list(DIRECTIONS)  # a fold may hold all that is wrong
-    while names:
-        matrix = np.array([[statement.features[name] for name in names] for statement in alone])
-        centre, spread = matrix.mean(0), np.maximum(matrix.std(0), 1e-9)
-        table = np.hstack([(matrix - centre) / spread, own])
-        model = LogisticRegression(C=1.0 / _PENALTY, solver="newton-cholesky", tol=1e-8).fit(table, true)
-        slopes: NDArray[np.float64] = model.coef_[0, : len(names)] / spread
-        wrong = [name for name, slope in zip(names, slopes, strict=True) if slope * DIRECTIONS[name] < 0]
-        if not wrong:
-            found = dict(zip(names, slopes.tolist(), strict=True))
-            intercept = float(model.intercept_[0] - slopes @ centre)
-            offsets = dict(zip(kinds, model.coef_[0, len(names) :].tolist(), strict=True))
-            return Calibration(intercept, {name: found.get(name, 0.0) for name in DIRECTIONS}, offsets)
-        names = [name for name in names if name not in wrong]
-    rate = float((true.sum() + 1.0) / (len(true) + 2.0))
-    return Calibration(math.log(rate / (1.0 - rate)), dict.fromkeys(DIRECTIONS, 0.0), {})
+    odds = np.array([log_odds(statement.probability) for statement in statements])
+    sign = np.array([1.0 if statement.true else -1.0 for statement in statements])
+
+    def cost(place: NDArray[np.float64]) -> float:
+        wrongness = np.logaddexp(0.0, -sign * (place[0] + math.exp(place[1]) * odds)).sum()
+        return float(wrongness + 0.5 * (place @ place) / _WIDTH**2)
+
+    found = minimize(cost, np.zeros(2), method="BFGS")
+    return Calibration(float(found.x[0]), math.exp(found.x[1]))
 
 
 def _cross_validated(statements: Sequence[Statement]) -> list[float]:
-    """Return each statement's probability from a fit without its case and others."""
+    """Return each statement's recalibrated probability, by a fit to the cases of the other folds."""
     cases = sorted({statement.case for statement in statements})
     fold = {case: number % _FOLDS for number, case in enumerate(cases)}
-    stated = [0.0] * len(statements)
-    for part in range(_FOLDS):
-        fitted = _fitted([statement for statement in statements if fold[statement.case] != part])
-        for place, statement in enumerate(statements):
-            if fold[statement.case] == part:
-                presence = fitted.presence(statement.features, statement.kind)
-                stated[place] = statement.weight * presence
-    return stated
+    fits = [_fitted([s for s in statements if fold[s.case] != part]) for part in range(_FOLDS)]
+    return [fits[fold[s.case]](s.probability) for s in statements]

@@ -1,12 +1,19 @@
 """Probabilities fitted to how often names were right."""
 
+import json
 import math
-from dataclasses import replace
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from simgap.benchmark.calibration import (
+    LEAST_PROBABILITY,
     SEEDS,
     Statement,
     fit_calibration,
@@ -14,105 +21,167 @@ from simgap.benchmark.calibration import (
     statements_of,
 )
 from simgap.errors import InputError
-from simgap.gap.probability import DIRECTIONS
+from simgap.gap import calibration
+from simgap.gap.calibration import Calibration, hash_of_score
+from simgap.runner import StageRun
+from simgap.stages._benchmark_case import _diagnosed
+from simgap.stages.calibrate import CalibrateStage, calibrate
 
 SEED = SEEDS.start
-KINDS = ("joint", "quadrotor")
+CODE = "the present score"
 
 
-def statements(count, rule, seed=0):
-    """Draw statements whose truth has the probability that `rule` makes of standard normal features."""
+def drawn(count: int, intercept: float, slope: float, seed: int = 0) -> list[Statement]:
+    """Draw statements, two a case, that are as often true as an intercept and a slope make of their log odds."""
     random = np.random.default_rng(seed)
-    drawn = []
-    for number in range(count):
-        features = dict(zip(DIRECTIONS, random.standard_normal(len(DIRECTIONS)).tolist(), strict=True))
-        probability = 1.0 / (1.0 + math.exp(-rule(features)))
-        kind = KINDS[number % len(KINDS)]
-        drawn.append(
-            Statement(f"case-{number // 2}", features, kind, 1.0, bool(random.random() < probability))
+    truth = Calibration(intercept, slope)
+    probabilities = 1.0 / (1.0 + np.exp(-random.uniform(-2.9, 6.0, count)))
+    outcomes = [bool(random.random() < truth(p)) for p in probabilities.tolist()]
+    pairs = zip(probabilities.tolist(), outcomes, strict=True)
+    return [Statement(f"case-{number // 2:05d}", p, true) for number, (p, true) in enumerate(pairs)]
+
+
+@pytest.mark.parametrize(("intercept", "slope"), [(0.0, 1.0), (-1.0, 0.5), (0.5, 1.5), (-0.3, 0.2)])
+def test_known_numbers_are_recovered(intercept: float, slope: float) -> None:
+    found = fit_calibration(drawn(8000, intercept, slope))
+    assert found["intercept"] == pytest.approx(intercept, abs=0.15)
+    assert found["slope"] == pytest.approx(slope, abs=0.05, rel=0.1)
+    assert found["expected_calibration_error"] < 0.02
+    assert found["statements"] == 8000
+
+
+def test_boasting_is_corrected_on_cases_that_were_left_out() -> None:
+    boasts = drawn(2000, -1.0, 0.4)
+    found = fit_calibration(boasts)
+    raw = sum((s.probability - s.true) ** 2 for s in boasts) / len(boasts)
+    assert found["brier_score"] < 0.8 * raw
+    assert found["expected_calibration_error"] < 0.05
+
+
+def test_few_statements_move_the_probabilities_less() -> None:
+    """Of the same shares that are true, forty statements are believed less than eight hundred."""
+    few, many = (fit_calibration(drawn(40, -3.0, 1.0) * times) for times in (1, 20))
+    assert abs(few["intercept"]) < abs(many["intercept"])
+
+
+def test_sure_and_right_stays_finite() -> None:
+    certain = [Statement(f"a-{n}", 1.0, True) for n in range(60)]
+    certain += [Statement(f"b-{n}", 0.05, False) for n in range(60)]
+    found = fit_calibration(certain)
+    assert 1.0 <= found["slope"] < math.e**2
+    assert found["brier_score"] < 0.01
+
+
+@settings(max_examples=30)
+@given(st.integers(0, 1000), st.floats(-3.0, 3.0), st.floats(-2.0, 2.0))
+def test_the_order_is_kept_whatever_the_statements_say(seed: int, intercept: float, tilt: float) -> None:
+    """Also where the likelier ones are wrong more often."""
+    random = np.random.default_rng(seed)
+    statements = [
+        Statement(
+            str(n), p, bool(random.random() < 1.0 / (1.0 + math.exp(-intercept - tilt * 4.0 * (p - 0.5))))
         )
-    return drawn
-
-
-def test_known_probabilities_are_recovered():
-    found = fit_calibration(statements(6000, lambda f: 0.5 + 2.0 * f["evidence"] - 1.0 * f["excess"]))
-    assert found["intercept"] == pytest.approx(0.5, abs=0.15)
-    assert found["coefficients"]["evidence"] == pytest.approx(2.0, abs=0.2)
-    assert found["coefficients"]["excess"] == pytest.approx(-1.0, abs=0.15)
-    assert abs(found["coefficients"]["number"]) < 0.1
-    assert found["expected_calibration_error"] < 0.03
-    assert found["statements"] == 6000
-
-
-def test_every_kind_has_its_own_intercept():
-    joints = [replace(s, kind="joint") for s in statements(2000, lambda f: 1.0 + f["evidence"])]
-    others = [replace(s, kind="quadrotor") for s in statements(2000, lambda f: f["evidence"] - 1.0, seed=1)]
-    found = fit_calibration([*joints, *others])
-    assert found["offsets"]["joint"] - found["offsets"]["quadrotor"] == pytest.approx(2.0, abs=0.3)
-    assert found["coefficients"]["evidence"] == pytest.approx(1.0, abs=0.15)
-    assert found["expected_calibration_error"] < 0.03
-
-
-def test_more_evidence_never_lowers_a_probability():
-    found = fit_calibration(statements(2000, lambda f: -2.0 * f["evidence"] - 1.0 * f["excess"]))
-    assert found["coefficients"]["evidence"] == 0.0
-    for name, direction in DIRECTIONS.items():
-        assert found["coefficients"][name] * direction >= 0.0
-
-
-def test_a_feature_that_never_changes_does_no_harm():
-    drawn = [
-        Statement(s.case, s.features | {"signal": 1.0}, s.kind, 1.0, s.true)
-        for s in statements(500, lambda f: f["evidence"])
+        for n, p in enumerate(random.uniform(0.05, 1.0, 60).tolist())
     ]
-    assert math.isfinite(fit_calibration(drawn)["intercept"])
+    statements += [Statement("right", 0.5, True), Statement("wrong", 0.5, False)]
+    found = fit_calibration(statements)
+    fitted = Calibration(found["intercept"], found["slope"])
+    assert fitted(0.1) < fitted(0.5) < fitted(0.9)
 
 
-def test_rivals_share_what_presence_says():
-    random = np.random.default_rng(1)
-    drawn = statements(3000, lambda f: 2.0 * f["evidence"])
-    shared = [
-        Statement(s.case, s.features, s.kind, 0.5, s.true and bool(random.random() < 0.5))
-        for s in statements(3000, lambda f: 2.0 * f["evidence"], seed=1)
-    ]
-    found = fit_calibration([*drawn, *shared])
-    assert found["coefficients"] == fit_calibration(drawn)["coefficients"]
-    assert found["expected_calibration_error"] < 0.03
-
-
-@pytest.mark.parametrize("count", [10, 200])
-def test_too_few_or_one_sided_statements_are_refused(count):
+@pytest.mark.parametrize(
+    "statements", [drawn(10, 0.0, 1.0), [Statement(str(n), 0.9, True) for n in range(200)]]
+)
+def test_too_few_or_one_sided_statements_are_refused(statements: Sequence[Statement]) -> None:
     with pytest.raises(InputError, match="are too few"):
-        fit_calibration(statements(count, lambda f: 50.0 if count == 200 else f["evidence"]))
+        fit_calibration(statements)
 
 
-def result(seed=SEED, concealed=("rotor_drag",), **features):
-    bare = {"gain": 50.0, "parameters": 1, "clusters": 20}
-    return {
-        "name": "quadrotor-0",
-        "seed": seed,
-        "score": {"concealed": list(concealed)},
-        "features": dict.fromkeys(features, bare),
-    }
+def result(
+    seed: int = SEED, concealed: Sequence[str] = ("rotor_drag",), **posterior: float
+) -> dict[str, Any]:
+    key = {"score": {"concealed": list(concealed)}, "posterior": posterior, "code": CODE}
+    return {"name": f"quadrotor-{seed}-0000", "seed": seed, "case": {"kind": "quadrotor"}, **key}
 
 
-def test_statements_are_told_true_by_the_key():
-    found = statements_of([result(rotor_drag=1, body_drag=1)])
-    assert [(s.true, s.case) for s in found] == [(True, "quadrotor-0"), (False, "quadrotor-0")]
-    assert found[0].features["evidence"] == pytest.approx(math.asinh(50.0 - 0.5 * math.log(20)))
+def test_statements_are_told_true_by_the_key() -> None:
+    found = statements_of([result(rotor_drag=0.9, body_drag=0.2, payload=0.01)], CODE)
+    name = f"quadrotor-{SEED}-0000"
+    assert found == [Statement(name, 0.9, True), Statement(name, 0.2, False)]
 
 
-def test_groups_count_only_where_the_key_has_them():
-    (grouped,) = statements_of([result(concealed=["friction@steer"], **{"friction@drive": 1})])
-    (bare,) = statements_of([result(concealed=["rotor_fault"], **{"rotor_fault@3": 1})])
+def test_what_nobody_would_name_is_no_statement() -> None:
+    found = statements_of([result(a=LEAST_PROBABILITY, b=LEAST_PROBABILITY - 1e-9)], CODE)
+    assert [statement.probability for statement in found] == [LEAST_PROBABILITY]
+
+
+def test_groups_count_only_where_the_key_has_them() -> None:
+    (grouped,) = statements_of([result(concealed=["friction@steer"], **{"friction@drive": 1.0})], CODE)
+    (bare,) = statements_of([result(concealed=["friction"], **{"friction@drive": 1.0})], CODE)
     assert (grouped.true, bare.true) == (False, True)
 
 
-def test_what_scores_is_never_fitted_to():
-    assert not is_for_calibration(1)
-    with pytest.raises(InputError, match="seed 1 is for scoring"):
-        statements_of([result(seed=1, rotor_drag=1)])
+@pytest.mark.parametrize("seed", [1, SEEDS.start - 1, SEEDS.stop])
+def test_what_scores_is_never_fitted_to(seed: int) -> None:
+    assert not is_for_calibration(seed)
+    with pytest.raises(InputError, match=f"seed {seed} is for scoring"):
+        statements_of([result(seed=seed, rotor_drag=1.0)], CODE)
 
 
-def test_a_failed_case_states_nothing():
-    assert statements_of([{"name": "x", "seed": SEED}]) == []
+def test_results_of_another_version_are_refused() -> None:
+    with pytest.raises(InputError, match="another version of the score; run simgap prove again"):
+        statements_of([result(rotor_drag=1.0)], "a newer score")
+
+
+def test_a_failed_case_states_nothing() -> None:
+    assert statements_of([{"name": "x", "seed": SEED}], CODE) == []
+
+
+def test_a_case_keeps_its_posterior_as_it_was_before_recalibration(tmp_path: Path) -> None:
+    assert _diagnosed({}, tmp_path, ()) == {}
+    evidence = tmp_path / "diagnose" / "evidence"
+    evidence.mkdir(parents=True)
+    (evidence.parent / "diagnosis.json").write_text('{"verdict": "none"}')
+    assert _diagnosed({}, tmp_path, ()) == {"diagnosis": {"verdict": "none"}}
+    (evidence / "posterior.json").write_text('{"probabilities": {"rotor_drag": 0.9}, "other": 1}')
+    assert _diagnosed({}, tmp_path, ())["posterior"] == {"rotor_drag": 0.9}
+
+
+def written(folder: Path, statements: Sequence[Statement], **changes: Any) -> str:
+    """Write results in which each statement is a case, and a published recording beside them."""
+    code = hash_of_score()
+    cases = [
+        result(SEED + number % 2, ("rotor_drag",) if statement.true else (), rotor_drag=statement.probability)
+        | {"name": str(number), "code": code}
+        | changes
+        for number, statement in enumerate(statements)
+    ]
+    file = folder / "results.json"
+    file.write_text(json.dumps([*cases, {"name": "real-servo", "branch": "servo"}]))
+    return str(file)
+
+
+def test_the_stage_writes_what_the_diagnosis_reads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    stored = tmp_path / "stored" / "calibration.yaml"
+    stored.parent.mkdir()
+    monkeypatch.setattr(calibration, "CALIBRATION", stored)
+    config = CalibrateStage()
+    config.prove.results = [written(tmp_path, drawn(400, -0.5, 0.8))]
+    calibrate(config, StageRun(tmp_path))
+    assert not stored.exists()
+    config.prove.write_calibration = True
+    calibrate(config, StageRun(tmp_path))
+    assert stored.read_text() == (tmp_path / "calibration.yaml").read_text()
+    content = yaml.safe_load(stored.read_text())
+    assert content["made_by"] == "simgap calibrate on 400 cases"
+    assert (content["seeds"], content["kinds"]) == ([SEED, SEED + 1], ["quadrotor"])
+    assert (content["code"], content["statements"]) == (hash_of_score(), 400)
+    assert content["slope"] == pytest.approx(0.8, rel=0.3)
+    assert list(content) == list(yaml.safe_load(Path(calibration._FOLDER / "calibration.yaml").read_text()))
+
+
+def test_the_stage_refuses_what_scores(tmp_path: Path) -> None:
+    config = CalibrateStage()
+    config.prove.results = [written(tmp_path, drawn(50, 0.0, 1.0), seed=7)]
+    with pytest.raises(InputError, match="seed 7 is for scoring"):
+        calibrate(config, StageRun(tmp_path))
