@@ -5,7 +5,8 @@ from typing import Any
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.swerve.common import wheel_speed
 from simgap.physics.shapes import PerModule, Real, Signal
-from simgap.platforms.swerve_mechanism import CREEP_ACROSS, CREEP_ALONG, MEASURED
+from simgap.platforms.swerve_mechanism import MEASURED
+from simgap.platforms.swerve_slip import CREEP_ACROSS, CREEP_ALONG
 
 
 class TyreCreep(ActuatorEffect):

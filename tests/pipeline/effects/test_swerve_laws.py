@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from simgap.effects import effect_by_key
 from simgap.physics.friction import stribeck_level
 from simgap.platforms.swerve_kinematics import module_states
-from simgap.platforms.swerve_mechanism import CREEP, CREEP_ACROSS, MEASURED
+from simgap.platforms.swerve_mechanism import MEASURED
+from simgap.platforms.swerve_slip import CREEP, CREEP_ACROSS
 from simgap.simulation import FittedEffect, Simulator, rollout
 from simgap.simulation.motion import motion_of
 from tests.pipeline.effects.responses import TIME_STEP, actuated, constants

@@ -3,17 +3,14 @@ import hashlib
 import numpy as np
 import pandas as pd
 import pytest
-import torch
 
-from simgap.effects.catalogue import effect_by_key, effects_of
+from simgap.effects.catalogue import effects_of
 from simgap.errors import InputError
 from simgap.plants import case_from_config, record_case
 from simgap.plants.fly import key_text
 from simgap.plants.joint.case import JointCase
 from simgap.plants.swerve.case import SwerveCase, SwerveSensors
 from simgap.plants.swerve.effects import CONCEALABLE, OUTSIDE
-from simgap.simulation import FittedEffect, Simulator
-from simgap.simulation.signals import recorded_signals
 from tests.pipeline.plants.reading import assert_read_as_written
 
 SHORT = {"runs": 4, "duration": 1.0}
@@ -145,39 +142,6 @@ def test_every_effect_acts_and_the_key_speaks_the_language_of_the_catalogue(robo
         stated = entry["parameters"][parameter.name]
         assert stated["unit"] == effect.units()[parameter.name]
         assert parameter.low <= stated["value"] <= parameter.high
-
-
-@pytest.mark.parametrize(
-    ("effects", "compliance"),
-    [({"wheel_slip@drive": {"stiffness": 25.0}}, 0.04), ({"tyre_creep@drive": {}}, None)],
-)
-def test_tyres_that_slide_creep_and_the_key_says_so(robot, effects, compliance):
-    _, key = record_case(SwerveCase(effects=effects, **SHORT), robot, seed=1)
-    stated = [entry["parameters"]["compliance"]["value"] for entry in key["beside"]]
-    assert stated == ([] if compliance is None else [compliance])
-
-
-def test_the_catalogues_creep_finds_the_compliance_of_the_key(robot):
-    """From rolling and drifting in a perfect recording, over all of what is driven."""
-    case = SwerveCase(effects={"tyre_creep@drive": {}}, **SHORT, sensors=PERFECT)
-    recording, key = record_case(case, robot, seed=1)
-    told = key["effects"][0]["parameters"]["compliance"]["value"]
-    creep = effect_by_key("swerve", "tyre_creep@drive")
-    sides: dict[float, list[torch.Tensor]] = {0.0: [], 1e-3: []}
-    for _, frame in recording.frame.groupby("run"):
-        signals = recorded_signals(frame.reset_index(drop=True), robot)
-        series = {name: values[None] for name, values in signals.items()}
-        for compliance, rows in sides.items():
-            machine = Simulator(robot, (FittedEffect(creep, {"compliance": compliance}),))
-            readings = machine.mechanism.readings(machine.along_time(series, 0.01), machine.constants())
-            rows += [
-                (readings[f"rolling_{n}"][0] - readings[f"rolling_{n}"][1]).flatten() for n in range(1, 5)
-            ]
-    left, changed = (torch.cat(rows) for rows in sides.values())
-    law = (left - changed) / 1e-3
-    found = float((law * left).sum() / (law * law).sum())
-    assert found == pytest.approx(told, rel=0.15)
-    assert (left - found * law).square().sum() < 0.05 * left.square().sum()
 
 
 @pytest.mark.parametrize("name", OUTSIDE)
