@@ -25,9 +25,10 @@ class RotorThrustSpread(WrenchEffect):
     name = "rotor_thrust_spread"
     kind = "quadrotor"
     acts_on = "actuator"
+    # Of one size for all rotors, so that a prior favours none.
     parameters = tuple(
         Parameter(f"excess_{rotor}", "1", default, -_MOST, _MOST)
-        for rotor, default in zip(_FIRST_THREE, (0.04, -0.03, 0.02), strict=True)
+        for rotor, default in zip(_FIRST_THREE, (0.04, -0.04, 0.04), strict=True)
     )
     needs = ("rotor_speed",)
     formula = (
