@@ -35,6 +35,9 @@ NAMES = {
         "inertia_error",
         "thrust_coefficient_error",
         "torque_coefficient_error",
+        "command_scale_error",
+        "yaw_trim",
+        "rotor_thrust_spread",
     },
     "joint": {
         "coulomb_friction",
@@ -67,6 +70,7 @@ NAMES = {
         "battery_sag",
         "current_limit",
         "wheel_slip",
+        "tyre_creep",
         "drive_steer_coupling",
         "scrub_torque",
         "command_delay",

@@ -52,7 +52,7 @@ def score_case(
     """Score a diagnosis against its answer key.
 
     Args:
-        key: what was concealed.
+        key: what was concealed, and in `beside` what is there with it.
         diagnosis: the document; None where the diagnosis failed.
         wanted: what the case is about, where more is concealed because it would not show alone; has to be named.
 
@@ -63,18 +63,19 @@ def score_case(
         errors of parameters, by effect and parameter; `gap_closed`; `verdict`; `verdict_right`.
     """
     concealed = [effect_name(effect) for effect in key["effects"]]
+    there = concealed + [effect_name(effect) for effect in key.get("beside", ())]
     if diagnosis is None:
         return _FAILED | {"concealed": concealed}
     grouped = any("acts_on" in effect for effect in key["effects"])
     named = {effect_name(effect, grouped): effect["probability"] for effect in diagnosis["effects"]}
     found = [named.get(name, 0.0) >= BELIEVED for name in concealed]
-    outcome = outcome_of(concealed, list(named), diagnosis, grouped)
+    outcome = outcome_of(there, list(named), diagnosis, grouped)
     return {
         "concealed": concealed,
         "named": [[name, probability] for name, probability in named.items()],
         "outcome": "wrong" if outcome == "right" and not set(wanted) <= set(named) else outcome,
         "found": sum(found) / len(found) if found else None,
-        "stated": [[probability, name in concealed] for name, probability in named.items()],
+        "stated": [[probability, name in there] for name, probability in named.items()],
         "errors": parameter_errors(key, diagnosis, grouped),
         "gap_closed": diagnosis["fit"]["gap_closed"],
         "verdict": diagnosis["verdict"],

@@ -30,6 +30,7 @@ class Parameter:
         low: least value that physics allows.
         high: greatest plausible value.
         neutral: the value at which the effect does nothing.
+        optional: whether it is neutral where only the others are given, as in a simulator written before it was there.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Parameter:
     low: float
     high: float
     neutral: float = 0.0
+    optional: bool = False
 
 
 class Effect(ABC):
@@ -102,6 +104,11 @@ class Effect(ABC):
     def neutral(self) -> dict[str, float]:
         """Return the values at which the effect does nothing."""
         return {parameter.name: parameter.neutral for parameter in self.parameters}
+
+    def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return values with the neutral one of each optional parameter that they leave out."""
+        optional = {entry.name: entry.neutral for entry in self.parameters if entry.optional}
+        return {**optional, **values}
 
     def load(self, signals: Signals, constants: Values) -> Signal | None:
         """Return the load that changes the effect's driver at once, in any unit, or None if there is none."""

@@ -9,6 +9,7 @@ from torch import Tensor
 from simgap.effects.recurrence import accumulated
 from simgap.physics.shapes import Real, Series, Signal, Value
 
+_AT_TARGET = 16  # rounding errors within which a value is at its target
 _FORGOTTEN = 1 / 40  # of a step: so short a lag has decayed to e⁻⁴⁰ at the end of the step
 
 
@@ -24,6 +25,60 @@ def lag_step(start: Real, target: Real, time_constant: Value, time_step: float) 
     decay, share = _decay(target, time_constant, time_step)
     behind = start - target
     return target + share * behind, target + decay * behind
+
+
+def uneven_lag_step(start: Real, target: Real, up: Value, down: Value, time_step: float) -> tuple[Real, Real]:
+    """Return the mean and the end of `lag_step` with one time constant for rising and one for falling.
+
+    Within a step the target is held and never crossed, so that each step has one of them.
+
+    Args:
+        start: y at the start of the step, any unit.
+        target: held over the step.
+        up: time constant where y rises, s.
+        down: time constant where y falls, s.
+        time_step: s.
+    """
+    (decay_up, share_up), (decay_down, share_down) = (_decay(target, t, time_step) for t in (up, down))
+    rising = target > start
+    decay = torch.where(rising, decay_up, decay_down)
+    share = torch.where(rising, share_up, share_down)
+    return target + share * (start - target), target + decay * (start - target)
+
+
+def uneven_lag_along_time(target: Series, up: Value, down: Value, time_step: float) -> Series:
+    """Return the means of `uneven_lag_step` along recorded blocks, settled at their first sample.
+
+    Given which steps rise, the lag is a linear recurrence, solved over all samples at once. Whether a step rises
+    depends on the samples before it only, so that each pass settles at least one more of them; in practice a few
+    passes settle all. A step that starts at its target to within rounding keeps what it was taken for.
+
+    Args:
+        target: (blocks, samples, ...).
+        up: time constant where y rises, s.
+        down: time constant where y falls, s.
+        time_step: s.
+    """
+    (decay_up, share_up), (decay_down, share_down) = (_decay(target, t, time_step) for t in (up, down))
+    rising = torch.zeros_like(target, dtype=torch.bool)
+    rising[:, 1:] = target[:, 1:] > target[:, :-1]
+    for _ in range(target.shape[1]):
+        decay = torch.where(rising, decay_up, decay_down)
+        starts = _starts(decay, target)
+        above = target - starts
+        found = torch.where(
+            above.abs() > _AT_TARGET * torch.finfo(target.dtype).eps * target.abs(), above > 0, rising
+        )
+        if torch.equal(found, rising):
+            break
+        rising = found
+    return target + torch.where(rising, share_up, share_down) * (starts - target)
+
+
+def _starts(decay: Series, target: Series) -> Series:
+    """Return y at the start of each step, with the share of a deviation that each step leaves at its end."""
+    gained = torch.cat([target[:, :1], ((1.0 - decay) * target)[:, 1:]], dim=1)
+    return torch.cat([target[:, :1], accumulated(decay, gained)[:, :-1]], dim=1)
 
 
 def lag_along_time(target: Series, time_constant: float | Signal, time_step: float) -> Series:

@@ -31,7 +31,8 @@ class Airframe:
             through the air and their in-plane forces twist the body.
         gravity: m/s².
         center: of mass, from where the rotors' places are measured, (3,) m.
-        lift_share: of each rotor's thrust and reaction torque that is left, (4,).
+        lift_share: each rotor's thrust and reaction torque over those of an even and whole rotor, (4,).
+        lean: of each rotor's thrust along body x and y over its size, (4, 2).
         ground_area: of the ground effect, R²/16 with the radius R that the floor sees, m².
         turning_resistance: of the frame in the air, N·m·s/rad.
     """
@@ -47,6 +48,7 @@ class Airframe:
     gravity: float
     center: Array = field(default_factory=lambda: np.zeros(3))
     lift_share: Array = field(default_factory=lambda: np.ones(4))
+    lean: Array = field(default_factory=lambda: np.zeros((4, 2)))
     ground_area: float = 0.0
     turning_resistance: float = 0.0
 
@@ -78,8 +80,9 @@ class Airframe:
         if height is not None and self.ground_area > 0:
             thrust = thrust * self._ground_gain(height[..., None], hubs, inflow[0])
         thrust, in_plane = self.lift_share * thrust, self.lift_share[:, None] * in_plane
-        forces = np.concatenate((in_plane, thrust[..., None]), axis=-1)  # (..., 4, 3)
-        twisting = np.concatenate((self.arm * in_plane, thrust[..., None]), axis=-1)
+        leaning = thrust[..., None] * self.lean
+        forces = np.concatenate((in_plane + leaning, thrust[..., None]), axis=-1)  # (..., 4, 3)
+        twisting = np.concatenate((self.arm * in_plane + leaning, thrust[..., None]), axis=-1)
         torque = cross(places, twisting).sum(axis=-2)
         reaction = self.torque_coefficient * self.rotor_directions * self.lift_share
         torque[..., 2] += (rotor_speed * rotor_speed) @ reaction

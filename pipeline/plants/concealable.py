@@ -10,6 +10,7 @@ from simgap.plants.concealment import Quantity, Table, check_chosen
 from simgap.platforms import Quadrotor
 
 _SETTINGS = {"length", "frequency"}  # quantities that alone switch nothing on
+_SHAPES = {"down_ratio"}  # that switch nothing on either, and are neutral where a case leaves them out
 _TORQUE = {"weight": 1, "reach": 1}  # N·m
 _ROTOR = {**_TORQUE, "hover_speed": -1}
 
@@ -25,7 +26,10 @@ CONCEALABLE: Table = {
     "body_drag": {"coefficient": Quantity("1/m", 0.04)},
     "ground_effect": {"coefficient": Quantity("m²", 0.06, powers={"reach": 2})},
     "battery_sag": {"sensitivity": Quantity("1", 0.8, high=1.5)},
-    "motor_lag": {"time_constant": Quantity("s", 0.03)},
+    "motor_lag": {
+        "time_constant": Quantity("s", 0.03),
+        "down_ratio": Quantity("1", 1.4, neutral=1.0, low=0.2, high=5.0),
+    },
     "command_delay": {"delay": Quantity("s", 0.02, high=0.1)},
     "rotor_fault": {
         f"loss_{rotor}": Quantity("1", 0.2 if rotor == 1 else 0.0, high=0.6) for rotor in range(1, 5)
@@ -51,6 +55,12 @@ CONCEALABLE: Table = {
     "inertia_error": _ratio(1.3),
     "thrust_coefficient_error": _ratio(0.88),
     "torque_coefficient_error": _ratio(1.3),
+    "command_scale_error": _ratio(1.06),
+    "yaw_trim": {"imbalance": Quantity("1", 0.1, low=-0.5, high=0.5)},
+    "rotor_thrust_spread": {
+        f"excess_{rotor}": Quantity("1", 0.08 if rotor == 1 else 0.0, low=-0.3, high=0.3)
+        for rotor in range(1, 4)
+    },
 }
 """Effects by the contract's names. A wind is set by its speed; what it amounts to is a push, see `truth`."""
 
@@ -102,7 +112,7 @@ def is_present(values: Mapping[str, float], quantities: Mapping[str, Quantity]) 
 
 
 def _switches(quantities: Mapping[str, Quantity]) -> list[str]:
-    return [name for name in quantities if name not in _SETTINGS]
+    return [name for name in quantities if name not in _SETTINGS | _SHAPES]
 
 
 def _mapping(name: str, values: Any, table: Table, where: str) -> dict[str, float]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from simgap.plants.airframe import Airframe
 from simgap.plants.case import PlantCase
+from simgap.plants.rotation import Array
 from simgap.plants.rotor import AIR_DENSITY, Rotor
 from simgap.platforms import Quadrotor
 
@@ -36,11 +37,32 @@ def design(platform: Quadrotor, case: PlantCase) -> Airframe:
         arm=case.arm,
         gravity=platform.gravity,
         center=np.array([*(case.strength("center_of_mass_offset", f"offset_{axis}") for axis in "xy"), 0.0]),
-        lift_share=1.0 - np.array([case.strength("rotor_fault", f"loss_{rotor}") for rotor in range(1, 5)]),
+        lift_share=_lift_shares(case),
+        lean=_leans(platform, case.strength("yaw_trim")),
         ground_area=case.strength("ground_effect"),
         turning_resistance=case.strength("angular_drag"),
     )
     return _with_rotor_effects(airframe, platform.hover_rotor_speed, case)
+
+
+def _lift_shares(case: PlantCase) -> Array:
+    """Return each rotor's thrust over that of an even and whole one, (4,)."""
+    excess = np.array([case.strength("rotor_thrust_spread", f"excess_{rotor}") for rotor in range(1, 4)])
+    loss = np.array([case.strength("rotor_fault", f"loss_{rotor}") for rotor in range(1, 5)])
+    return (1.0 + np.append(excess, -excess.sum())) * (1.0 - loss)
+
+
+def _leans(platform: Quadrotor, imbalance: float) -> Array:
+    """Return how far motors lean about their arms, all one way round, such that thrust yaws the machine, (4, 2).
+
+    Args:
+        platform: for the rotors' places, and the torque per thrust that the imbalance multiplies.
+        imbalance: of the yaw torque, over the reaction torques of all rotors.
+    """
+    places = np.array(platform.rotor_positions)[:, :2]
+    torque_per_thrust = imbalance * platform.torque_coefficient / platform.thrust_coefficient  # m
+    around = np.stack((-places[:, 1], places[:, 0]), axis=-1)
+    return torque_per_thrust * around / (places**2).sum(axis=-1, keepdims=True)
 
 
 def _with_rotor_effects(airframe: Airframe, hover: float, case: PlantCase) -> Airframe:

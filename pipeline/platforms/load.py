@@ -4,7 +4,7 @@ import dataclasses
 import difflib
 import math
 import types
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from simgap.errors import InputError
@@ -15,6 +15,8 @@ from simgap.platforms.swerve import Swerve
 _BY_KIND: dict[str, type] = {cls.kind: cls for cls in (Joint, Quadrotor, Swerve)}
 _MAY_BE_ZERO = {"gravity_torque", "stiffness", "gravity"}
 _MAY_BE_NEGATIVE = {"rotor_positions", "rotor_directions", "module_positions", "gravity_torque"}
+_RATIOS = {"thrust_coefficient": "thrust_ratios", "torque_coefficient": "torque_ratios"}
+_UNEVEN_MEAN = 1e-3  # that ratios written with three decimals may have beyond one
 
 
 def platform_from_config(config: Any, where: str = "platform") -> Quadrotor | Swerve | Joint:
@@ -37,12 +39,14 @@ def platform_from_config(config: Any, where: str = "platform") -> Quadrotor | Sw
         raise InputError(f"unknown kind {kind!r}", f"{where}.kind", f"use one of {', '.join(_BY_KIND)}")
     if not values:
         raise InputError("no platform is given", where, "choose one with platform=NAME")
-    return _build(_BY_KIND[kind] if kind else max(_BY_KIND.values(), key=_in_common(values)), values, where)
+    chosen = _BY_KIND[kind] if kind else max(_BY_KIND.values(), key=_in_common(values))
+    return _build(chosen, _with_means(values, where) if chosen is Quadrotor else values, where)
 
 
 def platform_to_config(platform: Quadrotor | Swerve | Joint) -> dict[str, Any]:
-    """Return the plain mapping from which `platform_from_config` builds the same platform."""
-    return {"kind": platform.kind} | _plain(dataclasses.asdict(platform))
+    """Return the plain mapping from which `platform_from_config` builds the same platform, without what is absent."""
+    given = {key: value for key, value in dataclasses.asdict(platform).items() if value is not None}
+    return {"kind": platform.kind} | _plain(given)
 
 
 def _in_common(values: Mapping[str, Any]) -> Callable[[type], int]:
@@ -53,6 +57,28 @@ def _plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _plain(entry) for key, entry in value.items()}
     return [_plain(entry) for entry in value] if isinstance(value, tuple) else value
+
+
+def _with_means(values: dict[str, Any], where: str) -> dict[str, Any]:
+    """Return the keys of a quadrotor, a list of coefficients of its rotors as their mean and ratios to it."""
+    changed = dict(values)
+    for key, ratios in _RATIOS.items():
+        given, place = values.get(key), f"{where}.{key}"
+        if isinstance(given, Sequence) and not isinstance(given, str):
+            if values.get(ratios) is not None:
+                raise InputError(f"is a list, and there is {ratios!r} too", place, "give one of them")
+            each = _sequence(tuple[float, float, float, float], given, place, key)
+            mean = sum(each) / len(each)
+            changed |= {key: mean, ratios: [entry / mean for entry in each]}
+        elif values.get(ratios) is not None:
+            each = _sequence(tuple[float, float, float, float], values[ratios], f"{where}.{ratios}", ratios)
+            _check_mean(sum(each) / len(each), f"{where}.{ratios}", key)
+    return changed
+
+
+def _check_mean(mean: float, where: str, key: str) -> None:
+    if abs(mean - 1.0) > _UNEVEN_MEAN:
+        raise InputError(f"must have a mean of 1, has {mean:.4g}", where, f"put the factor into {key}")
 
 
 def _build(cls: type, values: Any, where: str) -> Any:

@@ -19,6 +19,9 @@ class Quadrotor:
         motor_speed_max: rotor speed at a command of 1 and nominal voltage, rad/s.
         nominal_voltage: V.
         gravity: m/s².
+        thrust_ratios: each rotor's thrust coefficient over `thrust_coefficient`, with a mean of one; None if all are
+            alike.
+        torque_ratios: the same of `torque_coefficient`.
     """
 
     kind: ClassVar[str] = "quadrotor"
@@ -32,6 +35,8 @@ class Quadrotor:
     motor_speed_max: float
     nominal_voltage: float
     gravity: float = 9.81
+    thrust_ratios: tuple[float, float, float, float] | None = None
+    torque_ratios: tuple[float, float, float, float] | None = None
 
     @property
     def hover_rotor_speed(self) -> float:

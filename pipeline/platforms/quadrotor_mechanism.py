@@ -6,11 +6,12 @@ import torch
 from torch import Tensor
 
 from simgap.physics import rotations
-from simgap.physics.shapes import Channels, Real, Signal
+from simgap.physics.shapes import Channels, PerModule, Real, Signal
 from simgap.platforms.mechanism import Channel, Constants, Mechanism, Signals
 from simgap.platforms.quadrotor import Quadrotor
 
 _AXES = ("x", "y", "z")
+_ALIKE = (1.0, 1.0, 1.0, 1.0)
 
 
 class QuadrotorMechanism(Mechanism):
@@ -65,6 +66,8 @@ class QuadrotorMechanism(Mechanism):
             "inertia": torch.tensor(platform.inertia, dtype=torch.float64),
             "rotor_positions": torch.tensor(platform.rotor_positions, dtype=torch.float64),
             "rotor_directions": torch.tensor(platform.rotor_directions, dtype=torch.float64),
+            "thrust_ratios": torch.tensor(platform.thrust_ratios or _ALIKE, dtype=torch.float64),
+            "torque_ratios": torch.tensor(platform.torque_ratios or _ALIKE, dtype=torch.float64),
         }
 
     def actuate(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
@@ -75,18 +78,16 @@ class QuadrotorMechanism(Mechanism):
 
     def wrench(self, signals: Signals, constants: Constants) -> Channels:
         """Thrust along body z; torques by lever arms and reaction."""
-        squared = signals["rotor_speed"] ** 2  # (..., 4)
-        thrust = constants["thrust_coefficient"] * squared
-        positions = constants["rotor_positions"].to(squared)
-        reaction = constants["torque_coefficient"] * constants["rotor_directions"].to(squared)
-        zero = torch.zeros_like(squared[..., 0])
+        thrust = rotor_thrust(signals, constants)
+        positions = constants["rotor_positions"].to(thrust)
+        zero = torch.zeros_like(thrust[..., 0])
         return {
             "force_x": zero,
             "force_y": zero,
             "force_z": thrust.sum(-1) / constants["mass"],
             "torque_x": (positions[:, 1] * thrust).sum(-1),
             "torque_y": -(positions[:, 0] * thrust).sum(-1),
-            "torque_z": (reaction * squared).sum(-1),
+            "torque_z": rotor_reaction(signals, constants).sum(-1),
         }
 
     def inertial(self, signals: Signals, constants: Constants) -> Channels:
@@ -109,6 +110,19 @@ class QuadrotorMechanism(Mechanism):
         return {f"force_{axis}": 1.0 for axis in _AXES} | {
             f"torque_{axis}": moment for axis, moment in zip(_AXES, moments, strict=True)
         }
+
+
+def rotor_thrust(signals: Signals, constants: Constants) -> PerModule:
+    """Return the thrust of each rotor along body z in still air, (..., 4) N."""
+    squared = signals["rotor_speed"].square()
+    return constants["thrust_coefficient"] * constants["thrust_ratios"].to(squared) * squared
+
+
+def rotor_reaction(signals: Signals, constants: Constants) -> PerModule:
+    """Return the torque of each rotor's air drag on the body about +z, (..., 4) N·m."""
+    squared = signals["rotor_speed"].square()
+    turning = constants["rotor_directions"].to(squared) * constants["torque_ratios"].to(squared)
+    return constants["torque_coefficient"] * turning * squared
 
 
 def _named(stem: str, vector: Tensor) -> dict[str, Tensor]:

@@ -81,6 +81,24 @@ def along_the_wheels(twist: Vector, angle: PerModule, constants: Mapping[str, An
     return easy * (easy * scaled).sum(-1, keepdim=True) / lengths
 
 
+def twist_across(speed: PerModule, angle: PerModule, constants: Mapping[str, Any]) -> Vector:
+    """Return the twist at which the wheels move across themselves at given speeds, nearest to them, (..., 3).
+
+    What the wheels allow is left out: it moves none of them across.
+
+    Args:
+        speed: of each wheel to its left, (..., 4) m/s.
+        angle: of the wheels, (..., 4) rad.
+        constants: with `mass` kg, `inertia` kg·m² and `module_positions` (4, 2) m.
+    """
+    lengths = _lengths(angle, constants)
+    across = _indices_first(lateral_matrix(angle, constants["module_positions"]) / lengths)
+    square = _product(across.transpose(0, 1), across)
+    pushed = (across * speed.movedim(-1, 0)[:, None]).sum(0)
+    twist = (_inverse(_unit_matrix(square) / _SHARPNESS + square) * pushed).sum(1)
+    return twist.movedim(0, -1) / lengths
+
+
 def _lengths(angle: Tensor, constants: Mapping[str, Any]) -> Tensor:
     """Return what makes the components of a twist speeds: 1, 1 and the radius of gyration, m, (3,)."""
     ratio = constants["inertia"] / constants["mass"]

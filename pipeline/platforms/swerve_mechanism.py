@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import torch
-from torch import Tensor
 
 from simgap.physics.shapes import Channels, PerModule, Real, Signal, Vector
 from simgap.platforms.mechanism import Channel, Constants, Mechanism, Signals
@@ -16,15 +15,11 @@ from simgap.platforms.swerve_kinematics import (
     rolling_speed,
     wheel_direction,
 )
+from simgap.platforms.swerve_slip import CREEP, CREEP_ALONG, LEAST_SLIP, SLIDING, beyond_creep, drift_of
 
 _CHASSIS = ("drive_x", "drive_y", "drive_yaw")
 MEASURED = "measured_chassis_velocity"
 """The chassis' motion where it was measured by itself and not taken from the wheels, (..., 3)."""
-SLIDING = "sliding"
-"""How freely each wheel slides, (..., 4): from 0, where it rolls, to 1, where how fast it turns says nothing."""
-LEAST_SLIP = "least_slip"
-"""How fast the tread of a wheel passes over the ground at least, for it pulls harder than its grip, (..., 4) m/s."""
-CREEP = 0.05  # m/s; a tread gives way a little wherever it pulls: slower motion over the ground is no sliding
 # A tyre that holds a side force gives way by a hundredth of its speed or two (Pacejka 2012, §1.2).
 _ACROSS = {
     "across_x": ("m/s", "rolling", 0.02),
@@ -76,15 +71,17 @@ class SwerveMechanism(Mechanism):
         over = rolling_speed(twist, angle, constants["module_positions"].to(twist))
         per_speed = constants["drive_gear_ratio"] / constants["wheel_radius"]
         motor = per_speed * over + constants["coupling_ratio"] * signals["steer_velocity"]
+        motor = motor + per_speed * signals.get(CREEP_ALONG, rolls)
         measured = signals["drive_velocity"]
         motor = (
             motor
-            + sliding * _beyond_creep(measured - motor, constants["creep"] * per_speed)
+            + sliding * beyond_creep(measured - motor, constants["creep"] * per_speed)
             + per_speed * least_slip
         )
         rolling = {f"rolling_{n + 1}": (measured[..., n], motor[..., n]) for n in range(4)}
-        along = along_the_wheels(twist, angle, constants)
-        along = along + sliding.mean(-1, keepdim=True) * _beyond_creep(twist - along, constants["creep"])
+        drift = drift_of(signals, angle, constants)
+        along = along_the_wheels(twist - drift, angle, constants) + drift
+        along = along + sliding.mean(-1, keepdim=True) * beyond_creep(twist - along, constants["creep"])
         across = {name: (twist[..., n], along[..., n]) for n, name in enumerate(_ACROSS)}
         return rolling | across
 
@@ -194,11 +191,6 @@ class SwerveMechanism(Mechanism):
         steer = rates["steer"] / float(constants["steer_inertia"])
         drive = 4.0 * rates["drive"] / (float(constants["wheel_radius"]) ** 2 * float(constants["mass"]))
         return {"drive_x": drive, "drive_y": drive} | {f"steer_{module}": steer for module in range(1, 5)}
-
-
-def _beyond_creep(speed: Tensor, creep: Any) -> Tensor:
-    """Return what of a speed is beyond creep."""
-    return speed.sign() * (speed.abs() - creep).clamp_min(0.0)
 
 
 def wheel_angle(steer_angle: PerModule, constants: Constants) -> PerModule:

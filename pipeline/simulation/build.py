@@ -45,4 +45,4 @@ def _known(kind: str, key: str, values: Mapping[str, float]) -> FittedEffect:
             raise InputError(
                 f"unknown parameter {name!r}", f"simulator.effects.{key}", f"use {', '.join(names)}"
             )
-    return FittedEffect(effect, {**effect.defaults(), **values}, known=True)
+    return FittedEffect(effect, {**effect.defaults(), **effect.completed(values)}, known=True)

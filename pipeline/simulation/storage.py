@@ -95,7 +95,7 @@ def _fitted(platform: Platform, entry: dict[str, Any], folder: Path) -> FittedEf
     if entry["effect"] == RecordedResidual.name and isinstance(platform, Quadrotor):
         return FittedEffect(_recorded(platform, entry, folder / _TENSORS), {}, known=True)
     effect, parameters = _effect(platform, entry), entry["parameters"]
-    values = {name: _number(parameter["value"]) for name, parameter in parameters.items()}
+    values = effect.completed({name: _number(entry["value"]) for name, entry in parameters.items()})
     if values.keys() != {parameter.name for parameter in effect.parameters}:
         raise ValueError(f"{effect.key} has the parameters {', '.join(p.name for p in effect.parameters)}")
     std = {name: float(parameter["std"]) for name, parameter in parameters.items() if "std" in parameter}

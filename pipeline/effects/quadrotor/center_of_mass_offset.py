@@ -1,6 +1,7 @@
 """Centre of mass away from the point that the rotors' lever arms refer to."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.quadrotor.common import rotor_thrust
 from simgap.physics.shapes import Channels
 
 
@@ -23,9 +24,9 @@ class CenterOfMassOffset(WrenchEffect):
     )
     excitation = "climb and descend hard without turning, so that thrust changes while torque should not"
     symptom = "Hover needs a constant roll or pitch torque, which grows with the thrust."
-    look_alikes = ("rotor_fault",)
+    look_alikes = ("rotor_fault", "rotor_thrust_spread")
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the torque of the total thrust about the displaced centre, N·m."""
-        thrust = constants["thrust_coefficient"] * signals["rotor_speed"].square().sum(-1)
+        thrust = rotor_thrust(signals, constants).sum(-1)
         return {"torque_x": -values["offset_y"] * thrust, "torque_y": values["offset_x"] * thrust}

@@ -2,6 +2,16 @@
 
 from simgap.effects.effect import Signals, Values
 from simgap.physics.shapes import Channels, PerModule, Real, Value, Vector
+from simgap.platforms.quadrotor_mechanism import rotor_reaction, rotor_thrust
+
+__all__ = [
+    "along_axes",
+    "hover_rotor_speed",
+    "rotor_reaction",
+    "rotor_speed_ratio",
+    "rotor_thrust",
+    "spin_momentum",
+]
 
 
 def rotor_speed_ratio(signals: Signals, constants: Values) -> Real:

@@ -1,6 +1,7 @@
 """Thrust that rotors gain close to the floor."""
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.quadrotor.common import rotor_thrust
 from simgap.physics.shapes import Channels
 
 _LEAST_HEIGHT = 0.02  # m, rotor height on the landing gear
@@ -28,5 +29,5 @@ class GroundEffect(WrenchEffect):
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force along body z, m/s²."""
         height = signals["position"][..., 2].clamp_min(_LEAST_HEIGHT)
-        thrust = constants["thrust_coefficient"] * signals["rotor_speed"].square().sum(-1)
+        thrust = rotor_thrust(signals, constants).sum(-1)
         return {"force_z": values["coefficient"] / height.square() * thrust / constants["mass"]}

@@ -5,6 +5,7 @@ from typing import ClassVar
 from torch import Tensor
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
+from simgap.effects.quadrotor.common import rotor_reaction, rotor_thrust
 
 
 class _RotorFault(WrenchEffect):
@@ -33,15 +34,14 @@ class _RotorFault(WrenchEffect):
     def wrench(self, signals: Signals, values: Values, constants: Values) -> dict[str, Tensor]:
         """Return the change from the lost thrust: specific force, m/s², and torque, N·m."""
         index = self.rotor - 1
-        lost = values[f"loss_{self.rotor}"] * signals["rotor_speed"][..., index].square()
-        thrust = constants["thrust_coefficient"] * lost
-        x, y, _ = constants["rotor_positions"][index].to(lost).unbind()
-        direction = constants["rotor_directions"][index].to(lost)
+        loss = values[f"loss_{self.rotor}"]
+        thrust = loss * rotor_thrust(signals, constants)[..., index]
+        x, y, _ = constants["rotor_positions"][index].to(thrust).unbind()
         return {
             "force_z": -thrust / constants["mass"],
             "torque_x": -y * thrust,
             "torque_y": x * thrust,
-            "torque_z": -direction * constants["torque_coefficient"] * lost,
+            "torque_z": -loss * rotor_reaction(signals, constants)[..., index],
         }
 
 

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
 from simgap.effects.lag import lag_along_time, lag_step
-from simgap.effects.quadrotor.common import rotor_speed_ratio
+from simgap.effects.quadrotor.common import rotor_speed_ratio, rotor_thrust
 from simgap.effects.scan import scan
 from simgap.physics.shapes import Channels, Signal
 
@@ -73,7 +73,7 @@ class TipPathPlaneFlapping(ActuatorEffect, WrenchEffect):
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force, m/s², and torque, N·m."""
-        thrust = constants["thrust_coefficient"] * signals["rotor_speed"].square()
+        thrust = rotor_thrust(signals, constants)
         back, side = signals["disc_tilt"].unbind(-1)
         heights = constants["rotor_positions"][:, 2].to(thrust)
         moment = values["stiffness"] + (heights * thrust).sum(-1)

@@ -19,6 +19,9 @@ ACTS_AT_REST = (
     "inertia_error",
     "thrust_coefficient_error",
     "torque_coefficient_error",
+    "command_scale_error",
+    "yaw_trim",
+    "rotor_thrust_spread",
 )
 """Effects of the catalogue that show on a machine whose place is fixed."""
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from simgap.plants.concealment import Concealed
 from simgap.plants.rotation import Array
-from simgap.plants.swerve.tyres import Tyres
+from simgap.plants.swerve.tyres import CREEPING, Tyres
 from simgap.platforms import Swerve
 
 WHEEL_SHARE = 0.04  # of the robot's mass that is its wheels', rolling, as the person's figures count them in
@@ -152,7 +152,6 @@ def chassis_of(effects: Concealed, outside: Concealed, platform: Swerve, runs: i
     radius = np.full(4, platform.wheel_radius * effects.get("wheel_radius_error@drive", "ratio"))
     radius[0] *= outside.get("uneven_wheel", "ratio")
     direction = outside.get("carpet_nap", "direction")
-    slips = "wheel_slip@drive" in effects
     return Chassis(
         mass=mass,
         weight=whole * platform.gravity,
@@ -162,15 +161,24 @@ def chassis_of(effects: Concealed, outside: Concealed, platform: Swerve, runs: i
         radius=radius,
         wheel=wheel,
         offsets=np.array([effects.get("module_misalignment@chassis", f"offset_{n}") for n in range(1, 5)]),
-        tyres=Tyres(
-            effects.get("wheel_slip@drive", "friction_coefficient"),
-            effects.get("wheel_slip@drive", "stiffness") if slips else 0.0,
-            effects.get("wheel_slip@drive", "height") if slips else 0.0,
-            effects.get("module_misalignment@chassis", "cornering_stiffness"),
-        ),
+        tyres=_tyres_of(effects),
         slope=np.array([effects.get("slope@chassis", f"rise_{axis}") for axis in "xy"]),
         nap=outside.get("carpet_nap", "force") * np.array([np.cos(direction), np.sin(direction)]),
         twist=np.zeros((runs, 3)),
         rolling=np.zeros((runs, 4)),
         heading=np.zeros(runs),
     )
+
+
+def _tyres_of(effects: Concealed) -> Tyres:
+    """Return the grip of the wheels: how they creep, where they slide, and how load shifts as they do."""
+    cornering = effects.get("module_misalignment@chassis", "cornering_stiffness")
+    friction = effects.get("wheel_slip@drive", "friction_coefficient")
+    compliance = effects.get("tyre_creep@drive", "compliance")
+    if compliance > 0:
+        height = effects.get("tyre_creep@drive", "height")
+        return Tyres(friction, 1.0 / compliance, height, cornering, CREEPING)
+    if "wheel_slip@drive" in effects:
+        stiffness, height = (effects.get("wheel_slip@drive", name) for name in ("stiffness", "height"))
+        return Tyres(friction, stiffness, height, cornering)
+    return Tyres(friction, 0.0, 0.0, cornering)

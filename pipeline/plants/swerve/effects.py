@@ -51,6 +51,10 @@ CONCEALABLE: dict[str, dict[str, Quantity]] = {
         "stiffness": Quantity("1", 40.0, low=1.0),
         "height": Quantity("m", 0.3, {"track": 1}),
     },
+    "tyre_creep@drive": {
+        "compliance": Quantity("1", 0.04, high=0.5),
+        "height": Quantity("m", 0.3, {"track": 1}),
+    },
     "module_misalignment@chassis": {
         "offset_1": Quantity("rad", 0.06, low=-0.8, high=0.8),
         "offset_2": Quantity("rad", 0.0, low=-0.8, high=0.8),

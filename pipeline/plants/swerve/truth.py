@@ -12,7 +12,10 @@ Stated = dict[str, tuple[float, str]]
 
 
 def answer_key(effects: Concealed, outside: Concealed, platform: Swerve) -> dict[str, Any]:
-    """Return the key of a case; effects at their neutral strength are absent."""
+    """Return the key of a case; effects at their neutral strength are absent.
+
+    `beside` lists what is there with them: to name it is right, to leave it out is no miss.
+    """
     entries = []
     for name, values in effects.present().items():
         bare, _, group = name.partition("@")
@@ -21,10 +24,18 @@ def answer_key(effects: Concealed, outside: Concealed, platform: Swerve) -> dict
     return {
         "schema": KEY_SCHEMA,
         "effects": entries,
+        "beside": [_entry(name, stated) for name, stated in _beside(effects).items()],
         "outside": [
             _entry(name, _plain(name, values, outside)) for name, values in outside.present().items()
         ],
     }
+
+
+def _beside(effects: Concealed) -> dict[str, Stated]:
+    """Return what comes with the concealed effects: tyres that slide beyond their grip creep before they do."""
+    if "wheel_slip@drive" not in effects or "tyre_creep@drive" in effects:
+        return {}
+    return {"tyre_creep@drive": {"compliance": (1.0 / effects.get("wheel_slip@drive", "stiffness"), "1")}}
 
 
 def _plain(name: str, values: dict[str, float], concealed: Concealed) -> Stated:
@@ -51,9 +62,14 @@ def _wheel_slip(values: dict[str, float], platform: Swerve, group: str) -> State
     return {"friction_coefficient": (values["friction_coefficient"] / (1.0 - WHEEL_SHARE), "1")}
 
 
+def _tyre_creep(values: dict[str, float], platform: Swerve, group: str) -> Stated:
+    return {"compliance": (values["compliance"], "1")}
+
+
 LUMPED: dict[str, Callable[[dict[str, float], Swerve, str], Stated]] = {
     "battery_sag": _battery_sag,
     "motor_inductance": _motor_inductance,
+    "tyre_creep": _tyre_creep,
     "wheel_slip": _wheel_slip,
 }
 """Effects whose answer is not simply the plant's own quantities."""

@@ -10,6 +10,9 @@ from simgap.plants.rotation import Array
 # wheels that disagree by a thousandth of a rad must not fight each other harder than real ones do.
 _ALONG, _ACROSS = 2e3, 4e2  # N of force per m/s of slip and per N of load
 _CREEP_SPEED = 0.15  # m/s, below which stiffness no longer grows as speed falls
+CREEPING = (
+    0.05  # m/s, the same where creep itself is concealed, so that it is one of speed at nearly all speeds
+)
 
 
 @dataclass(frozen=True)
@@ -25,12 +28,14 @@ class Tyres:
         height: of the centre of mass, m, by which braking and curves shift load.
         cornering: side force over load and slip angle of wheels that hardly slip otherwise, 1/rad; 0 where they point
             so well that none shows.
+        creep_speed: m/s, below which stiffness no longer grows as speed falls.
     """
 
     friction: float
     stiffness: float
     height: float
     cornering: float = 0.0
+    creep_speed: float = _CREEP_SPEED
 
     def loads(self, weight: float, mass: float, acceleration: Array, modules: Array) -> Array:
         """Return the load on each wheel (runs, 4), N, never less than a tenth of its share.
@@ -55,7 +60,7 @@ class Tyres:
         """
         if not self.stiffness:
             return _ALONG * loads, self._side_stiffness(rolling) * loads
-        linear = self.stiffness / (np.abs(rolling) + _CREEP_SPEED)
+        linear = self.stiffness / (np.abs(rolling) + self.creep_speed)
         sliding = np.sqrt((slip * slip).sum(axis=0))
         grip = loads * linear / np.sqrt(1.0 + (linear * sliding / self.friction) ** 2)
         return grip, grip
@@ -64,4 +69,4 @@ class Tyres:
         """Return side force over load per slip speed across wheels that roll at a speed (runs, 4) m/s."""
         if not self.cornering:
             return np.full_like(rolling, _ACROSS)
-        return np.minimum(self.cornering / (np.abs(rolling) + _CREEP_SPEED), _ACROSS)
+        return np.minimum(self.cornering / (np.abs(rolling) + self.creep_speed), _ACROSS)

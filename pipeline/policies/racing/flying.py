@@ -82,7 +82,7 @@ def _known(key: str, values: dict[str, float]) -> FittedEffect:
             f"effects.{key}",
             f"see simgap effects quadrotor {key}",
         )
-    return FittedEffect(effect, {**effect.defaults(), **values}, known=True)
+    return FittedEffect(effect, {**effect.defaults(), **effect.completed(values)}, known=True)
 
 
 @runtime_checkable

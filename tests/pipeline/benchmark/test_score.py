@@ -49,6 +49,20 @@ def test_the_right_name_first_is_right_and_its_value_is_compared():
     assert score["stated"] == [[0.9, True]]
 
 
+def test_what_comes_with_it_may_be_named_and_need_not_be():
+    slip, creep = (effect(name, "drive", value=0.2) for name in ("wheel_slip", "tyre_creep"))
+    case = key(slip) | {"beside": [creep]}
+    both = score_case(
+        case, diagnosis(("tyre_creep", 0.9, "drive", {}), ("wheel_slip", 0.8, "drive", {"value": 0.2}))
+    )
+    assert (both["outcome"], both["found"]) == ("right", 1.0)
+    assert both["stated"] == [[0.9, True], [0.8, True]]
+    alone = score_case(case, diagnosis(("wheel_slip", 0.9, "drive", {"value": 0.2})))
+    assert (alone["outcome"], alone["found"]) == ("right", 1.0)
+    without = score_case(case, diagnosis(("tyre_creep", 0.9, "drive", {})), wanted=("wheel_slip@drive",))
+    assert (without["outcome"], without["found"]) == ("wrong", 0.0)
+
+
 def test_a_wrong_name_before_the_right_one_is_wrong():
     found = diagnosis(("body_drag", 0.95, "force", {}), ("rotor_drag", 0.9, "force", {"coefficient": 0.4}))
     score = score_case(key(DRAG), found)

@@ -7,27 +7,12 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simgap.effects import effect_by_key
 from simgap.physics import rigid_body, rotations
 from simgap.physics.integrators import rk4
 from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.effects.responses import TIME_STEP, actuated, assert_same, constants
+from tests.pipeline.effects.rotors import SEED, hovering, of
 from tests.pipeline.platforms.machines import QUADROTOR, some_signals
-
-HOVER = QUADROTOR.hover_rotor_speed
-SEED = st.integers(0, 10**6)
-
-
-def of(key: str):
-    return effect_by_key("quadrotor", key)
-
-
-def hovering(samples: int) -> dict[str, torch.Tensor]:
-    """Return one block of a machine that stands in the air."""
-    still = torch.zeros(1, samples, 3, dtype=torch.float64)
-    level = torch.tensor([1.0, 0.0, 0.0, 0.0], dtype=torch.float64).expand(1, samples, 4)
-    speed = torch.full((1, samples, 4), HOVER, dtype=torch.float64)
-    return {"attitude": level, "velocity": still, "body_rate": still, "rotor_speed": speed}
 
 
 @pytest.mark.parametrize("time_constant", [0.002, 0.04, 0.3])
@@ -87,6 +72,34 @@ def test_a_steady_wind_pushes_the_same_way_in_the_world_whichever_way_the_machin
     torch.testing.assert_close(world, torch.tensor([[0.4, -0.7, 0.0]] * 5, dtype=torch.float64))
     torch.testing.assert_close(across["force_x"], whole["force_x"])
     assert not across["force_z"].any()
+
+
+@pytest.mark.parametrize(("up", "down"), [(0.02, 0.08), (0.08, 0.02), (0.03, 0.03)])
+def test_rotors_rise_with_one_time_constant_and_fall_with_another(up, down):
+    target = torch.full((1, 120, 1), 1000.0, dtype=torch.float64)
+    target[:, 20:70] = 1500.0
+    values = {"time_constant": math.sqrt(up * down), "down_ratio": torch.tensor(down / up)}
+    lagged = of("motor_lag").along_time({"rotor_speed": target}, values, constants("quadrotor"), TIME_STEP)
+    edges = torch.arange(51, dtype=torch.float64) * TIME_STEP
+    rise = edges + up * torch.exp(-edges / up)  # under 1 − e^(−t/T)
+    expected = 1000.0 + 500.0 * torch.diff(rise) / TIME_STEP
+    torch.testing.assert_close(lagged["rotor_speed"][0, 20:70, 0], expected, rtol=1e-6, atol=0.0)
+    top = 1000.0 + 500.0 * (1.0 - math.exp(-float(edges[-1]) / up))
+    fall = -down * torch.exp(-edges / down)
+    expected = 1000.0 + (top - 1000.0) * torch.diff(fall) / TIME_STEP
+    torch.testing.assert_close(lagged["rotor_speed"][0, 70:, 0], expected, rtol=1e-6, atol=0.0)
+
+
+def test_a_lag_of_one_time_constant_may_leave_its_ratio_out():
+    signals = {"rotor_speed": some_signals("quadrotor", (2, 50), seed=5)["rotor_speed"]}
+    lag = of("motor_lag")
+    even, left_out, solved = (
+        lag.along_time(signals, {"time_constant": 0.03} | ratio, constants("quadrotor"), TIME_STEP)
+        for ratio in ({"down_ratio": 1.0}, {}, {"down_ratio": torch.tensor(1.0, dtype=torch.float64)})
+    )
+    assert_same(even, left_out)
+    assert_same(even, solved, rtol=1e-9)
+    assert lag.completed({"time_constant": 0.03}) == {"time_constant": 0.03, "down_ratio": 1.0}
 
 
 @given(seed=SEED)

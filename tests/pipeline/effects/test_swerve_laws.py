@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from simgap.effects import effect_by_key
 from simgap.physics.friction import stribeck_level
 from simgap.platforms.swerve_kinematics import module_states
-from simgap.platforms.swerve_mechanism import CREEP
+from simgap.platforms.swerve_mechanism import MEASURED
+from simgap.platforms.swerve_slip import CREEP, CREEP_ACROSS
 from simgap.simulation import FittedEffect, Simulator, rollout
 from simgap.simulation.motion import motion_of
 from tests.pipeline.effects.responses import TIME_STEP, actuated, constants
@@ -137,6 +138,38 @@ def test_a_robot_that_slips_starts_no_faster_than_its_grip():
     states = rollout(with_effect("wheel_slip@drive", friction_coefficient=0.3), initial, commands, 0.005)
     time = torch.arange(11, dtype=torch.float64) * 0.005
     torch.testing.assert_close(states[0, :, 0], 0.3 * SWERVE.gravity * time)
+
+
+@given(seed=SEEDS, compliance=st.floats(0.0, 0.3))
+def test_treads_creep_in_proportion_to_pull_and_speed_and_drift_with_the_side_force(seed, compliance):
+    signals = signals_of(seed)
+    found = changed("tyre_creep@drive", {"compliance": compliance}, signals)
+    torch.testing.assert_close(found["drive_torque"], signals["drive_torque"])
+    rolling = signals["drive_velocity"] / NUMBERS["drive_gear_ratio"] * SWERVE.wheel_radius
+    load = 0.25 * SWERVE.mass * SWERVE.gravity
+    pull = signals["drive_torque"] / SWERVE.wheel_radius
+    torch.testing.assert_close(found["creep_along"], compliance * pull / load * rolling.abs())
+    # What bends the path of a rolling wheel is its speed times the rate at which its direction turns.
+    side = 0.25 * SWERVE.mass * rolling * (signals["chassis_velocity"][2] + signals["steer_velocity"])
+    torch.testing.assert_close(found["creep_across"], -compliance * side / load * rolling.abs())
+
+
+def test_in_a_simulation_a_creeping_wheel_pulls_as_much_less_as_its_motor_would_turn_faster():
+    compliance = 0.1
+    signals = {n: s for n, s in signals_of().items() if n != MEASURED}
+    found = changed("tyre_creep@drive", {"compliance": compliance}, signals)
+    faster = found["creep_along"] * NUMBERS["drive_gear_ratio"] / SWERVE.wheel_radius
+    expected = actuated("swerve", signals | {"drive_velocity": signals["drive_velocity"] + faster})
+    torch.testing.assert_close(found["drive_torque"], expected["drive_torque"])
+
+
+def test_a_robot_whose_wheels_drift_alike_moves_aside():
+    """All wheels ahead and pushed to the left: the whole robot drifts, and along its wheels nothing changes."""
+    signals = signals_of(steer_angle=four(0.0)) | {MEASURED: torch.tensor([2.0, -0.03, 0.0]).double()}
+    constants, mechanism = NUMBERS, with_effect("tyre_creep@drive", compliance=0.0).mechanism
+    drifting = mechanism.readings(signals | {CREEP_ACROSS: four(-0.03)}, constants)
+    for channel, moved in (("across_x", 2.0), ("across_y", -0.03), ("across_yaw", 0.0)):
+        assert float(drifting[channel][1]) == pytest.approx(moved, abs=1e-3)
 
 
 @given(heading=st.floats(-7.0, 7.0), rise=st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)))

@@ -54,6 +54,17 @@ def mirrored_effect(effect: Effect, axis: str) -> Effect:
     )
 
 
+def mirrored_values(behind: Effect, values: dict[str, float], axis: str) -> dict[str, float]:
+    """Return the values of the mirrored effect: what points along the mirrored axis, and a yaw torque, turn round."""
+    if behind.name == "rotor_thrust_spread":
+        excess = [*values.values(), -sum(values.values())]
+        return {name: excess[rotor] for name, rotor in zip(values, opposite_rotors(axis), strict=False)}
+    turned = (f"_{axis}", "imbalance")
+    signs = [-1.0 if name.endswith(turned) else 1.0 for name in values]
+    names = [parameter.name for parameter in behind.parameters]
+    return {n: s * v for n, s, v in zip(names, signs, values.values(), strict=True)}
+
+
 def balance_of(effect: Effect, values: dict[str, float], signals: dict[str, torch.Tensor]):
     """Return the sides of the balance, which are components of vectors; the readings of single rotors are none."""
     sides = response(effect, values, signals)
@@ -67,12 +78,9 @@ def balance_of(effect: Effect, values: dict[str, float], signals: dict[str, torc
 def test_the_mirrored_state_feels_the_mirrored_wrench(effect, axis, seed):
     signals = signals_for(effect, (2, 40), seed)
     values, behind = effect.defaults(), mirrored_effect(effect, axis)
-    signs = [-1.0 if name.endswith(f"_{axis}") else 1.0 for name in values]
-    names = [parameter.name for parameter in behind.parameters]
-    mirrored_values = {n: s * v for n, s, v in zip(names, signs, values.values(), strict=True)}
     expected = {}
     for name, value in balance_of(effect, values, signals).items():
         component = "xyz".index(name[-1])
         expected[name] = value * (AXIAL if "torque" in name else POLAR)[axis][component]
-    found = balance_of(behind, mirrored_values, mirrored_signals(signals, axis))
+    found = balance_of(behind, mirrored_values(behind, values, axis), mirrored_signals(signals, axis))
     assert_same(found, expected, rtol=1e-9)

@@ -62,6 +62,8 @@ CONSTANTS = {
         "inertia": "kg·m²",
         "rotor_positions": "m",
         "rotor_directions": "1",
+        "thrust_ratios": "1",
+        "torque_ratios": "1",
     },
     "swerve": {
         "mass": "kg",

@@ -58,9 +58,9 @@ def named(diagnosis: Diagnosis) -> list[str]:
 
 
 def value_of(diagnosis: Diagnosis, key: str) -> float:
-    """Return the only parameter of a named effect."""
+    """Return the first parameter of a named effect, its strength."""
     (fitted,) = (f for f in diagnosis.simulator.effects if f.effect.key == key)
-    (value,) = fitted.values.values()
+    value = next(iter(fitted.values.values()))
     return value
 
 

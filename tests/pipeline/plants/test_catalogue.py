@@ -83,6 +83,8 @@ PUSHING = {
     "rotor_inertia_torque": {"rotor_inertia_torque": 9e-6, "motor_lag": 0.03},
     "gyroscopic_torque": {"gyroscopic_torque": 3e-5},
     "angular_drag": {"angular_drag": 5e-3},
+    "yaw_trim": {"yaw_trim": 0.1},
+    "rotor_thrust_spread": {"rotor_thrust_spread": {"excess_1": 0.05, "excess_2": -0.06, "excess_3": 0.02}},
     "steady_wind": {"steady_wind": {"wind_x": 4.0, "wind_y": -2.0}, "rotor_drag": 0.35},
 }
 
@@ -120,7 +122,13 @@ def test_a_corrected_number_leaves_nothing_unexplained(racer, name):
 
 
 @pytest.mark.parametrize(
-    ("key", "strength"), [("motor_lag", 0.04), ("command_delay", 0.022), ("battery_sag", 0.8)]
+    ("key", "strength"),
+    [
+        ("motor_lag", 0.04),
+        ("motor_lag", {"time_constant": 0.04, "down_ratio": 1.8}),
+        ("command_delay", 0.022),
+        ("battery_sag", 0.8),
+    ],
 )
 def test_commands_become_rotor_speeds_as_the_key_says(racer, key, strength):
     seen, truth = flown(racer, {key: strength})
@@ -136,6 +144,16 @@ def test_commands_become_rotor_speeds_as_the_key_says(racer, key, strength):
     before = (believed["rotor_speed"] - speed)[:, settled]
     after = (delayed["rotor_speed"] - speed)[:, settled]
     assert after.square().sum() < 0.05 * before.square().sum()
+
+
+def test_rotors_turn_at_the_scale_of_the_key(racer):
+    seen, truth = flown(racer, {"command_scale_error": 1.06})
+    constants = QuadrotorMechanism(racer).constants()
+    ratio = truth["command_scale_error"]["ratio"]["value"]
+    corrected = effect_by_key("quadrotor", "command_scale_error").adjust(constants, {"ratio": ratio})
+    expected = corrected["motor_speed_max"] * seen["motor_command"]
+    np.testing.assert_allclose((seen["rotor_speed"] / expected).mean(), 1.0, atol=1e-3)
+    assert (seen["rotor_speed"] / expected - 1.0).abs().max() < 0.01  # motors differ by a little
 
 
 def test_the_pendulum_of_the_catalogue_pulls_as_the_payload_does(racer):

@@ -70,3 +70,30 @@ def test_the_lag_that_is_concealed_is_the_mean_of_the_rotors(racer):
     lags = -STEP / np.log(drive(racer, motor_lag=0.04).decay)
     assert np.ptp(lags) > 0.0
     assert lags.mean() == pytest.approx(0.04)
+
+
+def test_the_scale_of_commands_is_the_mean_of_the_rotors(racer):
+    speed, _ = drive(racer, command_scale_error=1.06)(np.full((2, 4), 1000.0))
+    assert 0.0 < np.ptp(speed) < 20.0
+    np.testing.assert_allclose(speed.mean(axis=1), 1060.0)
+
+
+def test_rotors_slow_down_as_much_later_than_they_speed_up_as_asked(racer):
+    """The times in which nine tenths of a step are done, far from where one time constant goes over into the other."""
+
+    def time_of(step):
+        motors = drive(racer, motor_lag={"time_constant": 0.04, "down_ratio": 2.25})
+        motors(np.full((2, 4), racer.hover_rotor_speed))
+        for index in range(1, 1000):
+            speed, _ = motors(np.full((2, 4), racer.hover_rotor_speed + step))
+            if ((speed - racer.hover_rotor_speed) / step).mean() > 0.63:
+                return index * STEP
+
+    up, down = time_of(600.0), time_of(-600.0)
+    assert down / up == pytest.approx(2.25, rel=0.1)
+    assert np.sqrt(up * down) == pytest.approx(0.04, rel=0.1)
+
+
+def test_a_lag_without_a_ratio_is_the_same_up_and_down(racer):
+    case = PlantCase(effects={"motor_lag": 0.04})
+    assert case.strength("motor_lag", "down_ratio") == 1.0

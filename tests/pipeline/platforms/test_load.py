@@ -1,4 +1,5 @@
 import copy
+import re
 from pathlib import Path
 
 import pytest
@@ -85,7 +86,7 @@ def test_a_typing_error_is_met_with_the_right_key_even_where_the_kind_is_not_sai
 @KINDS
 def test_a_missing_key_is_named_unless_it_has_a_default(kind):
     config = platform_to_config(MACHINES[kind])
-    optional = {"kind", "gravity", "gravity_torque", "stiffness", "motor"}
+    optional = {"kind", "gravity", "gravity_torque", "stiffness", "motor", "thrust_ratios", "torque_ratios"}
     for key in set(config) - optional:
         less = {name: value for name, value in config.items() if name != key}
         assert f"key {key!r} is missing" in refusal(less)
@@ -172,3 +173,30 @@ def test_integers_become_floats_and_directions_integers():
 
 def test_what_may_be_left_out_may_be_said_to_be_absent():
     assert platform_from_config(platform_to_config(JOINT) | {"motor": None}).motor is None
+
+
+@pytest.mark.parametrize(
+    ("key", "ratios"), [("thrust_coefficient", "thrust_ratios"), ("torque_coefficient", "torque_ratios")]
+)
+def test_a_quadrotor_may_have_a_coefficient_for_each_rotor(key, ratios):
+    platform = platform_from_config(platform_to_config(QUADROTOR) | {key: [1e-6, 2e-6, 3e-6, 2e-6]})
+    assert getattr(platform, key) == pytest.approx(2e-6)
+    assert getattr(platform, ratios) == pytest.approx((0.5, 1.0, 1.5, 1.0))
+    assert platform_from_config(platform_to_config(platform)) == platform
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"thrust_coefficient": [1e-6, 1e-6, 1e-6]}, "platform.thrust_coefficient: a list of 4"),
+        ({"thrust_coefficient": [1e-6, 1e-6, 1e-6, -1e-6]}, r"thrust_coefficient\[3\]: must not be negative"),
+        ({"torque_ratios": [1.0, 1.0, 1.0, 1.2]}, "platform.torque_ratios: must have a mean of 1, has 1.05"),
+        ({"thrust_ratios": [2.0, 1.0, 1.0, 0.0]}, r"thrust_ratios\[3\]: must not be zero"),
+        (
+            {"thrust_coefficient": [1e-6] * 4, "thrust_ratios": [1.0] * 4},
+            "is a list, and there is 'thrust_ratios' too",
+        ),
+    ],
+)
+def test_wrong_coefficients_of_rotors_are_refused_with_their_place(changes, said):
+    assert re.search(said, refusal(platform_to_config(QUADROTOR) | changes))

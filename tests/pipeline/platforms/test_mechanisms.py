@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from simgap.physics import rotations
 from simgap.platforms.mechanisms import mechanism_of
 from simgap.platforms.swerve_constraint import along_the_wheels
-from simgap.platforms.swerve_mechanism import CREEP, MEASURED, SLIDING, chassis_velocity_from_wheels
+from simgap.platforms.swerve_mechanism import MEASURED, chassis_velocity_from_wheels
+from simgap.platforms.swerve_slip import CREEP, SLIDING
 from tests.pipeline.platforms.machines import JOINT, MACHINES, QUADROTOR, SWERVE, some_signals
 
 KINDS = pytest.mark.parametrize("kind", list(MACHINES))

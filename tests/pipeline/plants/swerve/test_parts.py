@@ -9,7 +9,7 @@ from simgap.plants.concealment import Concealed
 from simgap.plants.swerve.chassis import WHEEL_SHARE, chassis_of
 from simgap.plants.swerve.effects import CONCEALABLE, OUTSIDE
 from simgap.plants.swerve.steering import scrub_of
-from simgap.plants.swerve.tyres import Tyres
+from simgap.plants.swerve.tyres import CREEPING, Tyres
 
 STEP = 1e-3
 
@@ -72,6 +72,15 @@ def test_grip_is_shared_along_and_across():
     np.testing.assert_allclose(force[0] * slip[1], force[1] * slip[0])
     small = tyres.damping(1e-6 * slip, np.zeros((50, 4)) + 10.0, loads)[0]
     np.testing.assert_allclose(small, 40.0 * 100.0 / 10.15)
+
+
+def test_a_pulling_wheel_creeps_as_much_as_its_compliance_says(robot):
+    """At speed; slip follows the pull less what speeds the wheel itself up."""
+    body = driven(chassis(robot, tyre_creep_at_drive={"compliance": 0.04, "height": 0.0}), np.zeros(4), 2.0)
+    slip = body.rolling[0] - body.twist[0, 0]
+    pull = 2.0 / robot.wheel_radius * (1.0 - WHEEL_SHARE)
+    share = 0.04 * pull / (0.25 * robot.mass * robot.gravity)
+    np.testing.assert_allclose(slip / (body.rolling[0] + CREEPING), share, rtol=0.02)
 
 
 def test_wheels_that_point_elsewhere_hold_with_the_side_force_of_their_slip_angle():
