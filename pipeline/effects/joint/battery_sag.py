@@ -8,6 +8,7 @@ is a parameter here.
 from typing import Any
 
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.effects.joint.common import driven_by
 from simgap.effects.scan import scan
 from simgap.physics.shapes import Real, Signal
 
@@ -48,9 +49,5 @@ class BatterySag(ActuatorEffect):
     ) -> tuple[dict[str, Signal], Any]:
         """Return the voltage at the motor, and the effort that it makes."""
         relative = signals["battery_voltage"] / values["nominal_voltage"] - 1.0
-        change = signals["voltage"] * values["share"] * relative
-        per_volt = constants["torque_constant"] * constants["gear_ratio"] / constants["resistance"]
-        return {
-            "voltage": signals["voltage"] + change,
-            "effort": signals["effort"] + per_volt * change,
-        }, None
+        voltage = signals["voltage"] * (1.0 + values["share"] * relative)
+        return driven_by(voltage, signals, constants), None
