@@ -44,6 +44,13 @@ class BatterySag(ActuatorEffect):
         """Start from a scan over the usual supplies."""
         return scan(share=(1.0,), nominal_voltage=(3.7, 5.0, 7.4, 12.0, 24.0, 48.0))
 
+    def starts_in(self, signals: Signals, constants: Values | None = None) -> list[dict[str, float]]:
+        """Start from supplies around the one that was recorded, if it was."""
+        if "battery_voltage" not in signals:
+            return self.starts()
+        usual = float(signals["battery_voltage"].median())
+        return scan(share=(1.0,), nominal_voltage=(0.8 * usual, usual, 1.25 * usual))
+
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:

@@ -10,7 +10,7 @@ class CoulombFriction(AxisFriction):
     """A constant friction opposes the direction of motion."""
 
     name = "coulomb_friction"
-    parameters = (Parameter("level", "N·m", 0.1, 0.0, 1e4),)
+    parameters = (Parameter("level", "N·m", 0.1, 0.0, 1e6),)
     usual = True
     needs = ("velocity", "effort")
     formula = "torque = −level · sign(velocity); at standstill it holds whatever is applied, up to its level"

@@ -17,7 +17,7 @@ class DeadZone(CommandEffect):
     name = "dead_zone"
     kind = "joint"
     acts_on = "command"
-    parameters = (Parameter("width", "N·m", 0.1, 0.0, 1e4),)
+    parameters = (Parameter("width", "N·m", 0.1, 0.0, 1e6),)
     yields_to = ("coulomb_friction",)
     formula = (
         "command_effective = sign(command) · max(|command| − width / gain, 0), gain = torque_constant · gear_ratio / "
