@@ -52,12 +52,32 @@ class VelocityFilter(MeasurementEffect):
         return float(values["time_constant"])
 
     def undo(self, signals: Signals, values: Values, time_step: float) -> dict[str, Signal]:
-        """Return the velocity without the filter: add the part of the position that the filter took away."""
-        position, velocity, constant = signals["position"], signals["velocity"], values["time_constant"]
+        """Return the velocity without the filter: add the part of the position that the filter took away.
+
+        Signals of the commands alone stay as they are.
+        """
+        if "velocity" not in signals:
+            return dict(signals)
+        velocity, constant = signals["velocity"], values["time_constant"]
+        position = _going_on(signals, time_step)
         # The filtered position runs behind by just what the filtered velocity covers in a time constant.
         start = position[:, 0] - constant * velocity[:, 0]
         taken = position - lag_of_samples(position, start, constant, time_step)
         return {**signals, "velocity": velocity + _slope(taken, time_step)}
+
+
+def _going_on(signals: Signals, time_step: float) -> Series:
+    """Return the position (blocks, samples), which goes on at its velocity where a block repeats its last sample.
+
+    A margin beyond the end of a recording does that; its time (`elapsed`) stands still there, in the middle never.
+    """
+    position = signals["position"]
+    if "elapsed" not in signals:
+        return position
+    place = torch.arange(position.shape[1], dtype=position.dtype, device=position.device)
+    repeated = place - signals["elapsed"] / time_step
+    beyond = repeated - repeated[:, position.shape[1] // 2, None]
+    return position + beyond * time_step * signals["velocity"]
 
 
 def _slope(series: Series, time_step: float) -> Series:
