@@ -17,7 +17,7 @@ _PHASES = 3
 
 def _slides(constants: Values | None) -> bool:
     """Whether the axis slides, so that no wave repeats with a turn."""
-    return bool(constants) and constants["channel"] == "force"
+    return constants is not None and constants.get("channel") == "force"
 
 
 class Cogging(WrenchEffect):

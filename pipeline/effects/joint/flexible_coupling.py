@@ -68,15 +68,19 @@ class FlexibleCoupling(ActuatorEffect, ConstantEffect):
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:
-        """Return the mean effort that the shaft transmits over the step; the memory holds the motor's state.
+        """Return the mean effort that the shaft transmits over the step.
 
-        The position and velocity of the load are those at the start of the step.
+        The position and velocity of the load are those at the start of the step. The memory holds the motor's state
+        and that velocity. What follows the motion within a step is the back-EMF of a motor that turns with the load;
+        the shaft does not transmit it at once, and its mean is taken out again.
         """
         effort, position, velocity = signals["effort"], signals["position"], signals["velocity"]
         motor = _Motor(effort, values, _constants(signals, constants), time_step)
-        before = motor.at_rest(effort, position, velocity) if memory is None else memory
+        rest = motor.at_rest(effort, position, velocity), velocity
+        before, velocity_before = rest if memory is None else memory
         after = before @ motor.moved.mT + motor.gained(effort, position, velocity)
-        return {"effort": motor.transmitted(effort, velocity, before, after)}, after
+        within = 0.5 * motor.braking * (velocity - velocity_before)
+        return {"effort": motor.transmitted(effort, velocity, before, after) + within}, (after, velocity)
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float

@@ -84,13 +84,22 @@ def coupled(platform: Joint, position_unit: str = "rad") -> Simulator:
     return Simulator(platform, (FittedEffect(effect, COUPLING),), position_unit)
 
 
+CONSTANT = JOINT.motor.torque_constant * JOINT.motor.gear_ratio
+PER_VOLT = CONSTANT / JOINT.motor.resistance
+
+
 @pytest.mark.parametrize("step", [0.01, 0.005])
-def test_two_coupled_masses_move_as_their_equations_say(step):
+@pytest.mark.parametrize("driven", ["effort", "voltage"])
+def test_two_coupled_masses_move_as_their_equations_say(step, driven):
+    """A voltage acts on the motor, whose back-EMF follows its own speed."""
     times = step * np.arange(round(1.0 / step) + 1)
-    held = torch.tensor([[push(time + 0.5 * step) for time in times[:-1]]], dtype=torch.float64)
+    motor, size = (JOINT.motor, PER_VOLT) if driven == "voltage" else (None, 1.0)
+    held = torch.tensor([[push(time + 0.5 * step) / size for time in times[:-1]]], dtype=torch.float64)
     initial = torch.zeros(1, 2, dtype=torch.float64)
-    found = rollout(coupled(Joint(JOINT.inertia)), initial, {"effort": held}, step)[0, :, 0].numpy()
-    expected = two_masses(times)[0]
+    found = rollout(coupled(Joint(JOINT.inertia, motor=motor)), initial, {driven: held}, step)[
+        0, :, 0
+    ].numpy()
+    expected = two_masses(times, CONSTANT * PER_VOLT if motor else 0.0)[0]
     assert np.abs(found - expected).max() < 1e-3 * np.abs(expected).max() * (step / 0.005) ** 2
 
 
@@ -99,10 +108,8 @@ def test_along_a_recording_the_shaft_transmits_what_it_transmitted(driven):
     """A voltage acts on the motor, whose back-EMF follows its own speed."""
     times = 1e-3 * np.arange(1201)
     platform = Joint(JOINT.inertia, motor=JOINT.motor if driven == "voltage" else None)
-    constant = JOINT.motor.torque_constant * JOINT.motor.gear_ratio
-    per_volt = constant / JOINT.motor.resistance
-    load, fast, motor, faster = two_masses(times, constant * per_volt if driven == "voltage" else 0.0)
-    pushed = np.array([push(time) for time in times]) / (per_volt if driven == "voltage" else 1.0)
+    load, fast, motor, faster = two_masses(times, CONSTANT * PER_VOLT if driven == "voltage" else 0.0)
+    pushed = np.array([push(time) for time in times]) / (PER_VOLT if driven == "voltage" else 1.0)
     series = {"position": load, "velocity": fast, driven: pushed}
     signals = {name: torch.from_numpy(values)[None] for name, values in series.items()}
     found = coupled(platform).along_time(signals, 1e-3)["effort"][0].numpy()
