@@ -79,7 +79,7 @@ class FlexibleCoupling(ActuatorEffect, ConstantEffect):
         rest = motor.at_rest(effort, position, velocity), velocity
         before, velocity_before = rest if memory is None else memory
         after = before @ motor.moved.mT + motor.gained(effort, position, velocity)
-        within = 0.5 * motor.braking * (velocity - velocity_before)
+        within = torch.where(motor.rigid, 0.0, 0.5 * motor.braking * (velocity - velocity_before))
         return {"effort": motor.transmitted(effort, velocity, before, after) + within}, (after, velocity)
 
     def along_time(
