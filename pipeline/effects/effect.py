@@ -7,43 +7,17 @@ or blocks of a recording. The simulator and the diagnosis therefore run the same
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import torch
 from torch import Tensor
 
+from simgap.effects.parameter import Parameter
 from simgap.effects.sizes import size_of, sizes_of
 from simgap.physics.shapes import Channels, Signal, Signals
 
 Values = Mapping[str, Any]
 """Parameter values (numbers or tensors), or constants of a platform, by name."""
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter of an effect.
-
-    Attributes:
-        name: full word.
-        unit: as written in the diagnosis.
-        default: a realistic size, in `unit`.
-        low: least value that physics allows.
-        high: greatest plausible value.
-        neutral: the value at which the effect does nothing.
-    """
-
-    name: str
-    unit: str
-    default: float
-    low: float
-    high: float
-    neutral: float = 0.0
-
-    def times(self, size: float) -> "Parameter":
-        """Return the parameter of a machine that many times as large."""
-        numbers = {name: size * getattr(self, name) for name in ("default", "low", "high", "neutral")}
-        return replace(self, **numbers)
 
 
 class Effect(ABC):
