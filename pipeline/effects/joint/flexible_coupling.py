@@ -87,11 +87,13 @@ class FlexibleCoupling(ActuatorEffect, ConstantEffect):
     ) -> dict[str, Signal]:
         """Return blocks with the effort that the shaft transmits around each sample.
 
-        A recorded sample stands for the interval around it. Blocks that follow each other are joined.
+        A recorded sample stands for the interval around it. Blocks that follow each other are joined. The load moves
+        by its recorded velocity: only its motion against the motor counts, and the spring would multiply the noise of
+        a position by its stiffness.
         """
         chains = chains_of(signals, time_step, _TOGETHER)
-        effort, position, velocity = (chains.joined(signals[n]) for n in ("effort", "position", "velocity"))
-        position = position - 0.5 * time_step * velocity
+        effort, velocity = (chains.joined(signals[name]) for name in ("effort", "velocity"))
+        position = time_step * (torch.cumsum(velocity, dim=1) - velocity)
         motor = _Motor(effort, values, _constants(signals, constants), time_step)
         first = motor.at_rest(effort[:, :1], position[:, :1], velocity[:, :1])
         gained = torch.cat([first, motor.gained(effort, position, velocity)], dim=1)

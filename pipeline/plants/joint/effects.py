@@ -53,8 +53,9 @@ CONCEALABLE: dict[str, dict[str, Quantity]] = {
     "motor_constant_error": {"ratio": Quantity("1", 1.2, neutral=1.0, low=0.2, high=5.0)},
     "input_scale_error": {"ratio": Quantity("1", 1.2, neutral=1.0, low=0.2, high=5.0)},
     "flexible_coupling": {
-        "frequency": Quantity("Hz", 8.0, neutral=math.inf, low=0.5, high=math.inf),
-        "damping_ratio": Quantity("1", 0.06, high=1.0),
+        # Damped well, as by rubber or a belt: a position loop that is closed over a shaft like steel's would ring.
+        "frequency": Quantity("Hz", 12.0, neutral=math.inf, low=0.5, high=math.inf),
+        "damping_ratio": Quantity("1", 0.25, high=1.0),
         "motor_inertia_share": Quantity("1", 0.4, low=0.05, high=0.95),
     },
     "velocity_filter": {"time_constant": Quantity("s", 0.015, high=0.3)},
