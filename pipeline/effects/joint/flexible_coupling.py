@@ -5,8 +5,9 @@ They follow from the effort and from the recorded motion of the load, which wind
 
     J_m · d(v_m)/dt = effort − b · (v_m − v) − transmitted,    J_l · dv/dt = transmitted − loads
 
-with b the back-EMF's damping, since the nominal effort is that of a motor which turns with the load. The equation of
-the load has the load's inertia alone, and the effort that the shaft transmits. Within a step the effort is held and
+with b the back-EMF's damping, since the nominal effort is that of a motor which turns with the load. The nominal
+equation has the inertia of both: the effort in it is what the shaft transmits and J_m · dv/dt. Noise of the recorded
+motion then counts as it does without the effect. Within a step the effort is held and
 the load moves on at its velocity; for this the solution is exact, at any stiffness. A share of zero stands for a rigid
 coupling.
 """
@@ -17,7 +18,7 @@ import torch
 from torch import Tensor
 
 from simgap.effects.chain import chains_of
-from simgap.effects.effect import ActuatorEffect, ConstantEffect, Parameter, Signals, Values
+from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.recurrence import accumulated_states
 from simgap.effects.scan import scan
 from simgap.physics.shapes import Signal
@@ -26,7 +27,7 @@ _LEAST_SHARE = 1e-3  # of the inertia, in the motor's equation: a lighter motor 
 _TOGETHER = 16  # blocks over which a vibration goes on: it outlasts the margin of one
 
 
-class FlexibleCoupling(ActuatorEffect, ConstantEffect):
+class FlexibleCoupling(ActuatorEffect):
     """A springy shaft or belt couples motor and load, and the load is what is recorded."""
 
     remembers = True
@@ -61,10 +62,6 @@ class FlexibleCoupling(ActuatorEffect, ConstantEffect):
             frequency=(2.0, 4.0, 8.0, 16.0, 32.0), damping_ratio=(0.1,), motor_inertia_share=(0.2, 0.6)
         )
 
-    def adjust(self, constants: Values, values: Values) -> dict[str, Any]:
-        """Return the constants with the inertia of the load alone."""
-        return {**constants, "inertia": (1.0 - values["motor_inertia_share"]) * constants["inertia"]}
-
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:
@@ -72,20 +69,27 @@ class FlexibleCoupling(ActuatorEffect, ConstantEffect):
 
         The position and velocity of the load are those at the start of the step. The memory holds the motor's state
         and that velocity. What follows the motion within a step is the back-EMF of a motor that turns with the load;
-        the shaft does not transmit it at once, and its mean is taken out again.
+        the shaft does not transmit it at once, and its mean is taken out again. The acceleration that carries the
+        motor's inertia is that of the step before, and what the change of the shaft's effort adds to it.
         """
         effort, position, velocity = signals["effort"], signals["position"], signals["velocity"]
         motor = _Motor(effort, values, _constants(signals, constants), time_step)
-        rest = motor.at_rest(effort, position, velocity), velocity
-        before, velocity_before = rest if memory is None else memory
+        if memory is None:
+            before, velocity_before, passed_before = motor.at_rest(effort, position, velocity), velocity, None
+        else:
+            before, velocity_before, passed_before = memory
         after = before @ motor.moved.mT + motor.gained(effort, position, velocity)
-        within = torch.where(motor.rigid, 0.0, 0.5 * motor.braking * (velocity - velocity_before))
-        return {"effort": motor.transmitted(effort, velocity, before, after) + within}, (after, velocity)
+        passed = motor.transmitted(effort, velocity, before, after)
+        further = velocity - velocity_before
+        within = torch.where(motor.rigid, 0.0, 0.5 * motor.braking * further)
+        gained = motor.inertia / motor.load * (passed if passed_before is None else passed - passed_before)
+        carried = gained + motor.inertia * further / time_step
+        return {"effort": passed + carried + within}, (after, velocity, passed)
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
     ) -> dict[str, Signal]:
-        """Return blocks with the effort that the shaft transmits around each sample.
+        """Return blocks with the effort that the shaft transmits, and J_m · dv/dt, around each sample.
 
         A recorded sample stands for the interval around it. Blocks that follow each other are joined. The load moves
         by its recorded velocity: only its motion against the motor counts, and the spring would multiply the noise of
@@ -99,7 +103,8 @@ class FlexibleCoupling(ActuatorEffect, ConstantEffect):
         gained = torch.cat([first, motor.gained(effort, position, velocity)], dim=1)
         states = accumulated_states(motor.moved, gained)
         transmitted = motor.transmitted(effort, velocity, states[:, :-1], states[:, 1:])
-        return {**signals, "effort": chains.parted(transmitted)}
+        (acceleration,) = torch.gradient(velocity, spacing=time_step, dim=1)
+        return {**signals, "effort": chains.parted(transmitted + motor.inertia * acceleration)}
 
 
 class _Motor:
@@ -113,13 +118,13 @@ class _Motor:
             return torch.as_tensor(value, dtype=like.dtype, device=like.device)
 
         share = number(values["motor_inertia_share"])
-        load, pace = number(constants["inertia"]), 2.0 * torch.pi * number(values["frequency"])
+        inertia, pace = number(constants["inertia"]), 2.0 * torch.pi * number(values["frequency"])
         self.time_step, self.braking = time_step, number(constants["braking"])
         self.rigid = share == 0.0
-        self.inertia = load * share / (1.0 - share)
-        self.stiffness = load * pace.square()
-        turning = load * share.clamp_min(_LEAST_SHARE) / (1.0 - share.clamp_min(_LEAST_SHARE))
-        damping = 2.0 * number(values["damping_ratio"]) * load * pace + self.braking
+        self.inertia, self.load = inertia * share, inertia * (1.0 - share)
+        self.stiffness = self.load * pace.square()
+        turning = inertia * share.clamp_min(_LEAST_SHARE)
+        damping = 2.0 * number(values["damping_ratio"]) * self.load * pace + self.braking
         own = (self.stiffness / turning).sqrt()
         # Positions count times the natural frequency: both rows are then of one size.
         zero = torch.zeros_like(own)
@@ -145,7 +150,7 @@ class _Motor:
 
 
 def _constants(signals: Signals, constants: Values) -> dict[str, Any]:
-    """Return the inertia of the load, and the back-EMF's damping of the motor at the joint, N·m·s/rad."""
+    """Return the inertia of both, and the back-EMF's damping of the motor at the joint, N·m·s/rad."""
     if "voltage" not in signals:
         return {"inertia": constants["inertia"], "braking": 0.0}
     constant = constants["torque_constant"] * constants["gear_ratio"]
