@@ -61,6 +61,10 @@ NAMES = {
         "inertia_error",
         "motor_constant_error",
         "sensor_time_offset",
+        "motor_lag",
+        "input_scale_error",
+        "flexible_coupling",
+        "velocity_filter",
     },
     "swerve": {
         "coulomb_friction",

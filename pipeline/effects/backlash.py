@@ -27,6 +27,8 @@ class Backlash(ActuatorEffect):
     """Prefix of the names of signals and constants: `steer_` for a swerve drive."""
     transmitted: ClassVar[str]
     """The signal that crosses the gap: effort or torque."""
+    gaps: ClassVar[tuple[float, ...]] = (0.002, 0.01, 0.03, 0.1)
+    """Where a fit of the gap starts, rad, or in the size of the travel."""
 
     remembers = True
     smooths_commands = True
@@ -46,7 +48,7 @@ class Backlash(ActuatorEffect):
 
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan: a fit needs a gap whose crossings overlap the recorded ones."""
-        return scan(gap=(0.002, 0.01, 0.03, 0.1), motor_inertia_share=(0.1, 0.4, 0.8))
+        return scan(gap=self.gaps, motor_inertia_share=(0.1, 0.4, 0.8))
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float

@@ -7,39 +7,17 @@ or blocks of a recording. The simulator and the diagnosis therefore run the same
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import torch
 from torch import Tensor
 
+from simgap.effects.parameter import Parameter
+from simgap.effects.sizes import size_of, sizes_of
 from simgap.physics.shapes import Channels, Signal, Signals
 
 Values = Mapping[str, Any]
 """Parameter values (numbers or tensors), or constants of a platform, by name."""
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter of an effect.
-
-    Attributes:
-        name: full word.
-        unit: as written in the diagnosis.
-        default: a realistic size, in `unit`.
-        low: least value that physics allows.
-        high: greatest plausible value.
-        neutral: the value at which the effect does nothing.
-        optional: whether it is neutral where only the others are given, as in a simulator written before it was there.
-    """
-
-    name: str
-    unit: str
-    default: float
-    low: float
-    high: float
-    neutral: float = 0.0
-    optional: bool = False
 
 
 class Effect(ABC):
@@ -115,12 +93,27 @@ class Effect(ABC):
         return None
 
     def starts(self) -> list[dict[str, float]]:
-        """Return starting values of a fit: several if the cost has several local minima."""
+        """Return starting values of a fit: several if the cost has several local minima.
+
+        They are those of a machine of the sizes 1 (see `simgap.effects.sizes`).
+        """
         return [self.neutral()]
 
-    def starts_in(self, signals: Signals) -> list[dict[str, float]]:
-        """Return starting values that depend on the recorded signals."""
-        return self.starts()
+    def starts_in(self, signals: Signals, constants: Values | None = None) -> list[dict[str, float]]:
+        """Return the starting values for a recorded machine.
+
+        Args:
+            signals: recorded, (blocks, samples, ...).
+            constants: of its platform; without them the effort that a voltage gives is taken to be 1.
+        """
+        sizes = sizes_of(self.kind, signals, constants or {})
+        factor = {parameter.name: size_of(parameter.unit, sizes) for parameter in self.parameters}
+        return [{name: factor[name] * value for name, value in start.items()} for start in self.starts()]
+
+    def parameters_in(self, signals: Signals, constants: Values | None = None) -> tuple[Parameter, ...]:
+        """Return the parameters with the default and the bounds that suit a recorded machine; see `starts_in`."""
+        sizes = sizes_of(self.kind, signals, constants or {})
+        return tuple(parameter.times(size_of(parameter.unit, sizes)) for parameter in self.parameters)
 
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
         """Return the name of the simpler effect that these values reduce to on the recorded signals, or ""."""

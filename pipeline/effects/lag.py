@@ -1,6 +1,7 @@
-"""A first-order lag between means over the same steps, so that it adds no delay of its own.
+"""First-order lags of recorded series: between means over the same steps, and between samples.
 
-Source: Krishnan 2001, Electric motor drives, §2; exact for an input held over each step.
+Source: Krishnan 2001, Electric motor drives, §2; Franklin, Powell & Workman 1998, Digital control of dynamic systems,
+§6.3 (equivalents by hold). Neither adds a delay of its own.
 """
 
 import torch
@@ -15,6 +16,8 @@ _FORGOTTEN = 1 / 40  # of a step: so short a lag has decayed to e⁻⁴⁰ at th
 
 def lag_step(start: Real, target: Real, time_constant: Value, time_step: float) -> tuple[Real, Real]:
     """Return the mean over a step and the value at its end of dy/dt = (target − y) / time_constant.
+
+    Exact for a target that is held over the step.
 
     Args:
         start: y at the start of the step, any unit.
@@ -98,6 +101,25 @@ def lag_along_time(target: Series, time_constant: float | Signal, time_step: flo
     )
     starts = torch.cat([target[:, :1], ends[:, :-1]], dim=1)
     return target + share * (starts - target)
+
+
+def lag_of_samples(series: Series, start: Signal, time_constant: float | Signal, time_step: float) -> Series:
+    """Return y of dy/dt = (series − y) / time_constant at the samples of recorded blocks.
+
+    Exact for a series that runs straight between samples. At a time constant of 0 it is the series.
+
+    Args:
+        series: (blocks, samples, ...), any unit.
+        start: y at the first sample, (blocks, ...).
+        time_constant: s; one number, or a tensor that broadcasts with the series.
+        time_step: s.
+    """
+    decay, share = _decay(series, time_constant, time_step)
+    gained = (share - decay) * series[:, :-1] + (1.0 - share) * series[:, 1:]
+    gained = torch.cat([start[:, None], gained], dim=1)
+    if _is_one_number(decay, gained):
+        return _filtered(decay, gained)
+    return accumulated(decay.expand_as(series), gained)
 
 
 def _is_one_number(decay: Tensor, target: Tensor) -> bool:

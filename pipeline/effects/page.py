@@ -26,6 +26,10 @@ Each kind of platform starts with a table of its effects. An entry for each effe
 
 Each parameter has a realistic default and bounds. Where one value of it alone stops the effect, it is given, too.
 On a sliding joint read N for N·m and m for rad.
+
+The fit of a joint does not depend on its size. It multiplies default and bounds by the typical effort, travel, speed
+and current of the recording, each to the power with which it enters the parameter's unit: read 0.1 N·m as a tenth of
+the typical effort.
 """
 
 

@@ -8,6 +8,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from simgap.effects import ActuatorEffect, CommandEffect, MeasurementEffect
+from simgap.physics.shapes import Signal, Signals
 from simgap.simulation.actuation import Memory, held_through
 from simgap.simulation.blocks import Blocks
 from simgap.simulation.motion import motion_of
@@ -54,14 +55,23 @@ def replay(
 
 
 def _after_commands(simulator: Simulator, signals: Mapping[str, Tensor], blocks: Blocks) -> dict[str, Tensor]:
-    """Return signals with time offsets removed and delays applied."""
-    out, constants = dict(signals), simulator.constants()
-    for fitted in simulator.of_type(MeasurementEffect):
-        out = {**out, **fitted.effect.undo(out, fitted.values, blocks.time_step)}  # type: ignore[attr-defined]
+    """Return signals without what the sensors did to them, and with delays applied."""
+    out, constants = without_sensors(simulator, signals, blocks.time_step), simulator.constants()
     for fitted in simulator.of_type(CommandEffect):
         if out:
             effect: Any = fitted.effect
             out = effect.along_time(out, fitted.values, constants, blocks.time_step)
+    return out
+
+
+def without_sensors(simulator: Simulator, signals: Signals, time_step: float) -> dict[str, Signal]:
+    """Return recorded blocks (blocks, samples, ...) without what the measurement effects of a simulator did to them.
+
+    A state to start from, or to compare a prediction with, has to be taken from these.
+    """
+    out = dict(signals)
+    for fitted in simulator.of_type(MeasurementEffect):
+        out = {**out, **fitted.effect.undo(out, fitted.values, time_step)}  # type: ignore[attr-defined]
     return out
 
 
@@ -98,7 +108,8 @@ def substeps_for(
     """
     few = blocks.thinned(_TRIAL_BLOCKS)
     motion = motion_of(simulator.platform)
-    initial = motion.pack({name: few.inner(series)[:, 0] for name, series in few.signals.items()})
+    signals = without_sensors(simulator, few.signals, few.time_step)
+    initial = motion.pack({name: few.inner(series)[:, 0] for name, series in signals.items()})
     substeps, coarse = 1, replay(simulator, few, initial, steps)
     while substeps < _MOST_SUBSTEPS:
         fine = replay(simulator, few, initial, steps, 2 * substeps)
@@ -113,8 +124,8 @@ def replay_error(simulator: Simulator, blocks: Blocks, duration: float) -> dict[
     """Return the root mean square error of each part of the state after replaying for a duration, in SI units."""
     steps = max(min(round(duration / blocks.time_step), blocks.samples - 1), 1)
     motion = motion_of(simulator.platform)
-    signals = {name: blocks.inner(series) for name, series in blocks.signals.items()}
-    recorded = motion.pack(signals)
+    signals = without_sensors(simulator, blocks.signals, blocks.time_step)
+    recorded = motion.pack({name: blocks.inner(series) for name, series in signals.items()})
     last = replay(simulator, blocks, recorded[:, 0], steps)[:, -1]
     difference = last - recorded[:, steps]
     rms = {name: difference[:, where].square().sum(-1).mean().sqrt() for name, where in motion.parts.items()}

@@ -16,7 +16,7 @@ class AsymmetricFriction(AxisFriction):
     """Dry friction is larger in one direction of motion than in the other."""
 
     name = "asymmetric_friction"
-    parameters = (Parameter("difference", "N·m", 0.05, -1e4, 1e4),)
+    parameters = (Parameter("difference", "N·m", 0.05, -1e6, 1e6),)
     needs = ("velocity", "effort")
     yields_to = ("coulomb_friction", "constant_load")
     twins = ("constant_load",)

@@ -10,6 +10,7 @@ class JointBacklash(Backlash):
     acts_on = "actuator"
     needs = ("velocity", "effort")
     transmitted = "effort"
+    gaps = (0.001, 0.004, 0.015, 0.06)
     sentence = (
         "The gear has {gap} {gap_unit} of play, with a fraction {motor_inertia_share} of the inertia on the "
         "motor's side; add backlash to the simulator."

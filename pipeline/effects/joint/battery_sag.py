@@ -8,6 +8,7 @@ is a parameter here.
 from typing import Any
 
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
+from simgap.effects.joint.common import driven_by
 from simgap.effects.scan import scan
 from simgap.physics.shapes import Real, Signal
 
@@ -43,14 +44,17 @@ class BatterySag(ActuatorEffect):
         """Start from a scan over the usual supplies."""
         return scan(share=(1.0,), nominal_voltage=(3.7, 5.0, 7.4, 12.0, 24.0, 48.0))
 
+    def starts_in(self, signals: Signals, constants: Values | None = None) -> list[dict[str, float]]:
+        """Start from supplies around the one that was recorded, if it was."""
+        if "battery_voltage" not in signals:
+            return self.starts()
+        usual = float(signals["battery_voltage"].median())
+        return scan(share=(1.0,), nominal_voltage=(0.8 * usual, usual, 1.25 * usual))
+
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:
         """Return the voltage at the motor, and the effort that it makes."""
         relative = signals["battery_voltage"] / values["nominal_voltage"] - 1.0
-        change = signals["voltage"] * values["share"] * relative
-        per_volt = constants["torque_constant"] * constants["gear_ratio"] / constants["resistance"]
-        return {
-            "voltage": signals["voltage"] + change,
-            "effort": signals["effort"] + per_volt * change,
-        }, None
+        voltage = signals["voltage"] * (1.0 + values["share"] * relative)
+        return driven_by(voltage, signals, constants), None

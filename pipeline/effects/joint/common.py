@@ -4,7 +4,7 @@ import torch
 
 from simgap.effects.dry_friction import DryFriction
 from simgap.effects.effect import Signals, Values
-from simgap.physics.shapes import Channels, Real
+from simgap.physics.shapes import Channels, Real, Signal
 
 
 class AxisFriction(DryFriction):
@@ -34,3 +34,20 @@ def applied(signals: Signals, constants: Values) -> Real:
 def on_axis(constants: Values, wrench: Real) -> Channels:
     """Name the joint's only channel."""
     return {constants["channel"]: wrench}
+
+
+def commanded(signals: Signals) -> str:
+    """Return the name of the input of the drive: the voltage if there is one, else the effort."""
+    return "voltage" if "voltage" in signals else "effort"
+
+
+def driven_by(command: Signal, signals: Signals, constants: Values) -> dict[str, Signal]:
+    """Return the changed signals behind the nominal motor under another command (...,), V or N·m or N.
+
+    The back-EMF stays: a voltage changes the effort by the stall torque of the change.
+    """
+    name = commanded(signals)
+    if name == "effort":
+        return {name: command}
+    per_volt = constants["torque_constant"] * constants["gear_ratio"] / constants["resistance"]
+    return {name: command, "effort": signals["effort"] + per_volt * (command - signals[name])}

@@ -13,7 +13,7 @@ class ConstantLoad(WrenchEffect):
     name = "constant_load"
     kind = "joint"
     acts_on = "torque"
-    parameters = (Parameter("load", "N·m", 0.1, -1e4, 1e4),)
+    parameters = (Parameter("load", "N·m", 0.1, -1e6, 1e6),)
     needs = ("position",)
     yields_to = ("coulomb_friction",)
     twins = ("asymmetric_friction",)

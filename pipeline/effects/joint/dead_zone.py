@@ -7,6 +7,7 @@ motor at standstill.
 from typing import Any
 
 from simgap.effects.effect import CommandEffect, Parameter, Signals, Values
+from simgap.effects.joint.common import commanded
 from simgap.physics.shapes import Signal
 
 
@@ -16,7 +17,7 @@ class DeadZone(CommandEffect):
     name = "dead_zone"
     kind = "joint"
     acts_on = "command"
-    parameters = (Parameter("width", "N·m", 0.1, 0.0, 1e4),)
+    parameters = (Parameter("width", "N·m", 0.1, 0.0, 1e6),)
     yields_to = ("coulomb_friction",)
     formula = (
         "command_effective = sign(command) · max(|command| − width / gain, 0), gain = torque_constant · gear_ratio / "
@@ -36,7 +37,7 @@ class DeadZone(CommandEffect):
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:
         """Return the command beyond the dead zone."""
-        name = "voltage" if "voltage" in signals else "effort"
+        name = commanded(signals)
         command, width = signals[name], values["width"] / _gain(name, constants)
         return {name: command - command.clamp(-width, width)}, None
 

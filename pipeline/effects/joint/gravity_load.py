@@ -18,8 +18,8 @@ class GravityLoad(WrenchEffect):
     kind = "joint"
     acts_on = "torque"
     parameters = (
-        Parameter("sine", "N·m", 0.3, -1e4, 1e4),
-        Parameter("cosine", "N·m", 0.1, -1e4, 1e4),
+        Parameter("sine", "N·m", 0.3, -1e6, 1e6),
+        Parameter("cosine", "N·m", 0.1, -1e6, 1e6),
     )
     needs = ("position",)
     formula = "torque = −sine · sin(position) − cosine · cos(position)"

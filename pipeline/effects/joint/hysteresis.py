@@ -14,7 +14,21 @@ from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, Wr
 from simgap.effects.joint.common import on_axis
 from simgap.effects.recurrence import accumulated
 from simgap.effects.scan import scan
+from simgap.effects.sizes import size_of, sizes_of
 from simgap.physics.shapes import Channels, Signal
+
+_LEVELS = (
+    0.05,
+    0.5,
+)  # of the typical effort: friction takes some of it, seldom more; the level enters linearly
+_PARTS = (
+    0.0,
+    0.2,
+    0.4,
+    0.6,
+    0.8,
+    0.95,
+)  # of the way from the least to the greatest displacement, in logarithm
 
 
 class Hysteresis(ActuatorEffect, WrenchEffect):
@@ -27,7 +41,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
     kind = "joint"
     acts_on = "torque"
     parameters = (
-        Parameter("level", "N·m", 0.1, 0.0, 1e4),
+        Parameter("level", "N·m", 0.1, 0.0, 1e6),
         Parameter("displacement", "rad", 0.05, 1e-5, 10.0, neutral=0.1),
     )
     needs = ("position",)
@@ -44,7 +58,18 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
 
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan: without a level the displacement has no gradient."""
-        return scan(level=(0.01, 0.1, 1.0, 10.0), displacement=(0.003, 0.02, 0.1, 0.5))
+        return scan(level=_LEVELS, displacement=(0.001, 0.004, 0.015, 0.06, 0.2, 0.8))
+
+    def starts_in(self, signals: Signals, constants: Values | None = None) -> list[dict[str, float]]:
+        """Start from what `limit` allows: from the travel in a sample up to the whole travel."""
+        level, displacement = self.parameters_in(signals, constants)
+        sizes = sizes_of(self.kind, signals, constants or {})
+        position = signals["position"]
+        least = max(float(position.diff(dim=1).abs().median()), displacement.low)
+        most = max(sizes.get("travel", 1.0), least)
+        between = [least * (most / least) ** part for part in _PARTS]
+        size = size_of(level.unit, sizes)
+        return scan(level=[size * share for share in _LEVELS], displacement=between)
 
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
         """Return friction if the displacement is below one sample's travel, or a spring if above the whole travel."""

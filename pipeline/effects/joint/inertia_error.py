@@ -1,6 +1,6 @@
 """An inertia of a joint that differs from the platform file."""
 
-from simgap.effects.effect import ParameterError, Values
+from simgap.effects.effect import Parameter, ParameterError, Values
 
 
 class InertiaError(ParameterError):
@@ -9,6 +9,8 @@ class InertiaError(ParameterError):
     name = "inertia_error"
     kind = "joint"
     acts_on = "torque"
+    # A rotor behind a gear of 100 counts 10,000 times, and few data sheets give it: a decade either way is possible.
+    parameters = (Parameter("ratio", "1", 1.2, 0.1, 10.0, neutral=1.0),)
     needs = ()
     formula = "inertia = ratio · nominal inertia"
     source = "the platform's nominal equations"

@@ -14,7 +14,7 @@ class StribeckFriction(AxisFriction):
 
     name = "stribeck_friction"
     parameters = (
-        Parameter("extra_level", "N·m", 0.1, 0.0, 1e4),
+        Parameter("extra_level", "N·m", 0.1, 0.0, 1e6),
         Parameter("velocity", "rad/s", 0.5, 1e-4, 1e3, neutral=1.0),
     )
     needs = ("velocity", "effort")
@@ -33,7 +33,7 @@ class StribeckFriction(AxisFriction):
 
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan: without an excess the fading velocity has no gradient."""
-        return scan(extra_level=(0.01, 0.1, 1.0, 10.0), velocity=(0.03, 0.3, 3.0))
+        return scan(extra_level=(0.03, 0.3), velocity=(0.01, 0.04, 0.16, 0.6))
 
     def limit(self, values: Values, signals: Signals, constants: Values) -> str:
         """Return Coulomb friction if the excess does not fade visibly within the recorded speeds."""

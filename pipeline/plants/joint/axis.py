@@ -14,6 +14,9 @@ from simgap.platforms import Joint
 
 CONTACT_FREQUENCY = 600.0  # rad/s, of motor against load on the teeth
 _CONTACT_DAMPING_RATIO = 0.3
+_HARDENING = (
+    0.1  # growth of a shaft's stiffness at the twist that a typical effort makes, as of a rubber coupling
+)
 
 
 @dataclass(frozen=True)
@@ -25,18 +28,20 @@ class Coupling:
 
     Attributes:
         gap: total play, rad or m; 0 for a shaft that is joined for good.
-        stiffness: N·m/rad.
+        stiffness: at small twists, N·m/rad.
         damping: N·m·s/rad.
+        hardening: of the stiffness with the square of the twist, 1/rad² or 1/m².
     """
 
     gap: float
     stiffness: float
     damping: float
+    hardening: float = 0.0
 
     def effort(self, twist: Array, rate: Array) -> Array:
         """Return what the motor does to the load, N·m or N."""
         wound = twist - np.clip(twist, -0.5 * self.gap, 0.5 * self.gap)
-        push = self.stiffness * wound + self.damping * rate
+        push = self.stiffness * wound * (1.0 + self.hardening * wound * wound) + self.damping * rate
         if not self.gap:
             return push
         return np.where(push * wound > 0, push, 0.0)
@@ -123,13 +128,14 @@ def axis_of(
 ) -> Axis:
     """Return the axis that a case conceals, at a position and velocity (runs,)."""
     inertia = platform.inertia * effects.get("inertia_error", "ratio")
-    shares, coupling = bodies(effects, outside, inertia)
+    effort = case.size(platform)["effort"]
+    shares, coupling = bodies(effects, inertia, effort)
     resting = np.zeros(case.runs)
     position, velocity = (np.tile(series, (len(shares), 1)) for series in start)
     return Axis(
         inertia=inertia * shares,
         coupling=coupling,
-        friction=friction_of(effects, outside, inertia, case.size(platform)["effort"]),
+        friction=friction_of(effects, outside, inertia, effort),
         load=load_of(effects, outside, platform.gravity_torque, platform.stiffness, inertia),
         age=case.duration * np.arange(case.runs, dtype=np.float64),
         position=position,
@@ -144,25 +150,30 @@ def axis_of(
     )
 
 
-def bodies(effects: Concealed, outside: Concealed, inertia: float) -> tuple[Array, Coupling | None]:
+def bodies(effects: Concealed, inertia: float, effort: float) -> tuple[Array, Coupling | None]:
     """Return the shares of the inertia (bodies, 1) and what joins them.
 
     Args:
-        effects: with `backlash`, perhaps.
-        outside: with `flexible_coupling`, perhaps.
+        effects: with `backlash` or `flexible_coupling`, perhaps.
         inertia: of both, kg·m² or kg.
+        effort: typical, N·m or N.
     """
     if "backlash" in effects:
         share = effects.get("backlash", "motor_inertia_share")
-        gap = effects.get("backlash", "gap")
-        frequency, ratio = CONTACT_FREQUENCY, _CONTACT_DAMPING_RATIO
-    elif "flexible_coupling" in outside:
-        share = outside.get("flexible_coupling", "motor_inertia_share")
-        gap = 0.0
-        frequency = 2.0 * np.pi * outside.get("flexible_coupling", "frequency")
-        ratio = outside.get("flexible_coupling", "damping_ratio")
+        swinging = inertia * share * (1.0 - share)  # both bodies swing against each other
+        stiffness, damping = _spring(swinging, CONTACT_FREQUENCY, _CONTACT_DAMPING_RATIO)
+        coupling = Coupling(effects.get("backlash", "gap"), stiffness, damping)
+    elif "flexible_coupling" in effects and np.isfinite(effects.get("flexible_coupling", "frequency")):
+        share = effects.get("flexible_coupling", "motor_inertia_share")
+        frequency = 2.0 * np.pi * effects.get("flexible_coupling", "frequency")
+        ratio = effects.get("flexible_coupling", "damping_ratio")
+        stiffness, damping = _spring(inertia * (1.0 - share), frequency, ratio)  # the motor is held
+        coupling = Coupling(0.0, stiffness, damping, _HARDENING * (stiffness / effort) ** 2)
     else:
         return np.ones((1, 1)), None
-    reduced = inertia * share * (1.0 - share)
-    coupling = Coupling(gap, reduced * frequency**2, 2.0 * ratio * reduced * frequency)
     return np.array([[share], [1.0 - share]]), coupling
+
+
+def _spring(inertia: float, frequency: float, damping_ratio: float) -> tuple[float, float]:
+    """Return the stiffness and damping on which an inertia swings at a frequency, rad/s."""
+    return inertia * frequency**2, 2.0 * damping_ratio * inertia * frequency

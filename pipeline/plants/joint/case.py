@@ -125,8 +125,8 @@ class JointCase:
             raise InputError(
                 "turns no sliding axis", f"{where}.effects.gravity_load", "conceal a constant_load"
             )
-        if "backlash" in self.effects and "flexible_coupling" in self.outside:
-            raise InputError("excludes backlash", f"{where}.outside.flexible_coupling", "leave out either")
+        if {"backlash", "flexible_coupling"} <= set(self.effects):
+            raise InputError("excludes backlash", f"{where}.effects.flexible_coupling", "leave out either")
 
     def concealed(self, platform: Joint) -> tuple[Concealed, Concealed]:
         """Return what is concealed in a machine: effects of the catalogue, and those outside it."""

@@ -1,4 +1,4 @@
-"""Drive of a joint: delay, dead zone, supply, winding, inductance and current limit."""
+"""Drive of a joint: scale, dead zone, response, supply, winding, inductance and current limit."""
 
 from dataclasses import dataclass
 
@@ -9,6 +9,8 @@ from simgap.plants.joint.case import JointCase
 from simgap.plants.joint.supply import AMBIENT, COPPER_SHARE, Battery, Winding, battery_of, winding_of
 from simgap.plants.rotation import Array
 from simgap.platforms import Joint
+
+_FAST_SHARE = 0.15  # of the drive's response time that a second, faster stage takes up
 
 
 @dataclass
@@ -21,7 +23,9 @@ class Drive:
         supply: nominal voltage, V.
         sagging: whether the battery's voltage reaches the motor.
         weakening: by warmth, at standstill, 1/K.
+        scale: by which the command that acts is greater than the one that is given.
         dead_zone: half width, in the unit of the command.
+        response: times of the two stages through which the output follows the command, s.
         electrical: time constant of the winding, s.
         limit: of the current, A.
         battery: its state.
@@ -29,6 +33,7 @@ class Drive:
         current: (runs,) A.
         voltage: of the battery, (runs,) V.
         cold: effort that the motor would give at ambient temperature, (runs,) N·m or N.
+        stages: state of the two stages, in the unit of the command; None before the first step.
     """
 
     resistance: float
@@ -36,7 +41,9 @@ class Drive:
     supply: float
     sagging: bool
     weakening: float
+    scale: float
     dead_zone: float
+    response: tuple[float, float]
     electrical: float
     limit: float
     battery: Battery
@@ -44,6 +51,7 @@ class Drive:
     current: Array
     voltage: Array
     cold: Array
+    stages: tuple[Array, Array] | None = None
 
     def effort(self, command: Array, velocity: Array, step: float) -> Array:
         """Return the motor's effort at the joint (runs,), N·m or N.
@@ -53,8 +61,7 @@ class Drive:
             velocity: of the motor in the joint's terms, rad/s or m/s.
             step: since the last call, s; 0 to look without letting time pass.
         """
-        if self.dead_zone:
-            command = command - np.clip(command, -self.dead_zone, self.dead_zone)
+        command = self._followed(self._passed(command), step)
         lost = self.weakening * (self.winding.temperature - AMBIENT)
         if not self.resistance:
             self.current = self.cold = command
@@ -73,11 +80,28 @@ class Drive:
         self.winding.warm(self.current, step)
         return constant * self.current
 
+    def _passed(self, command: Array) -> Array:
+        """Return what of a command (runs,) the drive takes up."""
+        command = self.scale * command
+        return command - np.clip(command, -self.dead_zone, self.dead_zone) if self.dead_zone else command
+
+    def _followed(self, command: Array, step: float) -> Array:
+        """Return the output (runs,) after a step, through two first-order stages; a real drive has more than one."""
+        if not self.response[0]:
+            return command
+        output, stages = command, []
+        for before, time in zip(self.stages or (command, command), self.response, strict=True):
+            output = output + (before - output) * np.exp(-step / time)
+            stages.append(output)
+        self.stages = stages[0], stages[1]
+        return output
+
 
 def drive_of(effects: Concealed, platform: Joint, case: JointCase, random: np.random.Generator) -> Drive:
     """Return the drive that a case conceals, before its first step."""
     motor, size = platform.motor, case.size(platform)
     ratio = effects.get("motor_constant_error", "ratio")
+    response = effects.get("motor_lag", "time_constant")
     still = np.zeros(case.runs)
     return Drive(
         resistance=motor.resistance if motor else 0.0,
@@ -85,7 +109,9 @@ def drive_of(effects: Concealed, platform: Joint, case: JointCase, random: np.ra
         supply=case.supply,
         sagging="battery_sag" in effects,
         weakening=effects.get("temperature_derating", "coefficient"),
+        scale=effects.get("input_scale_error", "ratio"),
         dead_zone=effects.get("dead_zone", "width"),
+        response=((1.0 - _FAST_SHARE) * response, _FAST_SHARE * response),
         electrical=effects.get("motor_inductance", "time_constant"),
         limit=effects.get("current_limit", "limit"),
         battery=battery_of(effects, case.supply, size["current"], case.runs, random),

@@ -46,10 +46,19 @@ CONCEALABLE: dict[str, dict[str, Quantity]] = {
     },
     "temperature_derating": {"coefficient": Quantity("1/K", 0.005, high=0.008)},
     "command_delay": {"delay": Quantity("s", 0.02, high=0.1)},
+    "motor_lag": {"time_constant": Quantity("s", 0.02, high=0.3)},
     "motor_inductance": {"time_constant": Quantity("s", 0.008, high=0.05)},
     "current_limit": {"limit": Quantity("A", 0.5, {"current": 1}, neutral=math.inf, low=1e-6)},
     "inertia_error": {"ratio": Quantity("1", 1.3, neutral=1.0, low=0.2, high=5.0)},
     "motor_constant_error": {"ratio": Quantity("1", 1.2, neutral=1.0, low=0.2, high=5.0)},
+    "input_scale_error": {"ratio": Quantity("1", 1.2, neutral=1.0, low=0.2, high=5.0)},
+    "flexible_coupling": {
+        # Damped well, as by rubber or a belt: a position loop that is closed over a shaft like steel's would ring.
+        "frequency": Quantity("Hz", 12.0, neutral=math.inf, low=0.5, high=math.inf),
+        "damping_ratio": Quantity("1", 0.25, high=1.0),
+        "motor_inertia_share": Quantity("1", 0.4, low=0.05, high=0.95),
+    },
+    "velocity_filter": {"time_constant": Quantity("s", 0.015, high=0.3)},
     "sensor_time_offset": {"offset": Quantity("s", 0.02, low=-0.1, high=0.1)},
 }
 """Effects that the catalogue names."""
@@ -61,11 +70,6 @@ OUTSIDE: dict[str, dict[str, Quantity]] = {
         "width": Quantity("rad", 0.1, _POSITION, low=1e-6),
     },
     "wear": {"growth": Quantity("N·m/s", 0.003, _EFFORT)},
-    "flexible_coupling": {
-        "frequency": Quantity("Hz", 12.0, high=80.0),
-        "damping_ratio": Quantity("1", 0.05, high=1.0),
-        "motor_inertia_share": Quantity("1", 0.5, low=0.05, high=0.95),
-    },
     "hard_stop": {"position": Quantity("rad", 0.6, _POSITION, neutral=math.inf)},
     "speed_ripple": {
         "amplitude": Quantity("N·m·s/rad", 0.5, _PER_VELOCITY),

@@ -24,6 +24,7 @@ class Log:
     Attributes:
         position: of the load, rad or m.
         velocity: rad/s or m/s.
+        twist: of the coupling between motor and load, rad or m; 0 where they are one body.
         command: V, N·m or N, before any delay.
         effort: of the motor at the joint, N·m or N.
         cold_effort: that a motor at ambient temperature would give, N·m or N.
@@ -34,6 +35,7 @@ class Log:
 
     position: Array
     velocity: Array
+    twist: Array
     command: Array
     effort: Array
     cold_effort: Array
@@ -80,6 +82,7 @@ def move(
         axis.push(drive.effort(ending, axis.foreseen[0], STEP), STEP)
         if case.held:
             axis.feel(drive.effort(commands.at(count), axis.velocity[0], 0.0))
-        truth = axis.position[-1], axis.velocity[-1], commands.series[count], axis.effort, drive.cold
-        rows.append((*truth, drive.current, drive.voltage, drive.winding.temperature))
+        moving = axis.position[-1], axis.velocity[-1], axis.position[0] - axis.position[-1]
+        pushed = commands.series[count], axis.effort, drive.cold
+        rows.append((*moving, *pushed, drive.current, drive.voltage, drive.winding.temperature))
     return Log(*(np.stack(column) for column in zip(*rows, strict=True)))

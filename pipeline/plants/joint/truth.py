@@ -9,13 +9,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.signal import lfilter
 
 from simgap.plants.concealment import KEY_SCHEMA, Concealed, entry
+from simgap.plants.joint.axis import bodies
 from simgap.plants.joint.case import JointCase
 from simgap.plants.joint.hysteresis import nearest_dahl
-from simgap.plants.joint.motion import Log
+from simgap.plants.joint.motion import SETTLING, STEP, Log
+from simgap.plants.joint.sensing import filtered
 from simgap.plants.joint.supply import AMBIENT
 from simgap.platforms import Joint
+
+_SETTLED = round(SETTLING / STEP)  # steps before the recording, in which the filters settle
 
 Stated = dict[str, tuple[float, str]]
 """Value and unit by parameter."""
@@ -117,6 +122,37 @@ def _motor_inductance(values: dict[str, float], answered: Answered) -> Stated:
     return {"inductance": (values["time_constant"] * motor.resistance, "H")}
 
 
+def _flexible_coupling(values: dict[str, float], answered: Answered) -> Stated:
+    """Return the linear spring that comes nearest to the hardening one along the twists that occurred."""
+    share = values["motor_inertia_share"]
+    inertia = answered.platform.inertia * answered.effects.get("inertia_error", "ratio")
+    load = (1.0 - share) * inertia
+    _, coupling = bodies(answered.effects, inertia, answered.case.size(answered.platform)["effort"])
+    assert coupling is not None  # the case was checked
+    twist = answered.log.twist
+    push = coupling.effort(twist, np.zeros_like(twist))
+    frequency = np.sqrt(float((push * twist).sum() / (twist * twist).sum()) / load) / (2.0 * np.pi)
+    ratio = coupling.damping / (4.0 * np.pi * load * frequency)
+    return {
+        "frequency": (frequency, "Hz"),
+        "damping_ratio": (ratio, "1"),
+        "motor_inertia_share": (share, "1"),
+    }
+
+
+def _velocity_filter(values: dict[str, float], answered: Answered) -> Stated:
+    """Return the first-order filter whose output comes nearest to what was recorded."""
+    velocity, delay = answered.log.velocity, values["time_constant"]
+    recorded = filtered(velocity, delay)
+    candidates = delay * np.linspace(0.7, 1.3, 61)
+    kept = np.exp(-STEP / candidates)
+    errors = [
+        np.square(lfilter([1.0 - each], [1.0, -each], velocity, axis=0) - recorded)[_SETTLED:].sum()
+        for each in kept
+    ]
+    return {"time_constant": (float(candidates[int(np.argmin(errors))]), "s")}
+
+
 LUMPED: dict[str, Callable[[dict[str, float], Answered], Stated]] = {
     "dead_zone": _dead_zone,
     "cogging": _cogging,
@@ -124,5 +160,7 @@ LUMPED: dict[str, Callable[[dict[str, float], Answered], Stated]] = {
     "battery_sag": _battery_sag,
     "temperature_derating": _temperature_derating,
     "motor_inductance": _motor_inductance,
+    "flexible_coupling": _flexible_coupling,
+    "velocity_filter": _velocity_filter,
 }
 """Effects whose answer is not simply the plant's own quantities."""

@@ -66,7 +66,7 @@ def steering_of(
     own = _of_a_joint(effects)
     spot = outside.values.get("steering_spot")
     beyond = Concealed({"tight_spot": spot} if spot else {}, joint.OUTSIDE, _SIZELESS)
-    shares, coupling = bodies(own, beyond, inertia)
+    shares, coupling = bodies(own, inertia, effort)
     resting = np.zeros_like(start[0])
     position, velocity = (np.tile(series, (len(shares), 1)) for series in start)
     return Axis(

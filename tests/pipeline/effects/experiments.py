@@ -133,7 +133,8 @@ def recovered(effect: Effect, blocks: Blocks) -> dict[str, float]:
     noise = torch.full((channels,), _NOISE, dtype=torch.float64)
     functions = window_functions(blocks.samples, 0.05, blocks.time_step)
     problem = Problem(blocks, functions, noise, torch.zeros_like(noise), blocks.run)
-    starts = [machine.with_effects((FittedEffect(effect, start),)) for start in effect.starts()]
+    tried = effect.starts_in(blocks.signals, machine.constants())
+    starts = [machine.with_effects((FittedEffect(effect, start),)) for start in tried]
     scale = residual_rows(machine, blocks, functions).square().mean((0, 1)).clamp_min(_NOISE**2)
     starts.sort(key=lambda start: _cost(residual_rows(start, blocks, functions), scale))
     fits = [fit(start, problem) for start in starts[:_TRIED]]

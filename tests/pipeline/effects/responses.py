@@ -81,6 +81,13 @@ def smooth_flight(samples: int, duration: float) -> dict[str, Tensor]:
     }
 
 
+def smooth_swing(samples: int, duration: float) -> dict[str, Tensor]:
+    """Return one block of a joint that swings from rest, the same motion at any rate."""
+    time = torch.linspace(0.0, duration, samples + 1, dtype=torch.float64)[None]
+    sine, cosine = torch.sin(5.0 * time), torch.cos(5.0 * time)
+    return {"position": sine**3, "velocity": 15.0 * sine**2 * cosine, "effort": torch.sin(7.0 * time) ** 3}
+
+
 def telling_values(effect: Effect) -> list[dict[str, float]]:
     """Return values at which the effect acts: its default and the starts of its scan that are not neutral."""
     starts = [start for start in effect.starts() if start != effect.neutral()]

@@ -20,6 +20,7 @@ from tests.pipeline.effects.responses import (
     sides_of,
     simulator_with,
     smooth_flight,
+    smooth_swing,
     telling_values,
     with_hidden,
 )
@@ -29,8 +30,9 @@ EFFECT = pytest.mark.parametrize("effect", EVERY_EFFECT, ids=identity)
 WRENCH = pytest.mark.parametrize(
     "effect", [effect for effect in EVERY_EFFECT if isinstance(effect, WrenchEffect)], ids=identity
 )
-# What looks at the samples on both sides in a recording can only look back in a simulation.
-DIFFERENTIATING = ("rotor_inertia_torque", "slung_payload")
+# What looks at the samples on both sides in a recording, or takes a sample for the interval around it, can only look
+# back in a simulation.
+DIFFERENTIATING = ("rotor_inertia_torque", "slung_payload", "flexible_coupling")
 ACTUATOR = pytest.mark.parametrize(
     "effect", [effect for effect in EVERY_EFFECT if isinstance(effect, ActuatorEffect)], ids=identity
 )
@@ -248,7 +250,7 @@ def test_sample_by_sample_tends_to_the_block_at_once_as_the_step_shrinks(effect)
     """Looking back is late by half a step, so half the step halves the difference."""
     errors = []
     for samples in (100, 200, 400):
-        signals = smooth_flight(samples, duration=1.0)
+        signals = (smooth_flight if effect.kind == "quadrotor" else smooth_swing)(samples, duration=1.0)
         at_once = effect.along_time(signals, effect.defaults(), constants(effect.kind), 1.0 / samples)
         scanned = sample_by_sample(effect, signals, effect.defaults(), 1.0 / samples)
         settled = slice(samples // 10, -1)

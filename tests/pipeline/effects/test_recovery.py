@@ -9,6 +9,7 @@ from tests.pipeline.platforms.machines import EVERY_EFFECT, identity
 VALUES = {
     "joint-current_limit": {"limit": 2.0},
     "joint-backlash": {"gap": 0.05},
+    "joint-flexible_coupling": {"damping_ratio": 0.2},
     "joint-motor_inductance": {"inductance": 0.04},
     "joint-temperature_derating": {"coefficient": 0.006},
     "swerve-current_limit@steer": {"limit": 10.0},
@@ -20,6 +21,7 @@ VALUES = {
 _SHORT = (1e-3, 1)
 STEPS = {
     "joint-backlash": (1e-3, 2),
+    "joint-flexible_coupling": (1e-3, 4),
     "joint-motor_inductance": (2e-3, 8),
     "quadrotor-slung_payload": (4e-3, 1),
     "quadrotor-tip_path_plane_flapping": (2e-3, 2),
@@ -31,9 +33,12 @@ STEPS = {
     ),
 }
 
+# The rows of a fit take the momentum as it was recorded; see test_joint_drive.py for what a filter does to it.
+RECOVERED = [effect for effect in EVERY_EFFECT if identity(effect) != "joint-velocity_filter"]
+
 
 @pytest.mark.slow
-@pytest.mark.parametrize("effect", EVERY_EFFECT, ids=identity)
+@pytest.mark.parametrize("effect", RECOVERED, ids=identity)
 def test_what_is_set_and_simulated_is_found_again(effect):
     values = effect.defaults() | VALUES.get(identity(effect), {})
     found = recovered(effect, recorded_blocks(effect, values, *STEPS.get(identity(effect), ())))

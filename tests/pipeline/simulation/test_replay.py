@@ -1,5 +1,7 @@
 """A recording cut into blocks, and a simulator that replays what it recorded of itself."""
 
+from itertools import pairwise
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -187,3 +189,19 @@ def test_a_simulator_that_diverges_has_an_infinite_error_and_no_missing_one():
         JOINT, (FittedEffect(effect_by_key("joint", "viscous_friction"), {"coefficient": -1e4}),)
     )
     assert all(value == np.inf or value > 1e6 for value in replay_error(wild, blocks, 0.3).values())
+
+
+def test_a_replay_starts_and_ends_at_the_velocity_without_its_filter():
+    simulator, constant = Simulator(JOINT), 0.02
+    recording = own_recording(simulator, runs=2)
+    for _, run in recording.frame.groupby("run"):
+        late, velocity = [run["velocity"].iloc[0]], run["velocity"].to_numpy()
+        for before, now in pairwise(velocity):
+            kept, share = np.exp(-STEP / constant), constant / STEP * (1.0 - np.exp(-STEP / constant))
+            late.append(kept * late[-1] + (share - kept) * before + (1.0 - share) * now)
+        recording.frame.loc[run.index, "velocity"] = late
+    blocks = cut_blocks(recording, JOINT, 0.2, 0.1)
+    effect = effect_by_key("joint", "velocity_filter")
+    aware = Simulator(JOINT, (FittedEffect(effect, {"time_constant": constant}),))
+    own, nominal = (replay_error(each, blocks, 0.1)["replay_error_velocity"] for each in (aware, simulator))
+    assert own < 0.1 * nominal

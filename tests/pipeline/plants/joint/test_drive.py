@@ -29,6 +29,23 @@ def test_a_dead_zone_swallows_small_commands_and_shortens_others(servo):
     )
 
 
+def test_the_command_that_acts_is_greater_by_its_scale(servo):
+    scaled = drive(servo, input_scale_error={"ratio": 1.25}).effort(np.array([4.0]), STILL, STEP)
+    assert scaled[0] == pytest.approx(drive(servo).effort(np.array([5.0]), STILL, STEP)[0])
+
+
+def test_a_slow_drive_covers_a_step_in_two_stages_and_lags_a_ramp_by_its_time_constant(servo):
+    motor, per_volt = (
+        drive(servo, motor_lag={"time_constant": 0.02}),
+        drive(servo).effort(np.ones(1), STILL, STEP),
+    )
+    ramp = np.arange(1, 401) * STEP
+    reached = [motor.effort(np.full(1, level), STILL, STEP)[0] / per_volt[0] for level in ramp]
+    assert ramp[-1] - reached[-1] == pytest.approx(0.02, abs=1.1 * STEP)  # a step of it is the plant's own
+    held = motor.effort(np.full(1, 5.0), STILL, 0.0)
+    assert held[0] == pytest.approx(reached[-1] * per_volt[0], rel=1e-9)  # no time has passed
+
+
 def test_the_current_rises_exponentially_through_an_inductance(servo):
     motor = drive(servo, motor_inductance={"time_constant": 0.01})
     for _ in range(20):

@@ -110,7 +110,10 @@ def test_what_is_outside_has_no_name_in_the_catalogue(servo):
     assert [entry["name"] for entry in key["outside"]] == ["tight_spot"]
 
 
-@pytest.mark.parametrize("name", [name for name in CONCEALABLE if name != "sensor_time_offset"])
+SENSORS = ("sensor_time_offset", "velocity_filter")
+
+
+@pytest.mark.parametrize("name", [name for name in CONCEALABLE if name not in SENSORS])
 def test_every_effect_moves_the_machine_elsewhere(servo, name):
     null = record_case(JointCase(**SHORT, sensors=PERFECT), servo, seed=1)[0].frame
     moved = record_case(JointCase(effects={name: {}}, **SHORT, sensors=PERFECT), servo, seed=1)[0].frame
@@ -151,6 +154,21 @@ def test_a_time_offset_shifts_the_motion_and_not_the_input(servo):
     np.testing.assert_array_equal(late["voltage"], plain["voltage"])
 
 
+def test_a_filter_delays_the_velocity_and_nothing_else(servo):
+    case = {"runs": 1, "duration": 2.0, "dropped": 0.0, "rate": 1000.0, "sensors": PERFECT}
+    plain = record_case(JointCase(**case), servo, seed=1)[0].frame
+    effects = {"velocity_filter": {"time_constant": 0.02}}
+    late, key = record_case(JointCase(effects=effects, **case), servo, seed=1)
+    for name in ("position", "voltage"):
+        np.testing.assert_array_equal(late.frame[name], plain[name])
+    velocity = late.frame["velocity"].to_numpy()
+    errors = [
+        np.square(velocity[100:] - plain["velocity"].to_numpy()[100 - n : -n]).mean() for n in range(1, 60)
+    ]
+    assert 1 + int(np.argmin(errors)) == pytest.approx(20, abs=3)
+    assert key["effects"][0]["parameters"]["time_constant"]["value"] == pytest.approx(0.02, rel=0.15)
+
+
 def test_samples_are_lost_and_the_battery_is_recorded_on_request(servo):
     case = JointCase(channels=["battery_voltage", "temperature"], dropped=0.1, runs=2, duration=4.0)
     frame = record_case(case, servo, seed=1)[0].frame
@@ -184,7 +202,7 @@ def test_an_effect_of_the_voltage_needs_a_motor(machine):
         (JointCase(dropped=1.0), "record.dropped"),
         (JointCase(jitter=0.01), "record.jitter"),
         (JointCase(sensors=JointSensors(current=-1.0)), "record.sensors.current"),
-        (JointCase(effects={"backlash": {}}, outside={"flexible_coupling": {}}), "excludes backlash"),
+        (JointCase(effects={"backlash": {}, "flexible_coupling": {}}), "excludes backlash"),
     ],
 )
 def test_a_case_that_cannot_be_run_is_refused_by_its_key(servo, case, message):

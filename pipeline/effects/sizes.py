@@ -1,0 +1,75 @@
+"""Typical sizes of a machine at work, by which starting values and bounds of a fit are multiplied.
+
+A friction of 0.1 N·m is large for a finger and nothing for a press. What a fit starts from, and where it stops, must
+not depend on that, nor on whether a platform speaks of newtons or kilonewtons, of metres or millimetres. A number in
+`Effect.starts` and a bound of a `Parameter` are therefore those of a machine whose typical effort, travel, speed and
+current are 1. For a recorded machine they are multiplied by its own sizes, each to the power with which it enters the
+parameter's unit.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from torch import Tensor
+
+from simgap.physics.shapes import Signals
+
+_PEAK_TO_PEAK = 2.0 * 2.0**0.5  # of a sine, over its standard deviation; outliers hardly change that
+_LEAST = 1e-30  # smaller is no size: a signal that is always zero
+
+POWERS: Mapping[str, Mapping[str, int]] = {
+    "N·m": {"effort": 1},
+    "N·m/rad": {"effort": 1, "travel": -1},
+    "N·m/rad³": {"effort": 1, "travel": -3},
+    "N·m·s/rad": {"effort": 1, "speed": -1},
+    "N·m·s²/rad²": {"effort": 1, "speed": -2},
+    "rad": {"travel": 1},
+    "1/rad": {"travel": -1},
+    "rad/s": {"speed": 1},
+    "A": {"current": 1},
+    "H": {"resistance": 1},  # a time constant times the resistance
+}
+"""Sizes in a parameter's unit; another unit has none: a ratio, a time, a voltage, a temperature."""
+
+
+def sizes_of(kind: str, signals: Signals, constants: Mapping[str, Any]) -> dict[str, float]:
+    """Return the sizes of a machine that its recording shows, by name; those that it does not show are absent.
+
+    Args:
+        kind: of the platform; only a joint has sizes yet.
+        signals: recorded, (blocks, samples).
+        constants: of the platform; without them the effort of a voltage is unknown.
+    """
+    return _OF_KIND[kind](signals, constants) if kind in _OF_KIND else {}
+
+
+def size_of(unit: str, sizes: Mapping[str, float]) -> float:
+    """Return the factor on a number in a unit; 1 for what the recording does not show."""
+    factor = 1.0
+    for name, power in POWERS.get(unit, {}).items():
+        factor *= sizes.get(name, 1.0) ** power
+    return factor
+
+
+def _joint(signals: Signals, constants: Mapping[str, Any]) -> dict[str, float]:
+    """Return effort, travel, speed and current of an axis, and the resistance of its motor."""
+    sizes: dict[str, float] = {}
+    if "position" in signals:
+        sizes["travel"] = _PEAK_TO_PEAK * float(signals["position"].std(correction=0))
+    if "velocity" in signals:
+        sizes["speed"] = _rms(signals["velocity"])
+    if "effort" in signals:
+        sizes["effort"] = _rms(signals["effort"])
+    if "voltage" in signals and "torque_constant" in constants:
+        constant = constants["torque_constant"] * constants["gear_ratio"]
+        current = (signals["voltage"] - constant * signals["velocity"]) / constants["resistance"]
+        sizes = {"effort": _rms(constant * current), **sizes, "current": _rms(current)}
+        sizes["resistance"] = float(constants["resistance"])
+    return {name: size for name, size in sizes.items() if size > _LEAST}
+
+
+def _rms(series: Tensor) -> float:
+    return float(series.square().mean().sqrt())
+
+
+_OF_KIND: Mapping[str, Callable[[Signals, Mapping[str, Any]], dict[str, float]]] = {"joint": _joint}
