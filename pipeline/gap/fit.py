@@ -1,11 +1,13 @@
 """Gauss–Newton fit of effect parameters to a recording, with cluster-robust standard errors."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import torch
 from torch import Tensor
 
 from simgap.effects import Effect, Parameter, WrenchEffect
+from simgap.effects.sizes import size_of
 from simgap.gap.residuals import channels_on, residual_rows, row_weights, signals_inside
 from simgap.gap.temper import Temper, energy_of
 from simgap.physics.weak_form import WindowFunctions, mean_of
@@ -29,6 +31,7 @@ class Problem:
         quadrature: by how much sums over samples may miss the integrals that rows are, RMS, (channels,).
         cluster: stretches within which residuals may be correlated, (blocks,).
         temper: how rows count; None: all alike.
+        sizes: typical effort, travel and speed of the recording, see `simgap.effects.sizes`.
     """
 
     blocks: Blocks
@@ -37,6 +40,7 @@ class Problem:
     quadrature: Tensor
     cluster: Tensor
     temper: Temper | None = None
+    sizes: Mapping[str, float] = field(default_factory=dict)
 
     def scale(self, residual: Tensor) -> Tensor:
         """Return what rows are weighed with: the standard deviation that each would have if it counted once.
@@ -208,7 +212,8 @@ def _difference(
     simulator: Simulator, problem: Problem, residual: Tensor, column: int, parameter: Parameter
 ) -> Tensor:
     values = values_of(simulator)
-    step = _DIFFERENCE * max(abs(float(values[column])), abs(parameter.default))
+    usual = parameter.default * size_of(parameter.unit, problem.sizes)
+    step = _DIFFERENCE * max(abs(float(values[column])), abs(usual))
     if values[column] + step > parameter.high:
         step = -step
     values[column] += step

@@ -17,8 +17,8 @@ from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 
 _DRIVER_STEP = 0.01  # relative step of the finite difference in a driver
-_UNRECORDED = 0.5
-"""Odds that the driver of an effect was at work where nobody recorded it."""
+_UNRECORDED = 0.1
+"""Odds that a driver which nobody recorded changed enough to be seen: who expects that records it."""
 _DRIVER_PASSES = 2  # a thrust depends on the square of a voltage
 
 
@@ -60,10 +60,10 @@ def _with_driver(reading: Reading, law: "DriverLaw", driven: Sequence[Effect]) -
 
 
 def _share_of_levels(problem: Problem) -> float:
-    """Return what one free level for each run costs, as odds: (stretches in the run)^(−½) (Schwarz 1978)."""
-    runs = torch.unique(torch.stack([problem.blocks.run, problem.cluster]), dim=1)[0]
-    _, stretches = torch.unique(runs, return_counts=True)
-    return float(stretches.double().rsqrt().prod())
+    """Return what one free level for each run costs, as odds: (independent rows of the run)^(−½) (Schwarz 1978)."""
+    assert problem.temper is not None
+    _, blocks = torch.unique(problem.blocks.run, return_counts=True)
+    return float((problem.temper.total * blocks.double()).rsqrt().prod())
 
 
 def undriven(simulator: Simulator, blocks: Blocks, names: Sequence[str] | None) -> list[Effect]:

@@ -22,6 +22,8 @@ from simgap.simulation.signals import COMMANDS
 _SENT = "motor_command"
 _INEXACT = 0.03
 """Of what a law explains: no textbook law holds better, so that what is left below it is no evidence for another one."""
+_NOTHING = 1e-24
+"""Mean square of what does not move at all."""
 _AXES = ("joint",)
 """Kinds whose equations can be met by making all terms small: both sides stand for one effort."""
 
@@ -59,7 +61,7 @@ class LikelihoodOf:
         heard = noise_of_rows(_obeying(simulator, problem.blocks.held), problem.blocks, problem.functions)
         silenced = (problem.noise.square() - heard.square()).clamp_min(0.0)
         explained = (self.base - fitted.residual).square().mean(1)
-        noise = torch.maximum(heard, problem.noise).square() + problem.quadrature.square()
+        noise = torch.maximum(heard, problem.noise).square().clamp_min(_NOTHING) + problem.quadrature.square()
         noise = noise + _INEXACT**2 * explained
         left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
         value = problem.temper.value(left, noise)
@@ -71,7 +73,7 @@ class LikelihoodOf:
         if self.moved is None:
             return torch.ones(len(self.problem.noise), dtype=torch.float64)
         rows = residual_rows(simulator, self.still, self.problem.functions)
-        return rows.square().mean((0, 1)) + self.moved
+        return (rows.square().mean((0, 1)) + self.moved).clamp_min(_NOTHING)
 
 
 def _obeying(simulator: Simulator, held: bool) -> Simulator:

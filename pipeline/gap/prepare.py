@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import torch
 
+from simgap.effects.sizes import sizes_of
 from simgap.errors import InputError
 from simgap.gap.fit import Problem
 from simgap.gap.residuals import noise_of_rows, quadrature_of_rows
@@ -58,7 +59,8 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool)
     fitted, proving = (with_resolution(blocks, nominal, known_to) for blocks in (fitted, proving))
     functions = window_functions(fitted.samples, settings.test_width, fitted.time_step)
     noise, quadrature = (of(nominal, fitted, functions) for of in (noise_of_rows, quadrature_of_rows))
-    problem = Problem(fitted, functions, noise, quadrature, independent_clusters(fitted))
+    sizes = sizes_of(recording.kind, fitted.signals, nominal.constants())
+    problem = Problem(fitted, functions, noise, quadrature, independent_clusters(fitted), sizes=sizes)
     return Prepared(nominal, problem, proving, held_out, remarks)
 
 

@@ -60,7 +60,7 @@ class Reading:
     @cached_property
     def scales(self) -> Scales:
         """Typical sizes of what was recorded."""
-        return scales_of(self.nominal, self.problem.blocks)
+        return scales_of(self.nominal, self.problem)
 
     @cached_property
     def likelihood_of(self) -> LikelihoodOf:

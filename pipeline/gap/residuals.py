@@ -11,6 +11,7 @@ from simgap.platforms.mechanism import Channel
 from simgap.recordings.cleaning.resample import FIFTH_DIFFERENCE
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
+from simgap.simulation.replay import without_sensors
 
 _FIFTH_DIFFERENCE = torch.tensor(FIFTH_DIFFERENCE, dtype=torch.float64)
 _RESIDUAL_ROUNDING = 1e-9  # of the mean square: a signal that rests leaves no more
@@ -49,7 +50,8 @@ def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
     """Evaluate a simulator on recorded blocks, their margins dropped."""
     inner = signals_inside(simulator, blocks, blocks.acting)
     balance = simulator.balance(inner)
-    recorded = {name: blocks.inner(series) for name, series in blocks.signals.items()}
+    true = without_sensors(simulator, blocks.signals, blocks.time_step)
+    recorded = {name: blocks.inner(series) for name, series in true.items()}
     momentum = simulator.mechanism.momentum(recorded, simulator.constants())
     channels = channels_on(simulator, blocks)
     readings = {}

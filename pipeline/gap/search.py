@@ -17,7 +17,6 @@ from simgap.gap.neighbours import Neighbours
 from simgap.gap.reading import Reading
 from simgap.gap.refit import extend, shrink
 from simgap.gap.settings import Gap
-from simgap.gap.starts import starts_of
 from simgap.simulation import FittedEffect
 
 _WINDOW = 3.0
@@ -112,7 +111,8 @@ class Search:
 
     def _added(self, centre: Hypothesis, effect: Effect) -> Hypothesis:
         reading = centre.reading
-        starts = starts_of(effect, reading.problem.blocks, reading.scales)
+        blocks, constants = reading.problem.blocks, reading.nominal.constants()
+        starts = effect.starts_in(blocks.signals | blocks.resolution, constants)
         return self._visit(extend(centre.fit, effect, reading.problem, starts), reading)
 
     def _visit(self, fitted: Fit, reading: Reading) -> Hypothesis:

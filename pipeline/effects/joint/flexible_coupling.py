@@ -33,6 +33,9 @@ class FlexibleCoupling(ActuatorEffect):
     remembers = True
     order = 2
     name = "flexible_coupling"
+    # Its hidden motor is driven by the recorded motion, so that it follows noise and whatever else is in that motion:
+    # beside it no other law is seen. It serves a simulator whose shaft is known.
+    names_physics = False
     kind = "joint"
     acts_on = "actuator"
     parameters = (
