@@ -122,6 +122,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     doubts = (
         *_refuted(naming, validation),
         *_unfinished(naming, settings),
+        *_within_tolerance(naming, fitted.time_step),
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
         *_doubts(naming, problem, () if contradicted else memories, held_out),
@@ -216,6 +217,21 @@ def _unfinished(naming: Naming, settings: Gap) -> list[str]:
         return []
     return [
         f"the search was ended before it was complete; this is the best answer so far (gap.budget={settings.budget:g} s)"
+    ]
+
+
+def _within_tolerance(naming: Naming, time_step: float) -> list[str]:
+    """Return a sentence about each effect of the simulator that is too small for a name."""
+    best = naming.best
+    small = [f for f in best.fit.simulator.free if f.effect.key not in best.names]
+    constants = best.fit.simulator.constants()
+    return [
+        f"{f.effect.name}: {f.effect.lateness(f.values, constants):.2g} s is too short to be told from the timing of "
+        f"the commands, with samples {time_step:.2g} s apart; it stays in the simulator, but is not named"
+        if not isinstance(f.effect, ParameterError)
+        else f"{f.effect.name}: a ratio of {f.values['ratio']:.4g} is within what a fit can tell; it stays in the "
+        "simulator, but is not named"
+        for f in small
     ]
 
 

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from simgap.effects import Effect, ParameterError
-from simgap.gap.fit import Fit
+from simgap.gap.fit import Fit, bounds_of
 from simgap.gap.likelihood import Likelihood
 from simgap.gap.prior import log_odds, log_prior, prior_precision
 from simgap.gap.reading import Reading
@@ -16,6 +16,8 @@ from simgap.simulation import FittedEffect, Simulator
 
 _TOLERANCE = 0.015
 """Relative error of a platform number that is none: noise in the inputs of a fit biases by as much."""
+_LEAST_VARIANCE = 1e-9
+"""Of a parameter on the scale of its own information: rounding makes it no smaller."""
 _NO_SIZE = 1e-9
 """Of its realistic size: an effect that is no larger does nothing, and is not another hypothesis than the one without."""
 
@@ -76,13 +78,23 @@ def information_of(fitted: Fit, likelihood: Likelihood) -> Tensor:
 
 
 def _log_volume(fitted: Fit, likelihood: Likelihood, precision: Tensor) -> float:
-    """Return log((2π)^(k/2) · |information|^(−½)) of the k parameters, whatever their units."""
+    """Return the log of the posterior's volume over its peak, ∫exp(−½ΔᵀAΔ), in whatever units the parameters are.
+
+    Of a parameter near a bound only the part of its Gaussian inside the bounds counts.
+    """
     if not len(precision):
         return 0.0
     information = information_of(fitted, likelihood) + torch.diag(precision)
     size = information.diagonal().sqrt()
-    _, determinant = torch.linalg.slogdet(information / size / size[:, None])
-    return float(0.5 * len(precision) * math.log(2.0 * math.pi) - 0.5 * determinant - size.log().sum())
+    scaled = information / size / size[:, None]
+    _, determinant = torch.linalg.slogdet(scaled)
+    deviation = torch.linalg.pinv(scaled, hermitian=True).diagonal().clamp_min(_LEAST_VARIANCE).sqrt() / size
+    low, high = bounds_of(fitted.simulator)
+    inside = torch.special.ndtr((high - fitted.values) / deviation) - torch.special.ndtr(
+        (low - fitted.values) / deviation
+    )
+    whole = 0.5 * len(precision) * math.log(2.0 * math.pi) - 0.5 * determinant - size.log().sum()
+    return float(whole + inside.clamp_min(_LEAST_VARIANCE).log().sum())
 
 
 def is_tolerance(fitted: FittedEffect, simulator: Simulator, time_step: float) -> bool:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from simgap.effects import ActuatorEffect, Effect
+from simgap.effects import ActuatorEffect, Effect, MeasurementEffect
 from simgap.gap.fit import Fit, Problem
 from simgap.gap.residuals import channel_series, noise_of_rows, residual_rows
 from simgap.physics.weak_form import mean_rate_of
@@ -58,15 +58,30 @@ class LikelihoodOf:
         """Return the likelihood of a fit."""
         simulator, problem = fitted.simulator, self.problem
         assert problem.temper is not None
-        heard = noise_of_rows(_obeying(simulator, problem.blocks.held), problem.blocks, problem.functions)
-        silenced = (problem.noise.square() - heard.square()).clamp_min(0.0)
+        noise, silenced = self.noise(simulator)
         explained = (self.base - fitted.residual).square().mean(1)
-        noise = torch.maximum(heard, problem.noise).square().clamp_min(_NOTHING) + problem.quadrature.square()
         noise = noise + _INEXACT**2 * explained
         left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
         value = problem.temper.value(left, noise)
         value = value + 0.5 * problem.temper.lasting * len(left) * self.energy(simulator).log()
         return Likelihood(float(value.sum()), problem.temper.weight(left, noise), (left / noise).mean(0))
+
+    def noise(self, simulator: Simulator) -> tuple[Tensor, Tensor]:
+        """Return the mean square of the noise that a simulator passes on, and of what it filters out, (channels,) each.
+
+        An effect that filters a noisy input lowers the residual and explains nothing: the noise that it removes is
+        added again. Filters on commands that a program sent are exempt, for such commands hold no noise. Where an
+        effect takes an input away altogether, its noise goes with it.
+        """
+        blocks, functions = self.problem.blocks, self.problem.functions
+        bare = simulator.with_effects(tuple(f for f in simulator.effects if not _filters(f.effect)))
+        obeying = simulator.with_effects(
+            tuple(f for f in simulator.effects if not _smooths(f.effect, blocks.held))
+        )
+        floor = noise_of_rows(bare, blocks, functions).square()
+        heard = floor if obeying == bare else noise_of_rows(obeying, blocks, functions).square()
+        noise = torch.maximum(floor, heard).clamp_min(_NOTHING) + self.problem.quadrature.square()
+        return noise, (floor - heard).clamp_min(0.0)
 
     def energy(self, simulator: Simulator) -> Tensor:
         """Return what a simulator's residuals would be without commands, mean square, (channels,); else ones."""
@@ -76,16 +91,15 @@ class LikelihoodOf:
         return (rows.square().mean((0, 1)) + self.moved).clamp_min(_NOTHING)
 
 
-def _obeying(simulator: Simulator, held: bool) -> Simulator:
-    """Return a simulator without the effects that filter commands sent by a program: such commands hold no noise.
-
-    An effect that filters a noisy input lowers the residual and explains nothing: the noise that it removes is added
-    again. A multirotor's command is always sent; a voltage may have been measured, unless it is `held`.
-    """
-    return simulator.with_effects(tuple(f for f in simulator.effects if not _smooths(f.effect, held)))
+def _filters(effect: Effect) -> bool:
+    """Whether an effect averages a signal over time."""
+    return isinstance(effect, MeasurementEffect) or (
+        isinstance(effect, ActuatorEffect) and effect.smooths_commands
+    )
 
 
 def _smooths(effect: Effect, held: bool) -> bool:
+    """Whether it averages commands that a program sent: a multirotor's always are, a voltage may be measured."""
     return isinstance(effect, ActuatorEffect) and effect.smooths_commands and (held or _SENT in effect.needs)
 
 

@@ -31,6 +31,16 @@ class _TimeIsOver(Exception):
     """The search has used up its time."""
 
 
+def _is_outdone(hypothesis: Hypothesis, others: Sequence[Hypothesis]) -> bool:
+    """Whether some of its effects alone score higher: what was added to them gains nothing (Madigan & Raftery 1994)."""
+    return any(
+        other.keys < hypothesis.keys
+        and other.reading.timing == hypothesis.reading.timing
+        and other.score > hypothesis.score
+        for other in others
+    )
+
+
 class Search:
     """All hypotheses visited for one recording."""
 
@@ -71,7 +81,8 @@ class Search:
     def _next(self) -> Hypothesis | None:
         ranked = self.ranked
         least = ranked[0].score - _WINDOW
-        waiting = (h for h in ranked if h.score >= least and h.place not in self.expanded)
+        near = [hypothesis for hypothesis in ranked if hypothesis.score >= least]
+        waiting = (h for h in near if h.place not in self.expanded and not _is_outdone(h, near))
         return next(waiting, None)
 
     def _expand(self, centre: Hypothesis, most_effects: int) -> None:
