@@ -90,6 +90,8 @@ def test_from_a_parquet_file_in_another_folder(own):
     assert document["effects"][0]["parameters"]["level"]["value"] == pytest.approx(0.3, rel=0.02)
     page = (elsewhere / "found" / "report.html").read_text(encoding="utf-8")
     assert "The simulator leaves out Coulomb friction." in page
+    assert "most probable explanations that were tried" in page
+    assert "was ended before" not in page
     assert 'simgap.load_simulator("found/simulator")' in page
     assert len(page.encode()) < 1.5e6
     (effect,) = read_simulator(elsewhere / "found" / "simulator").effects
@@ -102,6 +104,16 @@ def test_from_a_parquet_file_in_another_folder(own):
         assert run.data.tags["verdict"] == "missing_physics"
         assert run.data.tags["effects"].startswith("coulomb_friction ")
         assert run.data.metrics["gap_closed"] == document["fit"]["gap_closed"]
+
+
+def test_a_search_that_its_budget_ends_is_said_on_the_page_and_in_the_terminal(own, monkeypatch, capsys):
+    monkeypatch.chdir(own)
+    write_recording(_raw(), own / "bench.parquet")
+    assert _ends(_arguments(own, own / "bench.parquet", "gap.budget=1e-6")) == 0
+    said = "The search was ended before it was complete; this is the best answer so far"
+    assert capsys.readouterr().out.splitlines()[2].startswith(said)
+    page = (own / "out" / "report.html").read_text(encoding="utf-8")
+    assert page.count(said) == 2  # below the verdict, and beside the probabilities
 
 
 def test_csv_and_parquet_give_the_same_diagnosis(own, monkeypatch):
