@@ -28,7 +28,7 @@ class Effect:
 
     Attributes:
         name: in the catalogue.
-        probability: of being there, 0 to 1. Below 0.5 it is doubted.
+        probability: of being there, 0 to 1, an average over every explanation that was tried. Below 0.5 it is doubted.
         acts_on: `command`, `actuator`, `force`, `torque` or `measurement`; for a swerve drive `drive`, `steer` or
             `chassis`.
         parameters: by name.
@@ -46,7 +46,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Ambiguity:
-    """Effects that this recording does not tell apart.
+    """Effects that this recording does not tell apart: one of them is there, hardly two at once.
 
     Attributes:
         names: of the effects; the one that was named comes first.

@@ -24,6 +24,20 @@ def with_subject(name: str, subject: str) -> str:
     return f"{name} ({subject})" if subject else name
 
 
+def key_in_words(key: str, subjects: Mapping[str, str]) -> str:
+    """Write the key of an effect as words: `rotor_fault@3` as rotor fault (rotor 3).
+
+    Args:
+        key: a name, in the evidence with `@` and a rotor or a group behind it.
+        subjects: what the names of the diagnosis are about, as words; used where a key does not say that.
+    """
+    name, _, about = str(key).partition("@")
+    own = (
+        "" if about == "chassis" else _spoken_subject(name, about)
+    )  # of all groups, the chassis is no subject
+    return with_subject(spoken(name), own or subjects.get(name, ""))
+
+
 def each_once(effects: Sequence[Mapping[str, Any]]) -> list[str]:
     """Name every effect once, with all its subjects: `viscous friction (drive and steer)`."""
     subjects: dict[str, list[str]] = {}

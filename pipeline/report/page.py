@@ -12,7 +12,6 @@ from markupsafe import Markup
 from simgap.errors import InputError
 from simgap.report import text
 from simgap.report.cleaning import cleaning_section
-from simgap.report.competition import bounded, competition_section
 from simgap.report.figure import script_json
 from simgap.report.fit import fit_section
 from simgap.report.flown import flown_section
@@ -22,6 +21,7 @@ from simgap.report.laws import laws_section
 from simgap.report.models import model_section, sweeps_section
 from simgap.report.provenance import provenance_section, warnings_section
 from simgap.report.section import Drawing, Section
+from simgap.report.sure import sure_section
 from simgap.report.tables import cell
 from simgap.report.traces import traces_section
 from simgap.report.use import use_section
@@ -32,7 +32,7 @@ from simgap.report.where import where_section
 _SECTIONS = (
     verdict_section,
     what_section,
-    competition_section,
+    sure_section,
     where_section,
     fit_section,
     traces_section,
@@ -68,7 +68,6 @@ _FILTERS = (
     text.spoken,
     text.listed,
     text.breakable,
-    bounded,
     script_json,
     cell,
 )

@@ -2,10 +2,10 @@
 
 from typing import Any
 
+from simgap.report.doubts import doubts_of
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
 from simgap.report.text import spoken
-from simgap.report.verdict import doubts_of
 
 _PARTS = {"train": "to fit", "validation": "to choose", "holdout": "held out"}
 

@@ -22,6 +22,8 @@ def _lines(diagnosis: dict[str, Any]) -> Iterator[str]:
     said = summary(diagnosis)
     yield f"verdict: {said.verdict}"
     yield said.headline
+    if said.unfinished:
+        yield said.unfinished
     yield from (f"  {contradiction}" for contradiction in said.contradictions)
     yield from _effects(said.believed)
     yield from (["perhaps:", *_effects(said.perhaps)] if said.perhaps else [])

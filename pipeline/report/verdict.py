@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from simgap.recordings.contradiction import SUSPECTED
+from simgap.report.doubts import doubts_of, unfinished
 from simgap.report.improvement import sureness, why_unknown
 from simgap.report.inputs import ReportInputs
 from simgap.report.naming import each_once, rivals, subject_of, with_subject
@@ -61,6 +62,7 @@ class Summary:
         verdict: as the contract writes it.
         label: the same in words.
         headline: only what is believed.
+        unfinished: that the search was ended before it was complete; empty where it was not.
         closed: how much of the gap that closes, and what is left beside the noise; empty where it says nothing.
         believed: the effects that the headline is about.
         perhaps: those that are less likely than not.
@@ -72,6 +74,7 @@ class Summary:
     verdict: str
     label: str
     headline: str
+    unfinished: str
     closed: str
     believed: list[Named]
     perhaps: list[Named]
@@ -89,6 +92,7 @@ def summary(diagnosis: dict[str, Any]) -> Summary:
         verdict=verdict,
         label=LABELS.get(verdict, spoken(verdict)),
         headline=headline(diagnosis),
+        unfinished=unfinished(diagnosis),
         closed="" if contradicted else _closed(diagnosis),
         believed=_named(believed, diagnosis["effects"]),
         perhaps=_named(doubted, diagnosis["effects"]),
@@ -150,12 +154,6 @@ def parameters(effect: dict[str, Any]) -> list[str]:
         f"{_parameter(effect, name)} {estimate(entry.get('value'), entry.get('std'), entry.get('unit'))}"
         for name, entry in (effect.get("parameters") or {}).items()
     ]
-
-
-def doubts_of(diagnosis: dict[str, Any]) -> list[str]:
-    """Return the warnings of a diagnosis, without the contradictions that its headline states."""
-    said = tuple(str(each["evidence"]) for each in diagnosis.get("contradictions") or [])
-    return [warning for warning in diagnosis.get("warnings") or [] if not warning.startswith(said)]
 
 
 def verdict_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:

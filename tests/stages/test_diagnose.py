@@ -24,6 +24,9 @@ PLATFORM = {
     "motor": {"resistance": 1.0, "torque_constant": 0.05, "gear_ratio": 10.0},
 }
 
+FEW = "gap.effects=[coulomb_friction, viscous_friction]"
+"""Where the whole catalogue would only take time."""
+
 
 @pytest.fixture
 def own(tmp_path: Path) -> Path:
@@ -68,6 +71,7 @@ def _refused(folder: Path, recording: Path, capsys: pytest.CaptureFixture[str], 
     return printed.err
 
 
+@pytest.mark.slow
 def test_from_a_parquet_file_in_another_folder(own):
     write_recording(_raw(), own / "bench.parquet")
     elsewhere = own / "elsewhere"
@@ -90,6 +94,8 @@ def test_from_a_parquet_file_in_another_folder(own):
     assert document["effects"][0]["parameters"]["level"]["value"] == pytest.approx(0.3, rel=0.02)
     page = (elsewhere / "found" / "report.html").read_text(encoding="utf-8")
     assert "The simulator leaves out Coulomb friction." in page
+    assert "most probable explanations that were tried" in page
+    assert "was ended before" not in page
     assert 'simgap.load_simulator("found/simulator")' in page
     assert len(page.encode()) < 1.5e6
     (effect,) = read_simulator(elsewhere / "found" / "simulator").effects
@@ -104,6 +110,17 @@ def test_from_a_parquet_file_in_another_folder(own):
         assert run.data.metrics["gap_closed"] == document["fit"]["gap_closed"]
 
 
+def test_a_search_that_its_budget_ends_is_said_on_the_page_and_in_the_terminal(own, monkeypatch, capsys):
+    monkeypatch.chdir(own)
+    write_recording(_raw(), own / "bench.parquet")
+    assert _ends(_arguments(own, own / "bench.parquet", "gap.budget=1e-6")) == 0
+    said = "The search was ended before it was complete; this is the best answer so far"
+    assert capsys.readouterr().out.splitlines()[2].startswith(said)
+    page = (own / "out" / "report.html").read_text(encoding="utf-8")
+    assert page.count(said) == 2  # below the verdict, and beside the probabilities
+
+
+@pytest.mark.slow
 def test_csv_and_parquet_give_the_same_diagnosis(own, monkeypatch):
     monkeypatch.chdir(own)
     raw = _raw()
@@ -111,7 +128,7 @@ def test_csv_and_parquet_give_the_same_diagnosis(own, monkeypatch):
     write_recording(raw, own / "bench.parquet")
     documents = []
     for file in ("bench.csv", "bench.parquet"):
-        arguments = _arguments(own, own / file)
+        arguments = _arguments(own, own / file, FEW)
         arguments[4] = f"output={own / file}.out"
         assert _ends(arguments) == 0
         documents.append(read_diagnosis(own / f"{file}.out" / "diagnosis.json", "joint"))
@@ -123,7 +140,7 @@ def test_csv_and_parquet_give_the_same_diagnosis(own, monkeypatch):
 def test_one_run_is_diagnosed_with_a_warning(own, monkeypatch, capsys):
     monkeypatch.chdir(own)
     write_recording(_raw(runs=1), own / "bench.parquet")
-    assert _ends(_arguments(own, own / "bench.parquet")) == 0
+    assert _ends(_arguments(own, own / "bench.parquet", FEW)) == 0
     document = read_diagnosis(own / "out" / "diagnosis.json", "joint")
     assert document["fit"]["gap_closed"] is None
     errors = capsys.readouterr().err.splitlines()
@@ -156,7 +173,7 @@ def test_what_does_not_fit_together_is_refused_in_one_line(own, monkeypatch, cap
     line = _refused(own, own / "bench.parquet", capsys, "platform=racer")
     assert "joint" in line
     assert "quadrotor" in line
-    assert "significance" in _refused(own, own / "bench.parquet", capsys, "gap.significanse=1e-3")
+    assert "least_share" in _refused(own, own / "bench.parquet", capsys, "gap.least_sahre=1e-3")
     (own / "conf/platform/axis.yaml").write_text(yaml.safe_dump(PLATFORM | {"inertia": -1.0}))
     assert "inertia" in _refused(own, own / "bench.parquet", capsys)
 
@@ -177,7 +194,7 @@ def test_an_output_that_cannot_be_written_is_refused(own, monkeypatch, capsys):
 def test_a_finished_diagnosis_outlives_a_failed_one(own, monkeypatch):
     monkeypatch.chdir(own)
     write_recording(_raw(), own / "bench.parquet")
-    assert _ends(_arguments(own, own / "bench.parquet")) == 0
+    assert _ends(_arguments(own, own / "bench.parquet", FEW)) == 0
     kept = (own / "out" / "diagnosis.json").read_bytes()
     assert _ends(_arguments(own, own / "bench.parquet", "gap.effects=[no_such_thing]")) == 2
     assert (own / "out" / "diagnosis.json").read_bytes() == kept

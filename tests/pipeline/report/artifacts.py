@@ -29,8 +29,8 @@ def make_branch(
     evidence.mkdir(parents=True)
     write_json(diagnose / "diagnosis.json", diagnosis(verdict, bare=bare, text=text))
     if bare:
-        for file in ("competition.json", "laws.json", "horizon.json", "regimes.json"):
-            write_json(evidence / file, {"steps": [], "metric": ""} if file == "competition.json" else [])
+        for file in ("hypotheses.json", "candidates.json", "laws.json", "horizon.json", "regimes.json"):
+            write_json(evidence / file, [])
         return folder
     write_evidence(evidence, verdict, text, random)
     _clean(folder / "clean", text, random)

@@ -47,6 +47,8 @@ DOUBTED = {
     "statement": "Flapping blades pitch the vehicle up by -0.012 N·m for every m/s of airspeed.",
 }
 
+UNFINISHED = "the search was ended before it was complete; this is the best answer so far (gap.budget=120 s)"
+
 
 def diagnosis(verdict: str, *, bare: bool = False, text: str = "") -> dict[str, Any]:
     """Return a diagnosis by docs/contract.md."""

@@ -22,7 +22,7 @@ def write_evidence(folder: Path, verdict: str, text: str, random: np.random.Gene
     runs = [text or RUNS[0], *RUNS[1:]]
     _traces(runs, text, random).to_parquet(folder / "traces.parquet")
     _residuals(runs, text, random).to_parquet(folder / "residuals.parquet")
-    write_json(folder / "competition.json", _competition(verdict, text, random))
+    write_json(folder / "hypotheses.json", _hypotheses(verdict, text))
     write_json(folder / "candidates.json", _candidates(verdict, text))
     write_json(
         folder / "laws.json",
@@ -63,76 +63,50 @@ def _residuals(runs: list[str], text: str, random: np.random.Generator) -> pd.Da
     return pd.concat(tables, ignore_index=True)
 
 
-def _competition(verdict: str, text: str, random: np.random.Generator) -> dict[str, Any]:
-    names = [
-        "rotor_drag",
-        "body_drag",
-        "translational_lift",
-        "axial_inflow",
-        "steady_wind",
-        "sensor_time_offset",
+def _hypotheses(verdict: str, text: str) -> list[dict[str, Any]]:
+    """Return three hypotheses: the best one, one with held commands and an estimated voltage, and that of no effect."""
+    best = {"missing_physics": ["axial_inflow", "rotor_drag"], "parameter_mismatch": ["mass_error"]}
+    named = [text] if text else best.get(verdict, [])
+    entries = [
+        (named, ["command_delay"], False, None, 0.84, 500.0, -30.0, -6.0),
+        (named, [], True, text or "battery_voltage", 0.1, 496.0, -27.5, -6.7),
+        ([], [], False, None, 1e-60, 349.0, -12.0, -2.0),
     ]
-    names += ["blade_flapping_moment", "thrust_coefficient_error", "center_of_mass_offset", "slung_payload"]
-    chosen = {"missing_physics": ["rotor_drag", "axial_inflow"], "parameter_mismatch": ["mass_error"]}.get(
-        verdict, []
-    )
-    steps = []
-    for step, winner in enumerate([*chosen, None], start=1):
-        rivals = [name for name in names if name not in chosen[:step]]
-        gains = {
-            name: float(gain)
-            for name, gain in zip(rivals, random.normal(0.02, 0.04, len(rivals)), strict=True)
-        }
-        gains |= {winner: 0.72 / step} if winner else {}
-        candidates = [
-            {
-                "name": name,
-                "gain": gain,
-                "gain_low": gain - 0.05,
-                "gain_high": gain + 0.04,
-                "p_value": 1e-12 if name == winner else 0.3,
-                "chosen": name == winner,
-                "note": text or ("wins on every run" if name == winner else ""),
-            }
-            for name, gain in gains.items()
-        ]
-        candidates.append(
-            {
-                "name": text or "ground_effect",
-                "gain": None,
-                "gain_low": None,
-                "gain_high": None,
-                "p_value": None,
-                "chosen": False,
-                "note": "not excited: the flight never came below 0.4 m",
-            }
-        )
-        steps.append({"step": step, "candidates": candidates})
-    return {
-        "steps": steps,
-        "metric": text or "error of the specific force, cross-validated over training runs",
-    }
+    keys = ("effects", "unnamed", "held", "estimated", "probability", "likelihood", "occam", "prior")
+    return [dict(zip(keys, entry, strict=True)) | {"score": sum(entry[-3:])} for entry in entries]
 
 
 def _candidates(verdict: str, text: str) -> list[dict[str, Any]]:
     drag = {"coefficient": {"value": 0.4512, "std": 0.0083, "unit": "1/s"}}
     entries = [
-        ("rotor_drag", "in", 0.998, drag, "explains 91% of what the other effects leave in force_x"),
+        ("rotor_drag", "in", 0.998, drag, "explains 91% of the error in force_x beside the other effects"),
         (
             "blade_flapping_moment",
             "in",
             0.31,
             drag,
-            "explains 12% of what the other effects leave in torque_y",
+            "explains 12% of the error in torque_y beside the other effects",
         ),
-        ("body_drag", "rival", 0.4, drag, "could stand in for rotor_drag, which is in"),
-        ("steady_wind", "dropped", None, {}, "added, then dropped: probability of only 4%"),
-        ("motor_lag", "out", None, {}, "beside rotor drag: not significant (gain of -0.02)"),
+        ("body_drag", "rival", 0.4, drag, "could stand in for rotor_drag"),
+        (
+            "rotor_fault@3",
+            "out",
+            0.04,
+            {},
+            "the best answer with it explains less: 3.2 less of log probability",
+        ),
+        (
+            "motor_lag",
+            "out",
+            0.02,
+            {},
+            "the best answer with it needs more parameters than it earns: 3.9 less of log probability",
+        ),
     ]
     keys = ("name", "status", "probability", "parameters", "why")
     shown = entries if verdict == "missing_physics" else entries[3:]
     hostile = {"name": text, "why": text} if text else {}
-    return [dict(zip(keys, entry, strict=True)) | {"share": 0.5} | hostile for entry in shown]
+    return [dict(zip(keys, entry, strict=True)) | hostile for entry in shown]
 
 
 def _law(channel: str, text: str) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from tests.pipeline.report.diagnoses import DOUBTED, VERDICTS
 ORDER = [
     "verdict",
     "what",
-    "competition",
+    "sure",
     "where",
     "fit",
     "traces",
@@ -60,12 +60,12 @@ def test_a_section_without_its_artifact_is_left_out(tmp_path, absent, section):
     assert sections(page) == [key for key in ORDER if key != section]
 
 
-def test_without_candidates_and_steps_there_is_no_section_of_how_sure(tmp_path):
+def test_without_candidates_and_hypotheses_there_is_no_section_of_how_sure(tmp_path):
     evidence = make_branch(tmp_path) / "diagnose" / "evidence"
-    (evidence / "competition.json").unlink()
+    (evidence / "hypotheses.json").unlink()
     assert sections(page_of(ReportInputs.of_branch(tmp_path), tmp_path)) == ORDER
     (evidence / "candidates.json").unlink()
-    without = [key for key in ORDER if key != "competition"]
+    without = [key for key in ORDER if key != "sure"]
     assert sections(page_of(ReportInputs.of_branch(tmp_path), tmp_path)) == without
 
 

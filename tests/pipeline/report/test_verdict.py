@@ -1,8 +1,9 @@
 import pytest
 
+from simgap.report.doubts import doubts_of
 from simgap.report.terminal import terminal_lines
 from simgap.report.verdict import headline, summary
-from tests.pipeline.report.diagnoses import DOUBTED, VERDICTS, diagnosis
+from tests.pipeline.report.diagnoses import DOUBTED, UNFINISHED, VERDICTS, diagnosis
 
 
 def plain(text: str) -> str:
@@ -176,3 +177,14 @@ def test_the_terminal_puts_doubts_below_what_is_believed_and_has_one_minus_sign(
     )
     assert "  blade_flapping_moment: coefficient −0.0123 ± 0.0040 N·m/(m/s), probability 31%" in lines
     assert not any("\u202f" in line or "\u00a0" in line or " -0" in line for line in lines)
+
+
+def test_a_search_that_was_ended_is_said_below_the_headline_and_not_twice():
+    found = diagnosis("missing_physics")
+    assert summary(found).unfinished == ""
+    doubts = doubts_of(found)
+    found["warnings"].append(UNFINISHED)
+    said = "The search was ended before it was complete; this is the best answer so far (gap.budget=120 s)."
+    assert summary(found).unfinished == said
+    assert terminal_lines(found)[1:3] == [summary(found).headline, said]
+    assert doubts_of(found) == doubts
