@@ -51,7 +51,7 @@ def exchanged(recording: Recording, order: str) -> Recording:
 
 
 def said(recording: Recording, simulator: Simulator) -> list[Contradiction]:
-    return contradictions(recording, prepare(recording, simulator, Gap()))
+    return contradictions(recording, prepare(recording, simulator, Gap(), held=False))
 
 
 @pytest.mark.parametrize("plant", PLANTS)
@@ -111,7 +111,7 @@ def test_nothing_is_named_with_a_rate_that_is_not_that_of_its_angle():
 
 def test_what_is_not_driven_has_no_direction():
     still = scaled(joint_recording(PLANTS[0]), "voltage", 0.0)
-    assert agreements(joint_simulator(), prepare(still, joint_simulator(), Gap()).problem) == {}
+    assert agreements(joint_simulator(), prepare(still, joint_simulator(), Gap(), held=False).problem) == {}
 
 
 @pytest.mark.slow

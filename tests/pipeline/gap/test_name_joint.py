@@ -7,7 +7,6 @@ import pytest
 
 from simgap.effects import effect_by_key
 from simgap.gap.fit import fit
-from simgap.gap.probability import presence_of
 from simgap.gap.refit import extend
 from simgap.platforms import Joint
 from simgap.simulation import FittedEffect, Simulator
@@ -38,10 +37,10 @@ def test_the_planted_effect_is_named_and_no_other(name, seed):
     plant, truth = PLANTED[name]
     found = diagnosed(plant, seed)
     assert named(found) == [name]
-    assert presence_of(found.features[name]) > 0.9
     rivals = {rival.key for rivalry in found.naming.rivalries for rival in rivalry.rivals}
     # One input and its answer: a late command and a late sensor are one and the same there.
     assert rivals == ({"sensor_time_offset"} if name == "command_delay" else set())
+    assert sum(found.naming.probabilities[key] for key in (name, *rivals)) > 0.9
     assert value_of(found, name) == pytest.approx(truth, rel=0.1)
     wrong_number = name.endswith("_error")
     assert found.verdict == ("parameter_mismatch" if wrong_number else "missing_physics")
