@@ -136,3 +136,12 @@ def test_the_excess_is_one_where_only_noise_is_left():
     worse = read(Plant(friction=0.3))
     assert float(worse.likelihood_of(fit(worse.nominal, worse.problem)).excess.max()) > 100.0
     assert found.weight.shape == (len(reading.problem.blocks), 1)
+
+
+@pytest.mark.parametrize("driven", [0.0, 1.0])
+def test_a_joint_that_does_not_move_at_all_has_a_likelihood(driven):
+    """Held by friction, or read by an encoder that is too coarse: no energy is none to divide by."""
+    still = np.zeros((3, 800))
+    voltage = driven * np.random.default_rng(0).standard_normal(still.shape)
+    for reading in readings_of(recording_of(voltage, still, still), joint_simulator(), Gap()):
+        assert np.isfinite(reading.likelihood_of(fit(reading.nominal, reading.problem)).value)

@@ -140,7 +140,10 @@ def test_clocks_that_are_a_tenth_of_a_sample_apart_are_no_cause(late):
         frame[column] = (series - late * np.gradient(series, axis=1)).ravel()
     found = quick(replace(recording, frame=frame), joint_simulator())
     assert (found.verdict, named(found)) == ("none", [])
-    assert [fitted.known for fitted in found.simulator.effects] == [True]
+    assert {fitted.effect.key for fitted in found.simulator.effects} <= {
+        "command_delay",
+        "sensor_time_offset",
+    }
     assert any("not named" in warning for warning in found.warnings)
 
 

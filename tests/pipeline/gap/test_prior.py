@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
+import torch
 from scipy import integrate
 
 from simgap.effects import ParameterError, effect_by_key, effects_of
@@ -15,7 +16,7 @@ from simgap.gap.scales import Scales
 from simgap.gap.settings import Gap
 from simgap.recordings.recording import Recording
 from simgap.simulation import FittedEffect, Simulator
-from tests.pipeline.gap.recordings import Plant, joint_recordings
+from tests.pipeline.gap.recordings import Plant, joint_recordings, joint_simulator
 from tests.pipeline.gap.units import driven_by_effort, in_units
 
 SCALES = Scales({"N·m": 2.0, "rad": 0.5, "s": 0.1, "1": 1.0}, {"temperature": (40.0, 5.0)})
@@ -122,3 +123,19 @@ def test_the_evidence_for_an_effect_does_not_depend_on_units(names, effort, trav
     assert scaled_with_it.score - scaled_before.score == pytest.approx(with_it.score - before.score, abs=0.05)
     for f, scaled in zip(with_it.fit.simulator.free, scaled_with_it.fit.simulator.free, strict=True):
         assert scaled.effect.key == f.effect.key
+
+
+@pytest.mark.parametrize("name", ["coulomb_friction", "constant_load", "motor_inductance"])
+def test_a_parameter_that_the_recording_says_nothing_of_gains_nothing(name):
+    """The prior integrates to one, whichever side of its centre a parameter lies on."""
+    recording = joint_recordings(Plant(), [0], runs=2, duration=4.0)[0]
+    reading = readings_of(recording, joint_simulator(), Gap())[1]
+    effect = effect_by_key("joint", name)
+    values = {p.name: 1e-3 * p.default for p in effect.parameters}
+    found = fit(reading.nominal.with_effects((FittedEffect(effect, values),)), reading.problem)
+    silent = replace(
+        found,
+        simulator=found.simulator.with_effects((FittedEffect(effect, values),)),
+        jacobian=torch.zeros_like(found.jacobian),
+    )
+    assert weigh(silent, reading).occam == pytest.approx(0.0, abs=0.15)

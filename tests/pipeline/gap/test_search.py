@@ -4,6 +4,7 @@ import functools
 
 import pytest
 
+from simgap.effects import effect_by_key
 from simgap.gap import search as searched
 from simgap.gap.diagnosis import diagnose
 from simgap.gap.hypothesis import Hypothesis
@@ -12,6 +13,7 @@ from simgap.gap.posterior import posterior_of
 from simgap.gap.reading import Reading, readings_of
 from simgap.gap.search import Search
 from simgap.gap.settings import Gap
+from simgap.simulation import FittedEffect
 from tests.pipeline.gap.recordings import Plant, joint_recordings, joint_simulator
 
 FEW = ["coulomb_friction", "viscous_friction", "constant_load", "command_delay"]
@@ -122,3 +124,15 @@ def test_the_same_search_finds_the_same():
     assert first.run(8, 600.0)
     assert second.run(8, 600.0)
     assert [(h.place, h.score) for h in first.ranked] == [(h.place, h.score) for h in second.ranked]
+
+
+def test_what_is_known_of_an_effect_is_corrected_and_not_doubled():
+    known = FittedEffect(effect_by_key("joint", "coulomb_friction"), {"level": 0.2}, known=True)
+    settings = Gap(effects=FEW)
+    search = Search(readings_of(recorded(), joint_simulator(known), settings), settings)
+    search.run(8, 600.0)
+    for hypothesis in search.ranked:
+        keys = [fitted.effect.key for fitted in hypothesis.fit.simulator.effects]
+        assert keys.count("coulomb_friction") == 1, keys
+    (friction,) = (f for f in search.ranked[0].fit.simulator.effects if f.effect.key == "coulomb_friction")
+    assert friction.values["level"] == pytest.approx(0.3, rel=0.05)
