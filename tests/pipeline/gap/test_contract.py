@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simgap.effects import effect_by_key
-from simgap.gap.ambiguity import Rivalry
 from simgap.gap.contract import ambiguous, diagnosis_document, write_json
 from simgap.gap.evidence import write_evidence
+from simgap.gap.name import Rivalry
 from simgap.simulation import FittedEffect, Simulator, read_simulator, write_simulator
 from tests.contract_checker import check_diagnosis, read_diagnosis
 from tests.pipeline.gap.problems import diagnosed, quick
@@ -57,7 +57,7 @@ def test_rivals_come_with_their_subjects():
     def swerve(key):
         return effect_by_key("swerve", key)
 
-    rivalry = Rivalry(swerve("backlash@steer"), (swerve("module_misalignment@chassis"),), 0.6)
+    rivalry = Rivalry(swerve("backlash@steer"), (swerve("module_misalignment@chassis"),))
     offsets = {f"offset_{module}": 0.3 * (module == 2) for module in range(1, 5)}
     known = {"module_misalignment@chassis": FittedEffect(swerve("module_misalignment@chassis"), offsets)}
     for fitted, module in ((known, "2"), ({}, None)):

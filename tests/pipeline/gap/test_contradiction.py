@@ -50,8 +50,8 @@ def exchanged(recording: Recording, order: str) -> Recording:
     return replace(recording, frame=recording.frame.rename(columns=columns))
 
 
-def said(recording: Recording, simulator: Simulator) -> list[Contradiction]:
-    return contradictions(recording, prepare(recording, simulator, Gap()))
+def said(recording: Recording, simulator: Simulator, held: bool = False) -> list[Contradiction]:
+    return contradictions(recording, prepare(recording, simulator, Gap(), held))
 
 
 @pytest.mark.parametrize("plant", PLANTS)
@@ -87,7 +87,7 @@ def test_commands_in_another_unit_are_no_physics(plant):
 
 def test_an_inertia_in_another_unit_is_no_physics():
     pulled = pulled_slowly(Plant(viscous=0.5, other=lambda position, velocity: -5.0 * position))
-    (found,) = said(pulled, Simulator(Joint(inertia=1000.0 * JOINT.inertia)))
+    (found,) = said(pulled, Simulator(Joint(inertia=1000.0 * JOINT.inertia)), held=True)
     assert (found.column, found.suspected) == ("effort", "unit")
     assert found.evidence.startswith("torque: by the platform file, the motion needs 999 times the effort")
 
@@ -111,7 +111,7 @@ def test_nothing_is_named_with_a_rate_that_is_not_that_of_its_angle():
 
 def test_what_is_not_driven_has_no_direction():
     still = scaled(joint_recording(PLANTS[0]), "voltage", 0.0)
-    assert agreements(joint_simulator(), prepare(still, joint_simulator(), Gap()).problem) == {}
+    assert agreements(joint_simulator(), prepare(still, joint_simulator(), Gap(), held=False).problem) == {}
 
 
 @pytest.mark.slow

@@ -236,7 +236,7 @@ def test_the_midpoint_of_a_linear_axis_misses_nothing():
 def test_friction_over_the_samples_in_which_an_axis_turns_round_leaves_less_than_one_resolution_for_all():
     recording, truth = joint_recording(Plant(friction=0.3), noise=0.05), {"level": 0.3}
     friction = FittedEffect(effect_by_key("joint", "coulomb_friction"), truth, known=True)
-    prepared = prepare(recording, joint_simulator(friction), Gap())
+    prepared = prepare(recording, joint_simulator(friction), Gap(), held=True)
     blocks, functions = prepared.problem.blocks, prepared.problem.functions
     over_samples, at_large = (
         float(residual_rows(prepared.nominal, each, functions).square().mean())

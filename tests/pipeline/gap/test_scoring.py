@@ -11,7 +11,6 @@ from simgap.gap.scoring import (
     folds_of,
     independent_clusters,
     log_score,
-    significance_of,
 )
 from simgap.simulation.blocks import Blocks
 from tests.pipeline.gap.problems import random_like
@@ -100,14 +99,6 @@ def test_the_log_score_is_a_gaussian_likelihood():
     exact = torch.distributions.Normal(0.0, scale).log_prob(residual)
     constant = 0.5 * torch.log(torch.tensor(2.0 * torch.pi)) * 4 * 2
     torch.testing.assert_close(log_score(residual, scale) - constant.double(), exact.sum((1, 2)))
-
-
-def test_a_parameter_at_its_neutral_value_is_not_significant(monkeypatch):
-    found, _ = _linear(0)
-    monkeypatch.setattr(Fit, "values", property(lambda self: torch.tensor([0.0, 0.0, 9.0]).double()))
-    assert significance_of(found, [0, 1], [0.0, 0.0], 30).p_value == pytest.approx(1.0)
-    assert significance_of(found, [2], [0.0], 30).p_value < 1e-8
-    assert significance_of(found, [2], [9.0], 30).p_value == pytest.approx(1.0)
 
 
 @given(st.lists(st.floats(-12.0, 12.0), min_size=3, max_size=3))

@@ -1,0 +1,147 @@
+"""How probable rows are: more where more is explained, and not where everything is made small."""
+
+import functools
+
+import numpy as np
+import pytest
+import torch
+
+from simgap.effects import effect_by_key
+from simgap.gap.fit import Fit, Problem, clustered_covariance, fit, jacobian_of
+from simgap.gap.likelihood import LikelihoodOf
+from simgap.gap.reading import Reading, readings_of
+from simgap.gap.refit import extend
+from simgap.gap.settings import Gap
+from simgap.recordings.recording import Recording
+from simgap.simulation import FittedEffect, Simulator
+from tests.pipeline.gap.recordings import Plant, joint_recordings, joint_simulator, recording_of
+from tests.pipeline.gap.units import driven_by_effort, in_units
+
+
+def fitted_as(simulator: Simulator, problem: Problem) -> Fit:
+    """Return a simulator as if its values had been fitted."""
+    residual = problem.residual(simulator)
+    jacobian, scale = jacobian_of(simulator, problem, residual), problem.scale(residual)
+    return Fit(
+        simulator, residual, jacobian, scale, clustered_covariance(jacobian, residual, scale, problem.cluster)
+    )
+
+
+def with_effects(simulator: Simulator, **values: dict[str, float]) -> Simulator:
+    effects = [FittedEffect(effect_by_key("joint", name), known) for name, known in values.items()]
+    return simulator.with_effects((*simulator.effects, *effects))
+
+
+@functools.cache
+def short(plant: Plant) -> Recording:
+    return joint_recordings(plant, [0], runs=3, duration=4.0)[0]
+
+
+@functools.cache
+def read(plant: Plant, held: bool = True) -> Reading:
+    return readings_of(short(plant), joint_simulator(), Gap())[int(held)]
+
+
+def test_the_truth_is_more_probable_than_values_next_to_it():
+    reading = read(Plant(friction=0.3))
+    values = {
+        level: reading.likelihood_of(
+            fitted_as(with_effects(reading.nominal, coulomb_friction={"level": level}), reading.problem)
+        ).value
+        for level in (0.0, 0.15, 0.25, 0.3, 0.35, 0.6)
+    }
+    assert max(values, key=values.__getitem__) == 0.3
+    assert values[0.0] < values[0.15] < values[0.25] > -np.inf
+    assert values[0.35] > values[0.6]
+
+
+@pytest.mark.parametrize("inertia", [1 / 3, 1.0, 3.0])
+@pytest.mark.parametrize(
+    "silencer",
+    [{"dead_zone": {"width": 1e4}}, {"current_limit": {"limit": 1e-3}}],
+    ids=["dead_zone", "current_limit"],
+)
+@pytest.mark.parametrize(
+    "plant",
+    [Plant(friction=0.3), Plant(other=lambda q, v: 2.0 * np.sin(3.0 * q)), Plant(motor_constant=0.5)],
+    ids=["friction", "unknown", "motor"],
+)
+def test_equations_that_are_met_by_making_everything_zero_do_not_win(plant, silencer, inertia):
+    """A drive that passes no command on beside an inertia that nothing has to move: no force is missing there."""
+    reading = read(plant)
+    silent = with_effects(reading.nominal, **silencer, inertia_error={"ratio": inertia})
+    nothing, nominal = (
+        reading.likelihood_of(fitted_as(each, reading.problem)).value for each in (silent, reading.nominal)
+    )
+    assert nothing < nominal
+
+
+def test_an_effort_that_is_scaled_away_does_not_win():
+    recording, simulator = driven_by_effort(short(Plant(friction=0.3)))
+    reading = readings_of(recording, simulator, Gap())[0]
+    zeroed = with_effects(reading.nominal, dead_zone={"width": 1e4}, inertia_error={"ratio": 1 / 3})
+    nothing, nominal = (
+        reading.likelihood_of(fitted_as(each, reading.problem)).value for each in (zeroed, reading.nominal)
+    )
+    assert nothing < nominal
+
+
+@pytest.mark.parametrize(("effort", "travel"), [(1e3, 1.0), (1.0, 57.3)])
+def test_what_one_simulator_has_over_another_does_not_depend_on_units(effort, travel):
+    plain = driven_by_effort(short(Plant(friction=0.3)))
+    gains = []
+    for (recording, simulator), size in (
+        (plain, 1.0),
+        (in_units(*plain, effort=effort, travel=travel), effort),
+    ):
+        reading = readings_of(recording, simulator, Gap())[0]
+        friction = with_effects(reading.nominal, coulomb_friction={"level": 0.3 * size})
+        values = [
+            reading.likelihood_of(fitted_as(each, reading.problem)).value
+            for each in (friction, reading.nominal)
+        ]
+        gains.append(values[0] - values[1])
+    assert gains[1] == pytest.approx(gains[0], abs=0.01)
+
+
+def test_an_energy_is_that_of_the_motion_beside_what_is_left_without_commands():
+    reading = read(Plant(friction=0.3))
+    of = LikelihoodOf(reading.problem, reading.nominal)
+    silent = with_effects(reading.nominal, dead_zone={"width": 1e4})
+    torch.testing.assert_close(of.energy(silent), of.energy(reading.nominal))
+    assert bool(
+        (of.energy(reading.nominal) > reading.problem.residual(reading.nominal).square().mean((0, 1))).all()
+    )
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_to_listen_less_is_a_merit_only_where_the_input_was_sent_and_not_measured(held):
+    """A joint at rest with a voltage that jumps from sample to sample, and a winding that would filter it."""
+    random, shape = np.random.default_rng(0), (4, 1600)
+    voltage, position, velocity = (size * random.standard_normal(shape) for size in (0.3, 2e-4, 2e-3))
+    reading = readings_of(recording_of(voltage, position, velocity), joint_simulator(), Gap())[int(held)]
+    base = fit(reading.nominal, reading.problem)
+    filtered = extend(base, effect_by_key("joint", "motor_inductance"), reading.problem)
+    energy = [each.residual.square().mean() for each in (base, filtered)]
+    assert energy[1] < 0.5 * energy[0]
+    gain = reading.likelihood_of(filtered).value - reading.likelihood_of(base).value
+    assert (gain > 1.0) if held else (gain < 1.0)
+
+
+def test_the_excess_is_one_where_only_noise_is_left():
+    reading = read(Plant())
+    found = reading.likelihood_of(fit(reading.nominal, reading.problem))
+    assert bool((found.excess >= 1.0).all())
+    assert float(found.excess.max()) < 2.0
+    worse = read(Plant(friction=0.3))
+    assert float(worse.likelihood_of(fit(worse.nominal, worse.problem)).excess.max()) > 100.0
+    assert found.weight.shape == (len(reading.problem.blocks), 1)
+
+
+@pytest.mark.parametrize("driven", [0.0, 1.0])
+def test_a_joint_that_does_not_move_at_all_has_a_likelihood(driven):
+    """Held by friction, or read by an encoder that is too coarse: no energy is none to divide by."""
+    still = np.zeros((3, 800))
+    voltage = driven * np.random.default_rng(0).standard_normal(still.shape)
+    for reading in readings_of(recording_of(voltage, still, still), joint_simulator(), Gap()):
+        assert np.isfinite(reading.likelihood_of(fit(reading.nominal, reading.problem)).value)
