@@ -46,7 +46,10 @@ def driven_readings(centre: Hypothesis, settings: Gap) -> list[tuple[Reading, li
 def _with_driver(reading: Reading, law: "DriverLaw", driven: Sequence[Effect]) -> Reading:
     prepared, name = reading.prepared, law.name
     problem = prepared.problem
-    estimated = replace(problem, blocks=with_signal(problem.blocks, name, law.along(problem)))
+    assert problem.temper is not None
+    runs, blocks = len(torch.unique(problem.blocks.run)), len(problem.blocks)
+    temper = problem.temper.without(runs / blocks)
+    estimated = replace(problem, blocks=with_signal(problem.blocks, name, law.along(problem)), temper=temper)
     proving = with_signal(prepared.proving, name, law.along(_problem_on(prepared.proving, problem)))
     remark = (
         f"{name} was not recorded: its changes within each run were estimated from the motion, its absolute value is "

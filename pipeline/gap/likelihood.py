@@ -59,11 +59,14 @@ class LikelihoodOf:
         simulator, problem = fitted.simulator, self.problem
         assert problem.temper is not None
         noise, silenced = self.noise(simulator)
+        energy = self.energy(simulator)
         explained = (self.base - fitted.residual).square().mean(1)
+        if self.moved is not None:
+            explained = torch.minimum(explained, energy)
         noise = noise + _INEXACT**2 * explained
         left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
         value = problem.temper.value(left, noise)
-        value = value + 0.5 * problem.temper.lasting * len(left) * self.energy(simulator).log()
+        value = value + 0.5 * problem.temper.lasting * len(left) * energy.log()
         return Likelihood(float(value.sum()), problem.temper.weight(left, noise), (left / noise).mean(0))
 
     def noise(self, simulator: Simulator) -> tuple[Tensor, Tensor]:
@@ -78,15 +81,20 @@ class LikelihoodOf:
         obeying = simulator.with_effects(
             tuple(f for f in simulator.effects if not _smooths(f.effect, blocks.held))
         )
-        floor = noise_of_rows(bare, blocks, functions).square()
+        # A simulator whose forces jump looks noisy by itself: the quieter one shows what the sensors' noise can be.
+        nominal = self.problem.noise.square()
+        floor = torch.minimum(noise_of_rows(bare, blocks, functions).square(), nominal)
         heard = floor if obeying == bare else noise_of_rows(obeying, blocks, functions).square()
-        noise = torch.maximum(floor, heard).clamp_min(_NOTHING) + self.problem.quadrature.square()
+        noise = floor.clamp_min(_NOTHING) + self.problem.quadrature.square()
         return noise, (floor - heard).clamp_min(0.0)
 
     def energy(self, simulator: Simulator) -> Tensor:
-        """Return what a simulator's residuals would be without commands, mean square, (channels,); else ones."""
+        """Return the mean square that residuals are measured against, (channels,).
+
+        On an axis it is what they would be without commands; elsewhere what the nominal simulator leaves.
+        """
         if self.moved is None:
-            return torch.ones(len(self.problem.noise), dtype=torch.float64)
+            return self.base.square().mean((0, 1)).clamp_min(_NOTHING)
         rows = residual_rows(simulator, self.still, self.problem.functions)
         return (rows.square().mean((0, 1)) + self.moved).clamp_min(_NOTHING)
 

@@ -32,6 +32,8 @@ _SHARES = (0.001, 0.01, 0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97,
 _SPREAD = 1.65
 """What a discrepancy costs a block for its unknown size: the log of four decades of energy, which it may have, over the
 1.8 in log s² that four independent rows leave open."""
+_LEAST_LASTING = 0.1
+"""Of the independent samples of a discrepancy, which remain however much is estimated."""
 _OVERLAP = 0.5
 """Share of rows that are independent: windows overlap by half."""
 
@@ -69,6 +71,11 @@ class Temper:
         missed = torch.sigmoid(torch.logit(share) + spoilt - sound)
         independent = missed * (self.lasting + self.short / ratio) + (1.0 - missed) * self.total * ratio
         return independent / self.rows / left
+
+    def without(self, levels: float) -> "Temper":
+        """Return what is left where so many levels per block were estimated: each takes a sample of the discrepancy."""
+        lasting = max(self.lasting - levels, _LEAST_LASTING * self.lasting)
+        return Temper(self.rows, lasting, self.total - lasting)
 
     @property
     def total(self) -> float:
