@@ -216,7 +216,7 @@ def _unfinished(naming: Naming, settings: Gap) -> list[str]:
     if naming.complete:
         return []
     return [
-        f"the search was ended before it was complete; this is the best answer so far (gap.budget={settings.budget:g} s)"
+        f"the search was ended before it was complete; this is the best answer so far (gap.budget={settings.budget:g})"
     ]
 
 

@@ -1,12 +1,13 @@
 """A hypothesis about what a simulator lacks, and the evidence for it."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
-from simgap.effects import Effect, ParameterError
+from simgap.effects import ParameterError
 from simgap.gap.fit import Fit, bounds_of
 from simgap.gap.likelihood import Likelihood
 from simgap.gap.prior import log_odds, log_prior, prior_precision
@@ -19,7 +20,7 @@ _TOLERANCE = 0.015
 _LEAST_VARIANCE = 1e-9
 """Of a parameter on the scale of its own information: rounding makes it no smaller."""
 _NO_SIZE = 1e-9
-"""Of its realistic size: an effect that is no larger does nothing, and is not another hypothesis than the one without."""
+"""Of its realistic size: an effect that is no larger does nothing, and is no other hypothesis than the one without."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,9 @@ def weigh(fitted: Fit, reading: Reading) -> Hypothesis:
     likelihood, scales = reading.likelihood_of(fitted), reading.scales
     effects = [f.effect for f in fitted.simulator.free]
     occam = log_prior(fitted, scales) + _log_volume(fitted, likelihood, prior_precision(fitted, scales))
-    prior = -math.inf if any(map(_idle, effects, _sizes(fitted))) else _log_prior_odds(fitted, reading)
+    known = {f.effect.key: f.values for f in reading.nominal.known}
+    idle = any(_is_idle(f, known.get(f.effect.key)) for f in fitted.simulator.free)
+    prior = -math.inf if idle else _log_prior_odds(fitted, reading)
     return Hypothesis(reading, frozenset(effect.key for effect in effects), fitted, likelihood, occam, prior)
 
 
@@ -98,7 +101,7 @@ def _log_volume(fitted: Fit, likelihood: Likelihood, precision: Tensor) -> float
 
 
 def is_tolerance(fitted: FittedEffect, simulator: Simulator, time_step: float) -> bool:
-    """Whether an effect is within what is known: a delay of a part of a sample, a number off by a few thousandths.
+    """Whether an effect is within what is known: a delay of a part of a sample, a number off by a percent.
 
     It stays in the simulator, where it keeps others from standing in for it, and gets no name.
     """
@@ -115,11 +118,8 @@ def _log_prior_odds(fitted: Fit, reading: Reading) -> float:
     return odds
 
 
-def _sizes(fitted: Fit) -> list[float]:
-    return [float(f.values[f.effect.parameters[0].name]) for f in fitted.simulator.free]
-
-
-def _idle(effect: Effect, size: float) -> bool:
-    """Whether an effect does nothing: its first parameter, its size, is where it changes nothing."""
-    first = effect.parameters[0]
-    return abs(size - first.neutral) <= _NO_SIZE * abs(first.default)
+def _is_idle(fitted: FittedEffect, known: Mapping[str, float] | None) -> bool:
+    """Whether an effect does nothing new: its first parameter, its size, is where it changes nothing, or as known."""
+    first = fitted.effect.parameters[0]
+    rest = known[first.name] if known else first.neutral
+    return abs(float(fitted.values[first.name]) - rest) <= _NO_SIZE * abs(first.default)

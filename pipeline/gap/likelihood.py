@@ -21,7 +21,7 @@ from simgap.simulation.signals import COMMANDS
 
 _SENT = "motor_command"
 _INEXACT = 0.03
-"""Of what a law explains: no textbook law holds better, so that what is left below it is no evidence for another one."""
+"""Of what a law explains: no textbook law holds better, so that what is left below it is evidence for no other one."""
 _NOTHING = 1e-24
 """Mean square of what does not move at all."""
 _AXES = ("joint",)

@@ -26,7 +26,7 @@ class Density:
     """The prior density of one parameter.
 
     Attributes:
-        family: `t` (Student, of a size), `log` (log-normal, of a ratio or a shape), `normal`, or `uniform` (of a share).
+        family: `t` (Student, of a size), `log` (log-normal, of a ratio or a shape), `normal` or `uniform` (of a share).
         centre: its middle, in the parameter's unit.
         width: in the parameter's unit, or of the logarithm.
         sided: whether it lies on one side of the centre only.

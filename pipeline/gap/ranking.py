@@ -15,8 +15,8 @@ _MOST = 12
 def candidates(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """Return what was named, the most probable first, then what came close.
 
-    Each entry holds `name`, `status` (`in`, `rival` or `out`), `probability`, `parameters` (value, std, unit by name; of
-    the best hypothesis that names it) and `why`.
+    Each entry holds `name`, `status` (`in`, `rival` or `out`), `probability`, `parameters` (value, std, unit by name;
+    of the best hypothesis that names it) and `why`.
     """
     naming = diagnosis.naming
     named = {entry.effect.key: entry for entry in naming.named}
@@ -39,7 +39,7 @@ def candidates(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 
 
 def hypotheses(diagnosis: Diagnosis) -> list[dict[str, Any]]:
-    """Return the most probable hypotheses: what they name, how commands act in them, and what their score is made of."""
+    """Return the most probable hypotheses: what they name, how commands act, and what their score is made of."""
     posterior = diagnosis.naming.posterior
     return [
         {

@@ -1,7 +1,8 @@
 """The search for hypotheses: add, drop, swap, merge, split and other timing, with everything visited kept.
 
-The best hypothesis that is not expanded yet is expanded next, as long as its score lies within Occam's window of the best.
-So several lines of thought stay alive, nothing is dropped for good, and the answer is never below the best visited.
+The best hypothesis that is not expanded yet is expanded next, as long as its score lies within Occam's window of the
+best. So several lines of thought stay alive, nothing is dropped for good, and the answer is never below the best that
+was visited.
 Source of the window: Madigan & Raftery 1994, Model selection and accounting for model uncertainty (JASA 89).
 """
 
@@ -17,7 +18,7 @@ from simgap.gap.neighbours import Neighbours
 from simgap.gap.reading import Reading
 from simgap.gap.refit import extend, shrink
 from simgap.gap.settings import Gap
-from simgap.simulation import FittedEffect
+from simgap.simulation import FittedEffect, Simulator
 
 _WINDOW = 3.0
 """Of log odds: a hypothesis twenty times less probable than the best is not followed further."""
@@ -25,6 +26,13 @@ _PROPOSALS = 6
 """Neighbours by two effects that are fitted for each hypothesis."""
 
 Place = tuple[tuple[bool, str], frozenset[str]]
+
+
+def _with(reading: Reading, free: Sequence[FittedEffect]) -> Simulator:
+    """Return the nominal simulator of a reading with effects to be fitted, in the place of what is known of them."""
+    keys = {fitted.effect.key for fitted in free}
+    known = (fitted for fitted in reading.nominal.known if fitted.effect.key not in keys)
+    return reading.nominal.with_effects((*known, *free))
 
 
 class _TimeIsOver(Exception):
@@ -92,24 +100,24 @@ class Search:
         centre = max((centre, polished), key=lambda hypothesis: hypothesis.score)
         if not reading.driver:
             self._retime(centre)
+        if not reading.driver and reading.catalogue:
             self._drive(centre)
         for fitted in centre.fit.simulator.free:
             if (reading.timing, centre.keys - {fitted.effect.key}) not in self.visited:
-                self._visit(shrink(centre.fit, fitted.effect, reading.problem), reading)
+                known = next((f for f in reading.nominal.known if f.effect.key == fitted.effect.key), None)
+                self._visit(shrink(centre.fit, fitted.effect, reading.problem, known), reading)
         added = [self._added(centre, e) for e in reading.catalogue if e.key not in centre.keys]
         near = Neighbours(centre, added, reading.problem, reading.likelihood_of)
         known = {keys for timing, keys in self.visited if timing == reading.timing}
         for proposal in near.best(_PROPOSALS, known):
             if len(proposal.keys) <= most_effects and proposal.promise > self.ranked[0].score - _WINDOW:
-                start = reading.nominal.with_effects((*reading.nominal.known, *proposal.effects))
-                self._visit(fit(start, reading.problem), reading)
+                self._visit(fit(_with(reading, proposal.effects), reading.problem), reading)
 
     def _retime(self, centre: Hypothesis) -> None:
         """Visit the same effects under every other timing of the commands."""
         for other in self.readings:
             if (other.timing, centre.keys) not in self.visited:
-                start = other.nominal.with_effects((*other.nominal.known, *centre.fit.simulator.free))
-                self._visit(fit(start, other.problem), other)
+                self._visit(fit(_with(other, centre.fit.simulator.free), other.problem), other)
 
     def _drive(self, centre: Hypothesis) -> None:
         """Visit the same effects with one more whose driver was not recorded and is estimated."""
@@ -117,7 +125,7 @@ class Search:
             self.bases.setdefault(reading.timing, fit(reading.nominal, reading.problem))
             for effect in effects:
                 driven = FittedEffect(effect, effect.defaults())
-                start = reading.nominal.with_effects((*centre.fit.simulator.effects, driven))
+                start = _with(reading, (*centre.fit.simulator.free, driven))
                 self._visit(fit(start, reading.problem), reading)
 
     def _added(self, centre: Hypothesis, effect: Effect) -> Hypothesis:

@@ -1,18 +1,19 @@
 """How much each row counts: sensor noise is independent from row to row, what a model lacks is not.
 
-Each channel has the noise of its sensors and beside it, in some blocks, a discrepancy of unknown size: no law holds exactly,
-and what no hypothesis knows comes and goes. Sensor noise is independent from row to row. A discrepancy is a function of the
-state and repeats where the state does: a recording holds about N_d independent samples of it. With s² the mean square of a
-channel's residual in one block, n² that of its noise and R = s²/n², the log likelihood of a block with n rows is
+Each channel has the noise of its sensors and beside it, in some blocks, a discrepancy of unknown size: no law holds
+exactly, and what no hypothesis knows comes and goes. Sensor noise is independent from row to row. A discrepancy is a
+function of the state and repeats where the state does: a recording holds about N_d independent samples of it. With s²
+the mean square of a channel's residual in one block, n² that of its noise and R = s²/n², the log likelihood of a block
+with n rows is
 
     noise alone:      ℓ₀ = −½ · n·(R − 1)
     a discrepancy:    ℓ₁ = −½ · [n_d·log R + (n − n_d)·(1 − 1/R)] − c,   n_d = N_d / blocks
 
 where ℓ₁ is the integral over d(−½ log s²) of its independent samples, n_d + (n − n_d)/R, and c is what the unknown size
-of the discrepancy costs. A recording is a mixture of both
-kinds of block, whose share is fitted: where a hypothesis meets most blocks within the noise, a block that it misses counts
-against it, and where something else is at work everywhere, only what it explains counts. Source of the tempering: Grünwald &
-van Ommen 2017, Inconsistency of Bayesian inference for misspecified linear models (Bayesian Analysis 12).
+of the discrepancy costs. A recording is a mixture of both kinds of block, whose share is fitted: where a hypothesis
+meets most blocks within the noise, a block that it misses counts against it; where something else is at work
+everywhere, only what it explains counts. Source of the tempering: Grünwald & van Ommen 2017, Inconsistency of Bayesian
+inference for misspecified linear models (Bayesian Analysis 12).
 """
 
 from dataclasses import dataclass
@@ -88,7 +89,7 @@ class Temper:
         return spoilt - _SPREAD, -0.5 * self.total * (ratio - 1.0)
 
     def _share(self, spoilt: Tensor, sound: Tensor) -> tuple[Tensor, Tensor]:
-        """Return the most probable share of blocks with a discrepancy and the log likelihood with it, (channels,) each."""
+        """Return the likeliest share of blocks with a discrepancy, and the log likelihood with it, (channels,) each."""
         grid = torch.tensor(_SHARES, dtype=spoilt.dtype)[:, None, None]
         mixed = torch.logaddexp(grid.log() + spoilt, (1.0 - grid).log() + sound).sum(1)
         value, place = mixed.max(0)
@@ -105,5 +106,5 @@ def temper_of(blocks: Blocks, functions: WindowFunctions) -> Temper:
 
 
 def energy_of(residual: Tensor, least: Tensor) -> Tensor:
-    """Return the mean square of residuals (blocks, rows, channels) in each block, at least so much: (blocks, channels)."""
+    """Return the mean square of residuals (blocks, rows, channels) in each block, (blocks, channels), at least so much."""
     return torch.maximum(residual.square().mean(1), least)
