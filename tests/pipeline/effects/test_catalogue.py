@@ -57,8 +57,9 @@ def test_everything_is_said_about_an_effect(effect):
 @EFFECT
 def test_the_place_of_an_effect_is_its_type(effect):
     if effect.kind != "swerve":
-        numbers = isinstance(effect, ParameterError)  # of the platform, at the place where each is used
-        assert (effect.acts_on == "command" and not numbers) == isinstance(effect, CommandEffect)
+        commands = effect.acts_on == "command"
+        if not isinstance(effect, ParameterError):  # a number acts where it is used, as a map or not
+            assert commands == isinstance(effect, CommandEffect)
         assert (effect.acts_on == "measurement") == isinstance(effect, MeasurementEffect)
     assert effect.name.endswith("_error") == isinstance(effect, ParameterError)
 
