@@ -6,7 +6,6 @@ import pytest
 
 from simgap.effects import CommandEffect, MeasurementEffect, ParameterError, effect_by_key, effects_of
 from simgap.errors import InputError
-from tests.pipeline.effects.responses import constants
 from tests.pipeline.platforms.machines import EVERY_EFFECT, MACHINES, identity
 
 EFFECT = pytest.mark.parametrize("effect", EVERY_EFFECT, ids=identity)
@@ -96,18 +95,6 @@ def test_bounds_hold_the_default_the_neutral_value_and_every_start(effect):
     for start in effect.starts():
         assert start.keys() == bounds.keys()
         assert all(bounds[name][0] <= value <= bounds[name][1] for name, value in start.items())
-
-
-@EFFECT
-def test_usual_values_are_physical(effect):
-    assert not effect.unphysical(effect.defaults(), constants(effect.kind))
-
-
-def test_no_winding_is_slower_than_one():
-    effect, numbers = effect_by_key("joint", "motor_inductance"), constants("joint")
-    for time_constant, possible in ((1e-3, True), (0.02, True), (0.06, False)):
-        said = effect.unphysical({"inductance": time_constant * numbers["resistance"]}, numbers)
-        assert bool(said) is not possible
 
 
 @EFFECT
