@@ -146,7 +146,7 @@ class Fit:
 
     Attributes:
         metric: what is compared, over which horizon, in which unit.
-        held_out_runs: the runs that were used for neither fitting nor selection.
+        held_out_runs: the runs that were used for nothing else.
         before: error of the nominal simulator on them.
         after: error of the diagnosed simulator.
         noise_floor: error that the sensors' noise alone would make.

@@ -9,10 +9,7 @@ from torch import Tensor
 from simgap.effects.effect import Signals, Values, WrenchEffect
 from simgap.physics.shapes import Channels, Real, Value
 
-_FASTEST = 0.99  # quantile of the recorded speeds: the maximum may be a spike
-_FADED = 0.5  # share of the level at rest: above this the recording does not show that friction fades
 _NOISY = 8  # exponent on velocity over resolution: a third of the resolution is noise and must count as rest
-_LEAST_KNOWN = 0.2  # share of the fading friction that one-way motion must show: less is noise or reversals
 
 
 class DryFriction(WrenchEffect):
@@ -63,31 +60,6 @@ def sliding_of(signals: Signals, constants: Values, group: str = "") -> Sliding:
     """
     name = f"{group}sliding_velocity"
     return Sliding(signals[name], True) if name in signals else Sliding(constants[name], False)
-
-
-def fades(velocity: Real, fading_velocity: Value, slides: Sliding) -> bool:
-    """Whether recorded velocities (...,) show that friction of level · exp(−(v / fading_velocity)²) fades.
-
-    It must be smaller at the highest speeds. It must also act in samples with a known direction of motion, and not only
-    in reversals within a sample. Samples at rest count for neither.
-    """
-    fading = torch.exp(-((velocity / fading_velocity) ** 2))
-    place = int(_FASTEST * (velocity.numel() - 1)) + 1
-    fastest = velocity.abs().flatten().kthvalue(place).indices
-    if slides.within_samples:
-        resolution = torch.as_tensor(slides.velocity)
-        slowest = torch.exp(-((resolution.min() / fading_velocity) ** 2))
-        if slowest < _LEAST_KNOWN or not _is_told(velocity, fading, resolution):
-            return False
-    return bool(fading.flatten()[fastest] < _FADED)
-
-
-def _is_told(velocity: Tensor, fading: Tensor, resolution: Tensor) -> bool:
-    """Whether enough of the fading friction acts in one-way motion, compared with reversals."""
-    one_way = velocity.abs() > resolution
-    turning = ~one_way & (resolution > resolution.min())  # below the sensor's resolution the axis rests
-    known = (fading * one_way).sum()
-    return bool(known > _LEAST_KNOWN * (known + (fading * turning).sum()))
 
 
 def dry_friction(

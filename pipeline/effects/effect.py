@@ -47,12 +47,6 @@ class Effect(ABC):
     needs: ClassVar[tuple[str, ...]] = ()
     driver: ClassVar[str] = ""
     driver_at_rest: ClassVar[str] = ""
-    yields_to: ClassVar[tuple[str, ...]] = ()
-    """Names of likelier causes: one of them is named if a recording cannot separate it from this effect."""
-    twins: ClassVar[tuple[str, ...]] = ()
-    """Names of effects that give the same model in combination with other named effects."""
-    usual: ClassVar[bool] = False
-    """Whether every machine of the kind has it, so that wrong platform numbers may only show together with it."""
     prior_odds: ClassVar[float] = 0.15
     """Odds that a machine of the kind has the effect to a notable degree and its model lacks it."""
     kinked: ClassVar[bool] = False
@@ -114,14 +108,6 @@ class Effect(ABC):
         """Return the parameters with the default and the bounds that suit a recorded machine; see `starts_in`."""
         sizes = sizes_of(self.kind, signals, constants or {})
         return tuple(parameter.times(size_of(parameter.unit, sizes)) for parameter in self.parameters)
-
-    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Return the name of the simpler effect that these values reduce to on the recorded signals, or ""."""
-        return ""
-
-    def unphysical(self, values: Values, constants: Values) -> str:
-        """Return why the values are implausible in combination although each is within bounds, or ""."""
-        return ""
 
     def lateness(self, values: Values, constants: Values) -> float:
         """Return the delay that the effect causes, s; 0 if it has no timing."""

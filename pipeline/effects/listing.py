@@ -75,7 +75,7 @@ def look_alikes(effect: Effect) -> list[Effect]:
 
 def _is_like(one: Effect, other: Effect) -> bool:
     """Whether either effect names the other, and both act on one group of a swerve drive or one on its chassis."""
-    named = other.name in _near(one) or one.name in _near(other)
+    named = other.name in one.look_alikes or one.name in other.look_alikes
     apart = (
         one.kind == "swerve"
         and one.acts_on != other.acts_on
@@ -84,17 +84,8 @@ def _is_like(one: Effect, other: Effect) -> bool:
     return named and not apart
 
 
-def _near(effect: Effect) -> set[str]:
-    return {*effect.look_alikes, *effect.yields_to, *effect.twins}
-
-
 def _stated(effect: Effect) -> str:
-    """Return what a diagnosis says about an effect of the default size, and when it says something else."""
+    """Return what a diagnosis says about an effect of the default size."""
     if not effect.names_physics:
         return "A diagnosis never names this effect, because it would absorb simpler ones. A simulator may contain it."
-    stated = effect.statement(effect.defaults())
-    if effect.yields_to:
-        stated += (
-            f" If the recording cannot separate them, the diagnosis names {' or '.join(effect.yields_to)}."
-        )
-    return stated
+    return effect.statement(effect.defaults())

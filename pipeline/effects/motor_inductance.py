@@ -9,8 +9,6 @@ from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.lag import lag_along_time, lag_step
 from simgap.physics.shapes import Signal
 
-_LONGEST_TIME = 0.05  # s; a few milliseconds are usual, for large machines some twenty
-
 
 class MotorInductance(ActuatorEffect):
     """The motor current follows the voltage with a time constant of inductance over resistance."""
@@ -33,11 +31,6 @@ class MotorInductance(ActuatorEffect):
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan over the usual windings."""
         return [{"inductance": 1e-5 * 10.0**step} for step in range(5)]
-
-    def unphysical(self, values: Values, constants: Values) -> str:
-        """Return a reason if the current would rise more slowly than in any winding of such a machine."""
-        slow = self._time_constant(values, constants) > _LONGEST_TIME
-        return f"no winding takes longer than {_LONGEST_TIME} s" if slow else ""
 
     def lateness(self, values: Values, constants: Values) -> float:
         """Return the winding's time constant."""

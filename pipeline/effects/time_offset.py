@@ -19,7 +19,6 @@ class TimeOffset(MeasurementEffect):
     name = "sensor_time_offset"
     acts_on = "measurement"
     parameters = (Parameter("offset", "s", 0.02, -0.1, 0.1),)
-    yields_to = ("command_delay",)
     formula = "recorded(t) = true(t − offset)"
     source = (
         "Furgale, Rehder & Siegwart 2013, Unified temporal and spatial calibration for multi-sensor systems"
@@ -29,6 +28,7 @@ class TimeOffset(MeasurementEffect):
         "anything."
     )
     symptom = "Accelerations appear later or earlier in the log than the commands that cause them."
+    look_alikes = ("command_delay",)
 
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan: a periodic motion has a local minimum at each period."""

@@ -18,8 +18,6 @@ class AsymmetricFriction(AxisFriction):
     name = "asymmetric_friction"
     parameters = (Parameter("difference", "N·m", 0.05, -1e6, 1e6),)
     needs = ("velocity", "effort")
-    yields_to = ("coulomb_friction", "constant_load")
-    twins = ("constant_load",)
     kinked = True
     formula = "torque = −difference where sign(velocity) = sign(difference), else 0; at standstill it holds that way"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
@@ -32,6 +30,7 @@ class AsymmetricFriction(AxisFriction):
         "round"
     )
     symptom = "The effort that the same slow speed needs differs between the two directions."
+    look_alikes = ("coulomb_friction", "constant_load")
 
     def starts(self) -> list[dict[str, float]]:
         """Start on either side of zero, where the law has a kink."""

@@ -33,7 +33,6 @@ class Cogging(WrenchEffect):
         Parameter("cycles", "1/rad", 12.0, float(_LEAST_CYCLES), 1e5, neutral=3.0),
     )
     needs = ("position",)
-    yields_to = ("constant_load",)
     formula = "torque = sine · sin(cycles · position) + cosine · cos(cycles · position)"
     source = "Hendershot & Miller 2010, Design of brushless permanent-magnet machines: cogging torque"
     sentence = (
@@ -42,7 +41,7 @@ class Cogging(WrenchEffect):
     )
     excitation = "move at a slow constant speed over the whole travel, in both directions"
     symptom = "At slow constant speed the effort ripples at the same positions in both directions."
-    look_alikes = ("gravity_load",)
+    look_alikes = ("constant_load", "gravity_load")
 
     def starts(self) -> list[dict[str, float]]:
         """Start from every whole number of cycles per turn, in several phases: each has a local minimum."""

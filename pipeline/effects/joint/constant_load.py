@@ -15,8 +15,6 @@ class ConstantLoad(WrenchEffect):
     acts_on = "torque"
     parameters = (Parameter("load", "N·m", 0.1, -1e6, 1e6),)
     needs = ("position",)
-    yields_to = ("coulomb_friction",)
-    twins = ("asymmetric_friction",)
     formula = "torque = load"
     source = "Newton's second law"
     sentence = (
@@ -25,7 +23,7 @@ class ConstantLoad(WrenchEffect):
     )
     excitation = "run the same motion in both directions, and rest without a command"
     symptom = "The effort has the same offset at every position and speed."
-    look_alikes = ("gravity_load",)
+    look_alikes = ("asymmetric_friction", "coulomb_friction", "gravity_load")
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the load on the axis, N·m or N."""

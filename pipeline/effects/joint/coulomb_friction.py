@@ -11,7 +11,6 @@ class CoulombFriction(AxisFriction):
 
     name = "coulomb_friction"
     parameters = (Parameter("level", "N·m", 0.1, 0.0, 1e6),)
-    usual = True
     prior_odds = 1.0
     needs = ("velocity", "effort")
     formula = "torque = −level · sign(velocity); at standstill it holds whatever is applied, up to its level"

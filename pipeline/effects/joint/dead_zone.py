@@ -18,7 +18,6 @@ class DeadZone(CommandEffect):
     kind = "joint"
     acts_on = "command"
     parameters = (Parameter("width", "N·m", 0.1, 0.0, 1e6),)
-    yields_to = ("coulomb_friction",)
     formula = (
         "command_effective = sign(command) · max(|command| − width / gain, 0), gain = torque_constant · gear_ratio / "
         "resistance for a voltage, 1 for an effort"
@@ -32,6 +31,7 @@ class DeadZone(CommandEffect):
         "ramp the command slowly through zero in both directions while something else also moves the axis"
     )
     symptom = "Small commands around zero have no effect, even while the axis moves."
+    look_alikes = ("coulomb_friction",)
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float

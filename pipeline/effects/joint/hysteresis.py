@@ -45,7 +45,6 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         Parameter("displacement", "rad", 0.05, 1e-5, 10.0, neutral=0.1),
     )
     needs = ("position",)
-    yields_to = ("coulomb_friction",)
     formula = "torque = −level · z, dz/dt = (velocity − |velocity| · z) / displacement"
     source = "Dahl 1976, Solid friction damping of mechanical vibrations (AIAA J. 14), with exponent 1"
     sentence = (
@@ -54,14 +53,14 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
     )
     excitation = "swing slowly at several small amplitudes, with many reversals"
     symptom = "Effort over position forms a loop after each reversal, of the same width at any speed."
-    look_alikes = ("backlash", "linear_stiffness")
+    look_alikes = ("backlash", "coulomb_friction", "linear_stiffness")
 
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan: without a level the displacement has no gradient."""
         return scan(level=_LEVELS, displacement=(0.001, 0.004, 0.015, 0.06, 0.2, 0.8))
 
     def starts_in(self, signals: Signals, constants: Values | None = None) -> list[dict[str, float]]:
-        """Start from what `limit` allows: from the travel in a sample up to the whole travel."""
+        """Start between the travel in a sample (shorter is friction) and the whole travel (longer is a spring)."""
         level, displacement = self.parameters_in(signals, constants)
         sizes = sizes_of(self.kind, signals, constants or {})
         position = signals["position"]
@@ -70,13 +69,6 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         between = [least * (most / least) ** part for part in _PARTS]
         size = size_of(level.unit, sizes)
         return scan(level=[size * share for share in _LEVELS], displacement=between)
-
-    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Return friction if the displacement is below one sample's travel, or a spring if above the whole travel."""
-        position, displacement = signals["position"], values["displacement"]
-        if displacement < position.diff(dim=1).abs().median():
-            return "coulomb_friction"
-        return "linear_stiffness" if displacement > position.max() - position.min() else ""
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float

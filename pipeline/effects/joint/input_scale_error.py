@@ -19,12 +19,12 @@ class InputScaleError(ParameterError, CommandEffect):
     kind = "joint"
     acts_on = "command"
     needs = ("effort",)
-    yields_to = ("inertia_error", "motor_constant_error")
     formula = "command_effective = ratio · command"
     source = "the platform's nominal equations"
     sentence = "The input that acts is {ratio} times the recorded one; correct its scale."
     excitation = "hold the axis against a known weight or spring, and also accelerate and brake hard"
     symptom = "Acceleration, weight, spring and friction all seem off by the same factor."
+    look_alikes = ("inertia_error", "motor_constant_error")
 
     def adjust(self, constants: Values, values: Values) -> dict[str, Any]:
         """Return the constants as they are: the factor is the recording's, not the machine's."""

@@ -14,7 +14,6 @@ class LoadDependentFriction(AxisFriction):
     name = "load_dependent_friction"
     parameters = (Parameter("ratio", "1", 0.2, 0.0, _GREATEST_RATIO),)
     needs = ("velocity", "effort")
-    yields_to = ("coulomb_friction",)
     formula = "torque = −ratio · |effort| · sign(velocity); at standstill it holds, up to ratio · |effort|"
     source = (
         "Duclusaud et al. 2024, Extended friction models for the physics simulation of servo actuators "
@@ -26,6 +25,7 @@ class LoadDependentFriction(AxisFriction):
     )
     excitation = "repeat the same slow motion under several loads, lifting and lowering"
     symptom = "Friction is larger where the axis carries more load."
+    look_alikes = ("coulomb_friction",)
 
     def friction(self, signals: Signals, values: Values, constants: Values) -> Real:
         """Return the friction on the axis, N·m or N."""

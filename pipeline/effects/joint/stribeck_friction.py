@@ -2,7 +2,7 @@
 
 import torch
 
-from simgap.effects.dry_friction import dry_friction, fades, sliding_of
+from simgap.effects.dry_friction import dry_friction, sliding_of
 from simgap.effects.effect import Parameter, Signals, Values
 from simgap.effects.joint.common import AxisFriction, applied
 from simgap.effects.scan import scan
@@ -18,7 +18,6 @@ class StribeckFriction(AxisFriction):
         Parameter("velocity", "rad/s", 0.5, 1e-4, 1e3, neutral=1.0),
     )
     needs = ("velocity", "effort")
-    yields_to = ("coulomb_friction",)
     formula = (
         "torque = −extra_level · exp(−(v / velocity)²) · sign(v); at standstill it holds, up to extra_level"
     )
@@ -29,16 +28,11 @@ class StribeckFriction(AxisFriction):
     )
     excitation = "ramp very slowly through standstill, and hold crawling speeds in both directions"
     symptom = "The axis sticks, breaks away with a jerk, and then needs less effort (stick-slip)."
-    look_alikes = ("hysteresis",)
+    look_alikes = ("coulomb_friction", "hysteresis")
 
     def starts(self) -> list[dict[str, float]]:
         """Start from a scan: without an excess the fading velocity has no gradient."""
         return scan(extra_level=(0.03, 0.3), velocity=(0.01, 0.04, 0.16, 0.6))
-
-    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Return Coulomb friction if the excess does not fade visibly within the recorded speeds."""
-        slides = sliding_of(signals, constants)
-        return "" if fades(signals["velocity"], values["velocity"], slides) else "coulomb_friction"
 
     def friction(self, signals: Signals, values: Values, constants: Values) -> Real:
         """Return the friction on the axis, N·m or N."""

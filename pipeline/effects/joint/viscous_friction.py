@@ -12,7 +12,6 @@ class ViscousFriction(WrenchEffect):
     kind = "joint"
     acts_on = "torque"
     parameters = (Parameter("coefficient", "N·m·s/rad", 0.01, 0.0, 1e4),)
-    usual = True
     prior_odds = 1.0
     needs = ("velocity",)
     formula = "torque = −coefficient · velocity"

@@ -46,12 +46,6 @@ class RotorThrustSpread(WrenchEffect):
     )
     symptom = "A roll command also pitches or lifts the machine a little, and hover needs four different rotor speeds."
     look_alikes = ("center_of_mass_offset", "yaw_trim", "rotor_fault")
-    yields_to = ("center_of_mass_offset", "yaw_trim")
-
-    def unphysical(self, values: Values, constants: Values) -> str:
-        """Return why no healthy fourth rotor gives what the first three leave to it, or ""."""
-        fourth = -sum(float(values[f"excess_{rotor}"]) for rotor in _FIRST_THREE)
-        return f"rotor 4 would give {fourth:+.2f} of the mean" if abs(fourth) > _MOST else ""
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the change from an even machine: specific force, m/s², and torque, N·m."""

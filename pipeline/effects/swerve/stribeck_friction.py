@@ -1,11 +1,9 @@
 """Dry friction of a swerve drive that fades as the speed grows (Stribeck effect), for wheels and steering."""
 
-from abc import abstractmethod
-
 import torch
 from torch import Tensor
 
-from simgap.effects.dry_friction import DryFriction, Sliding, dry_friction, fades, sliding_of
+from simgap.effects.dry_friction import DryFriction, Sliding, dry_friction, sliding_of
 from simgap.effects.effect import Parameter, Signals, Values
 from simgap.effects.scan import scan
 from simgap.effects.swerve.common import ModuleFriction, WheelFriction, module_load, wheel_load, wheel_speed
@@ -28,15 +26,6 @@ class _SwerveStribeckFriction(DryFriction):
         """Start from a scan: without an excess the fading velocity has no gradient."""
         return scan(extra_level=(0.03, 0.3, 3.0), velocity=(0.1, 1.0, 10.0))
 
-    @abstractmethod
-    def speed(self, signals: Signals, constants: Values) -> PerModule:
-        """Return the speed at which it slides, (..., 4) rad/s."""
-
-    def limit(self, values: Values, signals: Signals, constants: Values) -> str:
-        """Return Coulomb friction if the excess does not fade visibly within the recorded speeds."""
-        speed, slides = self.speed(signals, constants), sliding_of(signals, constants, f"{self.acts_on}_")
-        return "" if fades(speed, values["velocity"], slides) else "coulomb_friction"
-
 
 class DriveStribeckFriction(_SwerveStribeckFriction, WheelFriction):
     """A driven wheel needs more torque near standstill than while it turns."""
@@ -54,14 +43,10 @@ class DriveStribeckFriction(_SwerveStribeckFriction, WheelFriction):
     )
     symptom = "The wheels stick, break away with a jerk, and then need less torque."
 
-    def speed(self, signals: Signals, constants: Values) -> PerModule:
-        """Return the speed of each wheel about its axle, (..., 4) rad/s."""
-        return wheel_speed(signals, constants)
-
     def friction(self, signals: Signals, values: Values, constants: Values) -> PerModule:
         """Return the friction about each axle, (..., 4) N·m."""
         sliding = sliding_of(signals, constants, "drive_")
-        return _friction(self.speed(signals, constants), wheel_load(signals), values, sliding)
+        return _friction(wheel_speed(signals, constants), wheel_load(signals), values, sliding)
 
 
 class SteerStribeckFriction(_SwerveStribeckFriction, ModuleFriction):
@@ -78,14 +63,10 @@ class SteerStribeckFriction(_SwerveStribeckFriction, ModuleFriction):
     excitation = "turn the modules very slowly in both directions, and hold crawling rates"
     symptom = "The modules stick, break away with a jerk, and then need less torque."
 
-    def speed(self, signals: Signals, constants: Values) -> PerModule:
-        """Return the speed of each module about its axis, (..., 4) rad/s."""
-        return signals["steer_velocity"]
-
     def friction(self, signals: Signals, values: Values, constants: Values) -> PerModule:
         """Return the friction on each module, (..., 4) N·m."""
         sliding = sliding_of(signals, constants, "steer_")
-        return _friction(self.speed(signals, constants), module_load(signals, constants), values, sliding)
+        return _friction(signals["steer_velocity"], module_load(signals, constants), values, sliding)
 
 
 def _friction(speed: Tensor, applied: Tensor, values: Values, slides: Sliding) -> Tensor:

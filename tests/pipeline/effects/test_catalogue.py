@@ -6,7 +6,6 @@ import pytest
 
 from simgap.effects import CommandEffect, MeasurementEffect, ParameterError, effect_by_key, effects_of
 from simgap.errors import InputError
-from tests.pipeline.effects.responses import constants
 from tests.pipeline.platforms.machines import EVERY_EFFECT, MACHINES, identity
 
 EFFECT = pytest.mark.parametrize("effect", EVERY_EFFECT, ids=identity)
@@ -57,8 +56,9 @@ def test_everything_is_said_about_an_effect(effect):
 @EFFECT
 def test_the_place_of_an_effect_is_its_type(effect):
     if effect.kind != "swerve":
-        numbers = isinstance(effect, ParameterError)  # of the platform, at the place where each is used
-        assert (effect.acts_on == "command" and not numbers) == isinstance(effect, CommandEffect)
+        commands = effect.acts_on == "command"
+        if not isinstance(effect, ParameterError):  # a number acts where it is used, as a map or not
+            assert commands == isinstance(effect, CommandEffect)
         assert (effect.acts_on == "measurement") == isinstance(effect, MeasurementEffect)
     assert effect.name.endswith("_error") == isinstance(effect, ParameterError)
 
@@ -95,18 +95,6 @@ def test_bounds_hold_the_default_the_neutral_value_and_every_start(effect):
     for start in effect.starts():
         assert start.keys() == bounds.keys()
         assert all(bounds[name][0] <= value <= bounds[name][1] for name, value in start.items())
-
-
-@EFFECT
-def test_usual_values_are_physical(effect):
-    assert not effect.unphysical(effect.defaults(), constants(effect.kind))
-
-
-def test_no_winding_is_slower_than_one():
-    effect, numbers = effect_by_key("joint", "motor_inductance"), constants("joint")
-    for time_constant, possible in ((1e-3, True), (0.02, True), (0.06, False)):
-        said = effect.unphysical({"inductance": time_constant * numbers["resistance"]}, numbers)
-        assert bool(said) is not possible
 
 
 @EFFECT

@@ -79,11 +79,6 @@ def test_of_many_parameters_the_first_ones_are_listed():
     assert shown == ["linear_x_drag (1/s)", "quadratic_x_drag (1/m)", "… 27 in all"]
 
 
-def test_what_yields_to_another_name_says_so():
-    said = dict(facts(effect_by_key("joint", "sensor_time_offset")))["Diagnosis"]
-    assert said.endswith("If the recording cannot separate them, the diagnosis names command_delay.")
-
-
 @EFFECT
 def test_a_look_alike_exists_and_names_the_effect_too(effect):
     names = {other.name for other in effects_of(effect.kind) if other.names_physics}
