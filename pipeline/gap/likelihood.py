@@ -54,6 +54,8 @@ class LikelihoodOf:
         self.still = _without_commands(problem.blocks)
         self.moved = _moved(nominal, problem) if self.keeps_jacobian else None
 
+        self.untouched = self._untouched(nominal)
+
     def __call__(self, fitted: Fit) -> Likelihood:
         """Return the likelihood of a fit."""
         simulator, problem = fitted.simulator, self.problem
@@ -67,7 +69,18 @@ class LikelihoodOf:
         left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
         value = problem.temper.value(left, noise)
         value = value + 0.5 * problem.temper.lasting * len(left) * energy.log()
+        value = value + self.untouched
         return Likelihood(float(value.sum()), problem.temper.weight(left, noise), (left / noise).mean(0))
+
+    def _untouched(self, nominal: Simulator) -> Tensor:
+        """Return the log likelihood of the samples that an estimated driver has used up, (channels,).
+
+        They count as the nominal simulator leaves them: an estimate is no evidence for itself.
+        """
+        temper = self.problem.temper
+        assert temper is not None
+        left = self.base.square().mean(1).clamp_min(_NOTHING)
+        return -0.5 * temper.taken * (left / self.energy(nominal)).log().sum(0)
 
     def noise(self, simulator: Simulator) -> tuple[Tensor, Tensor]:
         """Return the mean square of the noise that a simulator passes on, and of what it filters out, (channels,) each.

@@ -18,6 +18,7 @@ from simgap.effects import Effect
 from simgap.gap.fit import Problem, columns_of
 from simgap.gap.hypothesis import Hypothesis
 from simgap.gap.likelihood import LikelihoodOf
+from simgap.gap.prior import log_odds
 from simgap.gap.refit import remove
 from simgap.simulation import FittedEffect
 
@@ -59,7 +60,8 @@ class Neighbours:
         self.centre, self.likelihood_of = centre, likelihood_of
         self.mine = {f.effect.key: f for f in centre.fit.simulator.free}
         self.new = {f.effect.key: f for f in map(_last, added)}
-        self.gain = {_last(h).effect.key: h.occam + h.prior - centre.occam - centre.prior for h in added}
+        # An effect that does nothing beside the others has no prior of its own, and may do much in their place.
+        self.gain = {_last(h).effect.key: h.occam - centre.occam + log_odds(_last(h).effect) for h in added}
         self.columns: dict[str, list[int]] = {}
         self.offset: dict[str, int] = {}
         series = [centre.fit.residual[..., None]]

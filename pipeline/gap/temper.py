@@ -47,11 +47,13 @@ class Temper:
         rows: in a block.
         lasting: independent samples of a discrepancy.
         short: independent samples of the noise beyond those.
+        taken: independent samples of the discrepancy that what was estimated has used up.
     """
 
     rows: int
     lasting: float
     short: float
+    taken: float = 0.0
 
     def value(self, left: Tensor, noise: Tensor) -> Tensor:
         """Return the log likelihood of each channel, (channels,).
@@ -76,7 +78,7 @@ class Temper:
     def without(self, levels: float) -> "Temper":
         """Return what is left where so many levels per block were estimated: each takes a sample of the discrepancy."""
         lasting = max(self.lasting - levels, _LEAST_LASTING * self.lasting)
-        return Temper(self.rows, lasting, self.total - lasting)
+        return Temper(self.rows, lasting, self.total - lasting, self.lasting - lasting)
 
     @property
     def total(self) -> float:
@@ -106,5 +108,5 @@ def temper_of(blocks: Blocks, functions: WindowFunctions) -> Temper:
 
 
 def energy_of(residual: Tensor, least: Tensor) -> Tensor:
-    """Return the mean square of residuals (blocks, rows, channels) in each block, (blocks, channels), at least so much."""
+    """Return the mean square of residuals (blocks, rows, channels) in each block, (blocks, channels), bounded below."""
     return torch.maximum(residual.square().mean(1), least)
