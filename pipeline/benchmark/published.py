@@ -12,7 +12,7 @@ def score_published(known: Mapping[str, Any], answer: Mapping[str, Any]) -> dict
     Args:
         known: `effects` that have to be named, each a name or names of which one is enough (`a|b`); `values` of their
             parameters where these are known, as {effect: {parameter: value}}; `source` of what is known.
-        answer: of the diagnosis, with its features, and the diagnoses of what was taken out as `ablated`.
+        answer: of the diagnosis, with its posterior, and the diagnoses of what was taken out as `ablated`.
 
     Returns:
         `found` and `missed`: of the known effects; `undecided`: those that would be found if the recording could tell
@@ -47,10 +47,8 @@ def score_published(known: Mapping[str, Any], answer: Mapping[str, Any]) -> dict
 def _rivals_of_believed(
     named: Sequence[tuple[str, float]], answer: Mapping[str, Any]
 ) -> dict[str, list[str]]:
-    """Return the rivals of every name that would be believed if it had none."""
-    weights = {
-        key.partition("@")[0]: features["weight"] for key, features in (answer.get("features") or {}).items()
-    }
+    """Return the rivals of every name that is believed together with them."""
+    posterior = {key.partition("@")[0]: raw for key, raw in (answer.get("posterior") or {}).items()}
     groups = {
         group["names"][0]: group["names"][1:]
         for group in (answer.get("diagnosis") or {}).get("ambiguous", ())
@@ -58,7 +56,8 @@ def _rivals_of_believed(
     return {
         name: groups[name]
         for name, probability in named
-        if name in groups and probability >= BELIEVED * weights.get(name, 1.0)
+        if name in groups
+        and probability + sum(posterior.get(rival, 0.0) for rival in groups[name]) >= BELIEVED
     }
 
 

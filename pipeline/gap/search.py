@@ -108,8 +108,8 @@ class Search:
                 self._visit(shrink(centre.fit, fitted.effect, reading.problem, known), reading)
         added = [self._added(centre, e) for e in reading.catalogue if e.key not in centre.keys]
         near = Neighbours(centre, added, reading.problem, reading.likelihood_of)
-        known = {keys for timing, keys in self.visited if timing == reading.timing}
-        for proposal in near.best(_PROPOSALS, known):
+        fitted_sets = {keys for timing, keys in self.visited if timing == reading.timing}
+        for proposal in near.best(_PROPOSALS, fitted_sets):
             if len(proposal.keys) <= most_effects and proposal.promise > self.ranked[0].score - _WINDOW:
                 self._visit(fit(_with(reading, proposal.effects), reading.problem), reading)
 

@@ -19,7 +19,7 @@ from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.gap.recordings import Plant, joint_recordings, joint_simulator
 from tests.pipeline.gap.units import driven_by_effort, in_units
 
-SCALES = Scales({"N·m": 2.0, "rad": 0.5, "s": 0.1, "1": 1.0}, {"temperature": (40.0, 5.0)})
+SCALES = Scales({"effort": 2.0, "travel": 0.5, "speed": 5.0}, {"temperature": (40.0, 5.0)})
 DENSITIES = {
     "size on both sides": (Density("t", 0.3, 2.0), (-math.inf, math.inf)),
     "size on one side": (Density("t", 0.0, 0.02, sided=True), (0.0, math.inf)),
