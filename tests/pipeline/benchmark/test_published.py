@@ -34,9 +34,9 @@ def test_what_is_not_believed_is_not_found():
 def test_what_shares_its_probability_with_rivals_is_said_with_them():
     answer = diagnosis(friction=(0.45, 2.0))
     answer["diagnosis"]["ambiguous"] = [{"names": ["friction", "load"], "separate_by": "Turn round."}]
-    doubted = score_published(KNOWN, answer | {"features": {"friction": {"weight": 1.0}}})
+    doubted = score_published(KNOWN, answer | {"posterior": {"friction": 0.45}})
     assert (doubted["undecided"], doubted["missed"]) == ({}, KNOWN["effects"])
-    score = score_published(KNOWN, answer | {"features": {"friction": {"weight": 0.5}}})
+    score = score_published(KNOWN, answer | {"posterior": {"friction": 0.45, "load": 0.4}})
     assert (score["found"], score["undecided"], score["missed"]) == (
         [],
         {"friction|stiction": ["load"]},
