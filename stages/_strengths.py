@@ -50,7 +50,7 @@ def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
     cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, case.seed).recording
     known = _known(case.kind, key)
     whole = build_simulator(case.platform, SimulatorSettings(effects=known), cleaned.units)
-    prepared = likeliest_reading(cleaned, whole, config.gap).prepared
+    prepared = likeliest_reading(cleaned, whole, replace(config.gap, effects=[])).prepared
     blocks, functions = prepared.problem.blocks, prepared.problem.functions
     without = {name: values for name, values in known.items() if not _is_of(name, effect)}
     simulators = [

@@ -15,12 +15,6 @@ OPEN = {
     "test_validate.py::test_what_only_held_out_runs_show_is_said_and_never_none": (
         "held-out runs decide no verdict any more; a gap that only they show is a warning beside the verdict none"
     ),
-    "test_name_joint.py::test_the_planted_effect_is_named_and_no_other[coulomb_friction-1]": (
-        "a delay of a part of a sample is named beside the friction"
-    ),
-    "test_name_joint.py::test_the_planted_effect_is_named_and_no_other[viscous_friction-1]": (
-        "a delay of a part of a sample is named beside the friction"
-    ),
     "test_name_joint.py::test_friction_and_a_wrong_number_show_only_beside_a_load_and_a_delay": (
         "the search does not visit the true set of four effects, which scores higher than what it finds"
     ),
