@@ -66,12 +66,9 @@ def weigh(fitted: Fit, reading: Reading) -> Hypothesis:
     Source: MacKay 1992, Bayesian interpolation (Neural Computation 4), eq. 2.5.
     """
     likelihood, scales = reading.likelihood_of(fitted), reading.scales
-    effects = [f.effect for f in fitted.simulator.free]
+    keys = frozenset(f.effect.key for f in fitted.simulator.free)
     occam = log_prior(fitted, scales) + _log_volume(fitted, likelihood, prior_precision(fitted, scales))
-    known = {f.effect.key: f.values for f in reading.nominal.known}
-    idle = any(_is_idle(f, known.get(f.effect.key)) for f in fitted.simulator.free)
-    prior = -math.inf if idle else _log_prior_odds(fitted, reading)
-    return Hypothesis(reading, frozenset(effect.key for effect in effects), fitted, likelihood, occam, prior)
+    return Hypothesis(reading, keys, fitted, likelihood, occam, _log_prior_odds(fitted, reading))
 
 
 def information_of(fitted: Fit, likelihood: Likelihood) -> Tensor:
@@ -116,6 +113,12 @@ def _log_prior_odds(fitted: Fit, reading: Reading) -> float:
     for f in simulator.free:
         odds += 0.0 if is_tolerance(f, simulator, step) else log_odds(f.effect)
     return odds
+
+
+def idle_in(fitted: Fit, reading: Reading) -> list[FittedEffect]:
+    """Return the effects of a fit that do nothing: what stands there is the hypothesis without them."""
+    known = {f.effect.key: f.values for f in reading.nominal.known}
+    return [f for f in fitted.simulator.free if _is_idle(f, known.get(f.effect.key))]
 
 
 def _is_idle(fitted: FittedEffect, known: Mapping[str, float] | None) -> bool:

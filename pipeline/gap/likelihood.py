@@ -12,6 +12,7 @@ import torch
 from torch import Tensor
 
 from simgap.effects import ActuatorEffect, Effect, MeasurementEffect
+from simgap.effects.time_offset import TimeOffset
 from simgap.gap.fit import Fit, Problem
 from simgap.gap.residuals import channel_series, noise_of_rows, residual_rows
 from simgap.physics.weak_form import mean_rate_of
@@ -53,7 +54,6 @@ class LikelihoodOf:
         self.base = problem.residual(nominal)
         self.still = _without_commands(problem.blocks)
         self.moved = _moved(nominal, problem) if self.keeps_jacobian else None
-
         self.untouched = self._untouched(nominal)
 
     def __call__(self, fitted: Fit) -> Likelihood:
@@ -92,7 +92,7 @@ class LikelihoodOf:
         blocks, functions = self.problem.blocks, self.problem.functions
         bare = simulator.with_effects(tuple(f for f in simulator.effects if not _filters(f.effect)))
         obeying = simulator.with_effects(
-            tuple(f for f in simulator.effects if not _smooths(f.effect, blocks.held))
+            tuple(f for f in simulator.effects if not _filters_sent(f.effect, blocks.held))
         )
         # A simulator whose forces jump looks noisy by itself: the quieter one shows what the sensors' noise can be.
         nominal = self.problem.noise.square()
@@ -113,15 +113,16 @@ class LikelihoodOf:
 
 
 def _filters(effect: Effect) -> bool:
-    """Whether an effect averages a signal over time."""
-    return isinstance(effect, MeasurementEffect) or (
-        isinstance(effect, ActuatorEffect) and effect.smooths_commands
-    )
+    """Whether an effect mixes samples of a signal: it averages, delays or shifts it between samples."""
+    mixing = isinstance(effect, ActuatorEffect) and (effect.remembers or effect.smooths_commands)
+    return mixing or isinstance(effect, MeasurementEffect)
 
 
-def _smooths(effect: Effect, held: bool) -> bool:
-    """Whether it averages commands that a program sent: a multirotor's always are, a voltage may be measured."""
-    return isinstance(effect, ActuatorEffect) and effect.smooths_commands and (held or _SENT in effect.needs)
+def _filters_sent(effect: Effect, held: bool) -> bool:
+    """Whether it mixes commands that a program sent: a multirotor's always are, a voltage may be measured."""
+    if isinstance(effect, TimeOffset):
+        return held or _SENT in effect.on_command_clock
+    return isinstance(effect, ActuatorEffect) and _filters(effect) and (held or _SENT in effect.needs)
 
 
 def _without_commands(blocks: Blocks) -> Blocks:

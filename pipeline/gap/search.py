@@ -12,11 +12,11 @@ from collections.abc import Sequence
 
 from simgap.effects import Effect
 from simgap.gap.fit import Fit, fit
-from simgap.gap.hypothesis import Hypothesis, weigh
+from simgap.gap.hypothesis import Hypothesis, idle_in, weigh
 from simgap.gap.latent_inputs import driven_readings
 from simgap.gap.neighbours import Neighbours
 from simgap.gap.reading import Reading
-from simgap.gap.refit import extend, shrink
+from simgap.gap.refit import extend, remove, shrink
 from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect, Simulator
 
@@ -33,6 +33,11 @@ def _with(reading: Reading, free: Sequence[FittedEffect]) -> Simulator:
     keys = {fitted.effect.key for fitted in free}
     known = (fitted for fitted in reading.nominal.known if fitted.effect.key not in keys)
     return reading.nominal.with_effects((*known, *free))
+
+
+def _known(reading: Reading, effect: Effect) -> FittedEffect | None:
+    """Return what is known of an effect before, if anything is."""
+    return next((f for f in reading.nominal.known if f.effect.key == effect.key), None)
 
 
 class _TimeIsOver(Exception):
@@ -104,7 +109,7 @@ class Search:
             self._drive(centre)
         for fitted in centre.fit.simulator.free:
             if (reading.timing, centre.keys - {fitted.effect.key}) not in self.visited:
-                known = next((f for f in reading.nominal.known if f.effect.key == fitted.effect.key), None)
+                known = _known(reading, fitted.effect)
                 self._visit(shrink(centre.fit, fitted.effect, reading.problem, known), reading)
         added = [self._added(centre, e) for e in reading.catalogue if e.key not in centre.keys]
         near = Neighbours(centre, added, reading.problem, reading.likelihood_of)
@@ -135,11 +140,20 @@ class Search:
         return self._visit(extend(centre.fit, effect, reading.problem, starts), reading)
 
     def _visit(self, fitted: Fit, reading: Reading) -> Hypothesis:
-        """Weigh a fit and keep it where it is the best of its effects; end the search where its time is over."""
+        """Weigh a fit and keep it where it is the best of its effects; end the search where its time is over.
+
+        Where some effects of a fit do nothing, the hypothesis without them is what is kept.
+        """
         hypothesis = weigh(fitted, reading)
-        before = self.visited.get(hypothesis.place)
-        if before is None or hypothesis.score > before.score:
-            self.visited[hypothesis.place] = hypothesis
+        idle = idle_in(fitted, reading)
+        for each in idle:
+            fitted = remove(fitted, each.effect, reading.problem, _known(reading, each.effect))
+        self._keep(weigh(fitted, reading) if idle else hypothesis)
         if time.monotonic() > self.end:
             raise _TimeIsOver
         return hypothesis
+
+    def _keep(self, hypothesis: Hypothesis) -> None:
+        before = self.visited.get(hypothesis.place)
+        if before is None or hypothesis.score > before.score:
+            self.visited[hypothesis.place] = hypothesis

@@ -27,9 +27,6 @@ OPEN = {
     "test_name_joint.py::test_clocks_that_are_a_tenth_of_a_sample_apart_are_no_cause[0.1]": (
         "a velocity filter within the tolerance of timing takes the place of the delay; neither is named"
     ),
-    "test_name_joint.py::test_clocks_that_are_a_tenth_of_a_sample_apart_are_no_cause[-0.1]": (
-        "a velocity filter within the tolerance of timing takes the place of the delay; neither is named"
-    ),
     "test_name_swerve.py::test_what_the_drive_lacks_is_named_alone_with_its_value[coulomb_friction@drive-level-1.5]": (
         "friction that fades with speed is named beside the dry friction of the wheels"
     ),

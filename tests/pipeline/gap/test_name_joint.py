@@ -31,7 +31,7 @@ PLANTED = {
 }
 
 
-@pytest.mark.parametrize("seed", [0])
+@pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("name", PLANTED)
 def test_the_planted_effect_is_named_and_no_other(name, seed):
     plant, truth = PLANTED[name]
