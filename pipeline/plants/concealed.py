@@ -121,7 +121,8 @@ def draw_case(
     entries = [table[section][name] for section, name in parts]
     hidden = table["hidden"][subject.condition] if subject.category == "hidden" else {}
     if subject.category == "ambiguous":
-        entries.append(table["ambiguous"][subject.condition])
+        # Where an effect cannot be told is not where it shows: the condition stands in for the effect's own.
+        entries[0] = merged(entries[0], table["ambiguous"][subject.condition])
     machine, platform = vary_platform(_able(machines, [*entries, hidden]), table.get("vary", {}), random)
     record = draw_conditions(merged(table["conditions"], table["machines"][machine]), random)
     for entry in entries:
