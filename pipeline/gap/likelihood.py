@@ -36,12 +36,19 @@ class Likelihood:
     Attributes:
         value: log likelihood up to a constant that all hypotheses share.
         weight: what each row's squared residual counts in it, (blocks, channels): the curvature of the likelihood.
-        excess: mean square of the residual over the noise's, at least 1, (channels,).
+        left: mean square of the residual in each block, at least the noise's, (blocks, channels).
+        noise: mean square of the noise there, with what no law is exact to, (blocks, channels).
     """
 
     value: float
     weight: Tensor
-    excess: Tensor
+    left: Tensor
+    noise: Tensor
+
+    @property
+    def excess(self) -> Tensor:
+        """Mean square of the residual over the noise's, at least 1, (channels,)."""
+        return (self.left / self.noise).mean(0)
 
 
 class LikelihoodOf:
@@ -70,7 +77,7 @@ class LikelihoodOf:
         value = problem.temper.value(left, noise)
         value = value + 0.5 * problem.temper.lasting * len(left) * energy.log()
         value = value + self.untouched
-        return Likelihood(float(value.sum()), problem.temper.weight(left, noise), (left / noise).mean(0))
+        return Likelihood(float(value.sum()), problem.temper.weight(left, noise), left, noise)
 
     def _untouched(self, nominal: Simulator) -> Tensor:
         """Return the log likelihood of the samples that an estimated driver has used up, (channels,).

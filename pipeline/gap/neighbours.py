@@ -5,7 +5,7 @@ effects are many, and a fit of each would be slow. Around a fit every effect add
 the residual of each set follows without the simulator.
 """
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from simgap.effects import Effect
-from simgap.gap.fit import Problem, columns_of
+from simgap.gap.fit import columns_of
 from simgap.gap.hypothesis import Hypothesis
-from simgap.gap.likelihood import LikelihoodOf
 from simgap.gap.prior import log_odds
 from simgap.gap.refit import remove
 from simgap.simulation import FittedEffect
@@ -47,21 +46,23 @@ class Neighbours:
     """The sets within two effects of one hypothesis."""
 
     def __init__(
-        self, centre: Hypothesis, added: Sequence[Hypothesis], problem: Problem, likelihood_of: LikelihoodOf
+        self, centre: Hypothesis, added: Sequence[Hypothesis], dropped: Mapping[str, Hypothesis]
     ) -> None:
         """Set the regression up.
 
         Args:
             centre: the hypothesis.
             added: the same with one more effect each.
-            problem: what is fitted.
-            likelihood_of: the likelihood of fits to it.
+            dropped: the same without one of its effects, by that effect's key.
         """
-        self.centre, self.likelihood_of = centre, likelihood_of
+        problem = centre.reading.problem
+        self.centre = centre
         self.mine = {f.effect.key: f for f in centre.fit.simulator.free}
         self.new = {f.effect.key: f for f in map(_last, added)}
         # An effect that does nothing beside the others has no prior of its own, and may do much in their place.
         self.gain = {_last(h).effect.key: h.occam - centre.occam + log_odds(_last(h).effect) for h in added}
+        # What an effect costs in parameters and rarity comes back where it goes.
+        self.relief = {key: h.occam + h.prior - centre.occam - centre.prior for key, h in dropped.items()}
         self.columns: dict[str, list[int]] = {}
         self.offset: dict[str, int] = {}
         series = [centre.fit.residual[..., None]]
@@ -76,10 +77,10 @@ class Neighbours:
             self._note(effect.key, series, torch.cat([_contribution(hypothesis, centre), own], dim=-1))
         part = _spread(len(centre.fit.residual))
         self.gram = _gram(torch.cat([each[part] for each in series], dim=-1))
-        self.energy = likelihood_of.energy(centre.fit.simulator).log().sum()
         assert problem.temper is not None
         self.temper, self.share = problem.temper, len(centre.fit.residual) / len(part)
-        self.noise = problem.noise.square().clamp_min(1e-24)
+        self.noise = centre.likelihood.noise[part]
+        self.present = self._value(centre.likelihood.left[part].numpy())
         self.total = np.einsum("bc,bcpq->pq", centre.likelihood.weight[part].numpy(), self.gram)
 
     def _note(self, key: str, series: list[Tensor], columns: Tensor) -> None:
@@ -110,8 +111,9 @@ class Neighbours:
         target = np.zeros(self.gram.shape[-1])
         target[[0, *(self.offset[key] for key in gone)]] = 1.0
         left = self._left(target, chosen)
-        value = self._value(left)
-        return value + self.centre.occam + self.centre.prior + sum(self.gain[key] for key in come)
+        gained = self.share * (self._value(left) - self.present)
+        cost = sum(self.gain[key] for key in come) + sum(self.relief.get(key, 0.0) for key in gone)
+        return self.centre.score + gained + cost
 
     def _left(self, target: NDArray[np.float64], chosen: list[int]) -> NDArray[np.float64]:
         """Return the mean square that a weighted regression of a target on columns leaves, (blocks, channels)."""
@@ -126,8 +128,7 @@ class Neighbours:
 
     def _value(self, left: NDArray[np.float64]) -> float:
         floored = torch.maximum(torch.from_numpy(left), self.noise)
-        value = self.share * float(self.temper.value(floored, self.noise).sum())
-        return value + float(0.5 * self.temper.lasting * len(left) * self.share * self.energy)
+        return float(self.temper.value(floored, self.noise).sum())
 
     def _starts(self, keys: frozenset[str]) -> tuple[FittedEffect, ...]:
         every = self.new | self.mine

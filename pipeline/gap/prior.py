@@ -59,7 +59,8 @@ class Density:
 def density_of(effect: Effect, parameter: Parameter, scales: Scales) -> Density:
     """Return the prior density of a parameter of an effect, in the sizes of a recording."""
     known = scales.of(parameter.unit)
-    if isinstance(effect, ParameterError) or (parameter.unit == "1" and parameter.neutral == 1.0):
+    is_ratio = parameter.unit == "1" and parameter.neutral == 1.0 and parameter.low > 0.0
+    if isinstance(effect, ParameterError) or is_ratio:
         return Density("log", 1.0, _RATIO_WIDTH)
     if parameter.name == effect.driver_at_rest:
         return Density("normal", *scales.driver(effect, parameter))

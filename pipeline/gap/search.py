@@ -22,6 +22,8 @@ from simgap.simulation import FittedEffect, Simulator
 
 _WINDOW = 3.0
 """Of log odds: a hypothesis twenty times less probable than the best is not followed further."""
+_MISSED = 10.0
+"""Of log odds that a linearisation may miss: so much less promising sets are fitted, too."""
 _PROPOSALS = 6
 """Neighbours by two effects that are fitted for each hypothesis."""
 
@@ -107,22 +109,32 @@ class Search:
             self._retime(centre)
         if not reading.driver and reading.catalogue:
             self._drive(centre)
-        for fitted in centre.fit.simulator.free:
-            if (reading.timing, centre.keys - {fitted.effect.key}) not in self.visited:
-                known = _known(reading, fitted.effect)
-                self._visit(shrink(centre.fit, fitted.effect, reading.problem, known), reading)
+        for key in centre.keys:
+            self._without(centre, key)
         added = [self._added(centre, e) for e in reading.catalogue if e.key not in centre.keys]
-        near = Neighbours(centre, added, reading.problem, reading.likelihood_of)
+        smaller = {key: (reading.timing, centre.keys - {key}) for key in centre.keys}
+        dropped = {key: self.visited[place] for key, place in smaller.items() if place in self.visited}
+        near = Neighbours(centre, added, dropped)
         fitted_sets = {keys for timing, keys in self.visited if timing == reading.timing}
+        least = self.ranked[0].score - _WINDOW - _MISSED
         for proposal in near.best(_PROPOSALS, fitted_sets):
-            if len(proposal.keys) <= most_effects and proposal.promise > self.ranked[0].score - _WINDOW:
+            if len(proposal.keys) <= most_effects and proposal.promise > least:
                 self._visit(fit(_with(reading, proposal.effects), reading.problem), reading)
 
     def _retime(self, centre: Hypothesis) -> None:
-        """Visit the same effects under every other timing of the commands."""
+        """Visit the same effects under every other timing of the commands, and there those that it does not explain."""
         for other in self.readings:
             if (other.timing, centre.keys) not in self.visited:
-                self._visit(fit(_with(other, centre.fit.simulator.free), other.problem), other)
+                found = self._visit(fit(_with(other, centre.fit.simulator.free), other.problem), other)
+                for key in found.keys - found.names:
+                    self._without(found, key)
+
+    def _without(self, centre: Hypothesis, key: str) -> None:
+        """Visit a hypothesis without one of its effects."""
+        reading = centre.reading
+        if (reading.timing, centre.keys - {key}) not in self.visited:
+            effect = next(f.effect for f in centre.fit.simulator.free if f.effect.key == key)
+            self._visit(shrink(centre.fit, effect, reading.problem, _known(reading, effect)), reading)
 
     def _drive(self, centre: Hypothesis) -> None:
         """Visit the same effects with one more whose driver was not recorded and is estimated."""

@@ -69,6 +69,21 @@ def test_a_ratio_and_its_inverse_are_as_probable_in_logarithms():
     assert density.log(1.05) > density.log(1.5) > density.log(3.0)
 
 
+@pytest.mark.parametrize("kind", ["joint", "quadrotor", "swerve"])
+def test_a_share_may_have_any_value_within_its_bounds(kind):
+    """A share of nothing, or a negative one, is as possible as its bounds say: a ratio's logarithm forbids it."""
+    shares = [
+        (effect, parameter)
+        for effect in effects_of(kind)
+        for parameter in effect.parameters
+        if parameter.unit == "1" and parameter.low <= 0.0
+    ]
+    for effect, parameter in shares:
+        density = density_of(effect, parameter, SCALES)
+        values = (parameter.low, parameter.neutral, min(parameter.high, 2.0 * parameter.default))
+        assert min(map(density.log, values)) > -20.0, (effect.key, parameter.name)
+
+
 def test_a_size_is_measured_in_that_of_the_effort():
     """Friction of a third of the effort is usual, of ten times as much improbable and not impossible."""
     effect = effect_by_key("joint", "coulomb_friction")

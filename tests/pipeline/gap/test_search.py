@@ -30,16 +30,15 @@ def readings() -> list[Reading]:
 
 
 class Noted(Search):
-    """A search that notes everything that it weighs."""
+    """A search that notes everything that it would keep."""
 
     def __init__(self, *given) -> None:
         self.weighed: list[Hypothesis] = []
         super().__init__(*given)
 
-    def _visit(self, fitted, reading) -> Hypothesis:
-        hypothesis = super()._visit(fitted, reading)
+    def _keep(self, hypothesis) -> None:
+        super()._keep(hypothesis)
         self.weighed.append(hypothesis)
-        return hypothesis
 
 
 @functools.cache
