@@ -79,8 +79,8 @@ class Effect(ABC):
 
     def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return values with the neutral one of each optional parameter that they leave out."""
-        optional = {entry.name: entry.neutral for entry in self.parameters if entry.optional}
-        return {**optional, **values}
+        absent = {p.name: p.neutral for p in self.parameters if p.optional and p.name not in values}
+        return {**values, **absent}
 
     def load(self, signals: Signals, constants: Values) -> Signal | None:
         """Return the load that changes the effect's driver at once, in any unit, or None if there is none."""
@@ -211,6 +211,8 @@ class ConstantEffect(Effect):
 class ParameterError(ConstantEffect):
     """A wrong number in the platform file; the parameter is the ratio of true to nominal."""
 
+    spread: ClassVar[float] = 0.3
+    """Standard deviation of the ratio's logarithm: how well the number is known before anything is recorded."""
     acts_on: ClassVar[str] = "parameter"
     parameters = (Parameter("ratio", "1", 1.2, 1 / 3, 3.0, neutral=1.0),)
 

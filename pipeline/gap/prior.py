@@ -14,7 +14,7 @@ from simgap.simulation import FittedEffect
 _FREEDOM = 3.0
 """Degrees of freedom of Student's t: a value of several widths is improbable and not impossible."""
 _RATIO_WIDTH = 0.3
-"""Of the logarithm of a wrong number of the platform: a mass or an inertia is seldom off by more than a third."""
+"""Of the logarithm of a ratio that is no number of the platform, such as that of two time constants."""
 _SHAPE_WIDTH = 1.0
 """Of the logarithm of a length, speed or time at which a law bends: its decade is known."""
 _DEFAULTS = 2.0
@@ -60,7 +60,9 @@ def density_of(effect: Effect, parameter: Parameter, scales: Scales) -> Density:
     """Return the prior density of a parameter of an effect, in the sizes of a recording."""
     known = scales.of(parameter.unit)
     is_ratio = parameter.unit == "1" and parameter.neutral == 1.0 and parameter.low > 0.0
-    if isinstance(effect, ParameterError) or is_ratio:
+    if isinstance(effect, ParameterError):
+        return Density("log", 1.0, effect.spread)
+    if is_ratio:
         return Density("log", 1.0, _RATIO_WIDTH)
     if parameter.name == effect.driver_at_rest:
         return Density("normal", *scales.driver(effect, parameter))

@@ -9,6 +9,7 @@ class InertiaError(ParameterError):
     name = "inertia_error"
     kind = "joint"
     prior_odds = 0.7  # the inertia of a rotor, behind a gear most of an axis' inertia, is rarely published
+    spread = 0.7
     acts_on = "torque"
     # A rotor behind a gear of 100 counts 10,000 times, and few data sheets give it: a decade either way is possible.
     parameters = (Parameter("ratio", "1", 1.2, 0.1, 10.0, neutral=1.0),)

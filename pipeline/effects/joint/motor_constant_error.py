@@ -9,6 +9,7 @@ class MotorConstantError(ParameterError):
     name = "motor_constant_error"
     kind = "joint"
     acts_on = "actuator"
+    spread = 0.2  # data sheets promise a tenth, and a hot magnet loses another
     needs = ("voltage",)
     formula = "torque_constant = ratio · nominal torque_constant"
     source = "the platform's nominal equations"

@@ -9,6 +9,7 @@ class CommandScaleError(ParameterError):
     name = "command_scale_error"
     kind = "quadrotor"
     acts_on = "command"
+    spread = 0.1  # half of the logarithm of thrust: speed enters squared
     needs = ("motor_command",)
     formula = "motor_speed_max = ratio · nominal motor_speed_max, Ω = motor_speed_max · command"
     source = "the platform's nominal equations; thrust and reaction torque then change with ratio²"

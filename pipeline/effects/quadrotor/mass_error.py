@@ -9,6 +9,7 @@ class MassError(ParameterError):
     name = "mass_error"
     kind = "quadrotor"
     acts_on = "force"
+    spread = 0.1  # a scale tells it; a battery or a camera more changes it by a tenth
     formula = "mass = ratio · nominal mass"
     source = "the platform's nominal equations"
     sentence = "The mass is {ratio} times the value in the platform file; correct it."

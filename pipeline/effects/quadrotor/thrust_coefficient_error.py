@@ -9,6 +9,7 @@ class ThrustCoefficientError(ParameterError):
     name = "thrust_coefficient_error"
     kind = "quadrotor"
     acts_on = "force"
+    spread = 0.2  # propeller tables and thrust stands differ by a tenth or two
     formula = "thrust_coefficient = ratio · nominal thrust_coefficient"
     source = "the platform's nominal equations"
     sentence = "The thrust coefficient is {ratio} times the value in the platform file; correct it."

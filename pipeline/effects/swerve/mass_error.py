@@ -9,6 +9,7 @@ class MassError(ParameterError):
     name = "mass_error"
     kind = "swerve"
     acts_on = "drive"
+    spread = 0.2  # a scale tells it, with or without battery and bumpers
     names_its_subject = True
     formula = "mass = ratio · nominal mass"
     source = "the platform's nominal equations"

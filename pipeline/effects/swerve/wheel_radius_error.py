@@ -9,6 +9,7 @@ class WheelRadiusError(ParameterError):
     name = "wheel_radius_error"
     kind = "swerve"
     acts_on = "drive"
+    spread = 0.1  # a ruler tells it; treads wear by a tenth
     names_its_subject = True
     formula = "wheel_radius = ratio · nominal wheel_radius"
     source = "the platform's nominal equations"
