@@ -19,6 +19,11 @@ from simgap.physics.shapes import Signal
 
 Array = NDArray[Any]
 
+FREE_INERTIA = "free_inertia"
+"""Signal: the share of an axis' inertia that moves by itself, because its motor is inside the gap."""
+_ON_A_FACE = 1e-6
+"""Of half the gap: rounding of a sum over a block."""
+
 
 class Backlash(ActuatorEffect):
     """The motor crosses a gap after each reversal before it drives the load."""
@@ -62,11 +67,9 @@ class Backlash(ActuatorEffect):
         push, turn = time_step / inertia * effort, velocity - velocity_before
         damped = 1.0 / (1.0 + time_step * braking / inertia)
         moved, now = _crossed(place, slip, push, turn, half, damped, time_step)
-        return {self.transmitted: effort - _kept(now, slip, inertia, braking, time_step)}, (
-            moved,
-            now,
-            velocity,
-        )
+        reaches = effort - _kept(now, slip, inertia, braking, time_step)
+        free = values["motor_inertia_share"] * _inside(moved, half).to(effort.dtype)
+        return {self.transmitted: reaches, f"{self.group}{FREE_INERTIA}": free}, (moved, now, velocity)
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
@@ -83,7 +86,9 @@ class Backlash(ActuatorEffect):
         slips = torch.from_numpy(_slips(effort.numpy(), velocity.numpy(), half, inertia, braking, time_step))
         before = torch.cat([torch.zeros_like(slips[:, :1]), slips[:, :-1]], dim=1)
         kept = _kept(slips, before, inertia, braking, time_step)
-        return {**signals, self.transmitted: effort - kept}
+        place = half * torch.sign(effort[:, :1]) + time_step * slips.cumsum(1)
+        free = values["motor_inertia_share"] * _inside(place, half).to(effort.dtype)
+        return {**signals, self.transmitted: effort - kept, f"{self.group}{FREE_INERTIA}": free}
 
     def _motor(self, signals: Signals, values: Values, constants: Values) -> tuple[Any, Any, Any]:
         """Return half the gap, the motor's inertia at the axis and its damping in the gap."""
@@ -109,6 +114,11 @@ def _crossed(
     alone = (slip + push - (abs(place) < half) * turn) * damped
     moved = (place + time_step * alone).clip(-half, half)
     return moved, (moved - place) / time_step
+
+
+def _inside(place: Tensor, half: Any) -> Tensor:
+    """Return where a motor is inside the gap, not on a face of it."""
+    return place.abs() < half * (1.0 - _ON_A_FACE)
 
 
 def _kept(now: Any, before: Any, inertia: Any, braking: Any, time_step: float) -> Any:

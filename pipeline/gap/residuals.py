@@ -46,9 +46,17 @@ def channels_on(simulator: Simulator, blocks: Blocks) -> tuple[Channel, ...]:
     return simulator.mechanism.channels_of(blocks.signals)
 
 
-def channel_series(simulator: Simulator, blocks: Blocks) -> list[ChannelSeries]:
-    """Evaluate a simulator on recorded blocks, their margins dropped."""
-    inner = signals_inside(simulator, blocks, blocks.acting)
+def channel_series(
+    simulator: Simulator, blocks: Blocks, inner: dict[str, Tensor] | None = None
+) -> list[ChannelSeries]:
+    """Evaluate a simulator on recorded blocks, their margins dropped.
+
+    Args:
+        simulator: to evaluate.
+        blocks: recorded.
+        inner: what is in it, see `signals_inside`, where that is known.
+    """
+    inner = inner or signals_inside(simulator, blocks, blocks.acting)
     balance = simulator.balance(inner)
     true = without_sensors(simulator, blocks.signals, blocks.time_step)
     recorded = {name: blocks.inner(series) for name, series in true.items()}
@@ -120,13 +128,39 @@ def measured_rows(series: ChannelSeries, blocks: Blocks, functions: WindowFuncti
 
 def residual_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
     """Return measured minus predicted, averaged over the windows: (blocks, rows, channels) in the channels' units."""
-    rows = []
-    for series in channel_series(simulator, blocks):
+    inner, rows = signals_inside(simulator, blocks, blocks.acting), []
+    for series in channel_series(simulator, blocks, inner):
         rows.append(measured_rows(series, blocks, functions) - mean_of(functions, series.predicted))
-    return torch.stack(rows, dim=-1) * row_weights(blocks, functions)
+    return torch.stack(rows, dim=-1) * row_weights(simulator, inner, blocks, functions)
 
 
-def row_weights(blocks: Blocks, functions: WindowFunctions) -> Tensor:
+def row_weights(
+    simulator: Simulator, inner: dict[str, Tensor], blocks: Blocks, functions: WindowFunctions
+) -> Tensor:
+    """Return the weight of each window in each channel, (blocks, rows, channels or 1).
+
+    While a motor is inside a gap, the recorded motion is that of the load alone. All terms of its equation are then
+    smaller by the motor's share of the inertia, and so would be any error: a row is in terms of the whole inertia.
+
+    Args:
+        simulator: whose rows they are.
+        inner: what is in it, see `signals_inside`.
+        blocks: recorded.
+        functions: the windows.
+    """
+    weights = _without_lost(blocks, functions)
+    free = simulator.mechanism.free_inertia(inner)
+    if not free:
+        return weights
+    names = [channel.name for channel in channels_on(simulator, blocks)]
+    coupled = torch.ones((*weights.shape[:2], len(names)), dtype=weights.dtype)
+    for place, name in enumerate(names):
+        if name in free:
+            coupled[..., place] -= mean_of(functions, blocks.at_samples(free[name]))
+    return weights / coupled
+
+
+def _without_lost(blocks: Blocks, functions: WindowFunctions) -> Tensor:
     """Return the weight of each window, (blocks, rows, 1): zero where it contains a lost command.
 
     The other windows are scaled so that mean squares over all windows equal those over the measured ones. If half of

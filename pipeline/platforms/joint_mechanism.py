@@ -59,6 +59,10 @@ class JointMechanism(Mechanism):
         """All that acts on the axis."""
         return {"axis_load": wrench[self.channels[0].name]}
 
+    def free_inertia(self, signals: Signals) -> Channels:
+        """The motor's share while it crosses backlash."""
+        return {self.channels[0].name: signals["free_inertia"]} if "free_inertia" in signals else {}
+
     def inertial(self, signals: Signals, constants: Constants) -> Channels:
         """Nothing: the frame of an axis does not turn."""
         return {}

@@ -71,6 +71,13 @@ class Mechanism(ABC):
         """Return the loads on bodies with dry friction, as signals; empty without dry friction."""
         return {}
 
+    def free_inertia(self, signals: Signals) -> Channels:
+        """Return the share of each channel's inertia that a motor in a gap has to itself (absent where there is none).
+
+        The motion that was recorded is that of the rest, whose equation has terms that are smaller by this share.
+        """
+        return {}
+
     def derived(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
         """Return shared intermediate results of several equations, as further signals."""
         return {}

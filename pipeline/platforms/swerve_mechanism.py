@@ -61,6 +61,15 @@ class SwerveMechanism(Mechanism):
         """Return those of the momenta, and those of the wheels where the chassis' motion was measured by itself."""
         return (*self.channels, *self.wheels) if MEASURED in signals else self.channels
 
+    def free_inertia(self, signals: Signals) -> Channels:
+        """The steering motors' share while they cross backlash."""
+        if "steer_free_inertia" not in signals:
+            return {}
+        return {
+            f"steer_{module + 1}": free
+            for module, free in enumerate(signals["steer_free_inertia"].unbind(-1))
+        }
+
     def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Real, Real]]:
         """Return the motors' speeds beside those of the ground below, and the motion beside that along the wheels."""
         if MEASURED not in signals:

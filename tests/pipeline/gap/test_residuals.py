@@ -11,14 +11,16 @@ from hypothesis import strategies as st
 from simgap.effects import effect_by_key
 from simgap.gap.prepare import prepare
 from simgap.gap.residuals import (
+    channel_series,
     noise_of_rows,
     quadrature_of_rows,
     residual_rows,
     row_weights,
     sample_noise,
+    signals_inside,
 )
 from simgap.gap.settings import Gap
-from simgap.physics.weak_form import window_functions
+from simgap.physics.weak_form import mean_rate_of, window_functions
 from simgap.platforms import Joint, JointMotor
 from simgap.recordings.recording import Recording
 from simgap.simulation import FittedEffect, Simulator, rollout
@@ -189,7 +191,7 @@ def test_a_window_with_a_command_that_was_made_up_counts_nothing():
     filled = torch.zeros_like(blocks.signals["position"])
     filled[0, blocks.margin + int(functions.centres[1])] = 1.0
     marked = replace(blocks, signals={**blocks.signals, "filled": filled})
-    weights = row_weights(marked, functions)[..., 0]
+    weights = row_weights(joint_simulator(), marked.signals, marked, functions)[..., 0]
     assert weights[0, 1] == 0.0
     assert (weights == 0.0).sum() <= 3  # its neighbours overlap
     assert float(weights.square().mean()) == pytest.approx(1.0)
@@ -204,7 +206,7 @@ def test_where_most_windows_hold_a_made_up_command_all_count():
         problem.blocks,
         signals={**problem.blocks.signals, "filled": torch.ones_like(problem.blocks.signals["position"])},
     )
-    assert bool((row_weights(marked, problem.functions) == 1.0).all())
+    assert bool((row_weights(joint_simulator(), marked.signals, marked, problem.functions) == 1.0).all())
 
 
 @pytest.mark.slow
@@ -243,3 +245,17 @@ def test_friction_over_the_samples_in_which_an_axis_turns_round_leaves_less_than
         for each in (blocks, replace(blocks, resolution={}))
     )
     assert over_samples < 0.5 * at_large
+
+
+def test_a_motor_that_stays_inside_the_gap_explains_no_motion_of_its_load():
+    """With most of the inertia in a gap that it never crosses, nothing drives the load: its error is whole."""
+    problem = problem_of(joint_recording(Plant()), joint_simulator())
+    wide = FittedEffect(effect_by_key("joint", "backlash"), {"gap": 100.0, "motor_inertia_share": 0.5})
+    simulator = joint_simulator(wide)
+    momentum = next(iter(channel_series(joint_simulator(), problem.blocks)))
+    rate = mean_rate_of(problem.functions, momentum.measured, problem.blocks.held)
+    inner = signals_inside(simulator, problem.blocks, problem.blocks.acting)
+    inside = row_weights(simulator, inner, problem.blocks, problem.functions)[..., 0] > 1.999
+    assert float(inside.double().mean()) > 0.3
+    left = problem.residual(simulator)[..., 0]
+    torch.testing.assert_close(left[inside], rate[inside], rtol=0.05, atol=0.2 * float(rate.std()))
