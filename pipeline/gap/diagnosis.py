@@ -31,6 +31,8 @@ from simgap.simulation.driver import with_drivers
 _SHORT = 10.0  # s, below which a warning says that the recording is short
 _NOTABLE_SHARE = 0.1  # of the energy that was left before
 _NEVER_FITTED = "no fitted run contains such motion; record more runs like them"
+REFUTED = "held-out runs refute"
+"""How warnings begin that speak against the answer."""
 _LAW_FAILS = "an unknown effect, or a law that holds only approximately, is stronger there"
 
 
@@ -119,17 +121,16 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         nominal, simulator, proving, functions, counted, held_out, settings.resamples, beside
     )
     gap = bool(unnamed) or any(m.excess > BEYOND_NOISE for m in mismatches)
+    refuted = (*_refuted(naming, validation), *_held_out_only(validation, naming, problem, channels))
     doubts = (
-        *_refuted(naming, validation),
         *_unfinished(naming, settings),
         *_within_tolerance(naming, fitted.time_step),
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
         *_doubts(naming, problem, () if contradicted else memories, held_out),
-        *_held_out_only(validation, naming, problem, channels),
     )
     said = [contradiction.sentence for contradiction in contradicted]
-    warnings = dict.fromkeys((*said, *doubts[:1], *recording.warnings, *prepared.remarks, *doubts))
+    warnings = dict.fromkeys((*said, *refuted, *recording.warnings, *prepared.remarks, *doubts))
     return Diagnosis(
         verdict="contradiction" if contradicted else _verdict(naming, gap, _remains(naming, problem)),
         contradictions=tuple(contradicted),
@@ -194,8 +195,8 @@ def _held_out_only(
     _, after, noise = validation.channels.square().unbind(1)
     fitted = excess_of(naming.fit, problem.noise).clamp_min(1.0)
     return [
-        f"{channel.name}: the error energy is {proved:.2g} times the noise on held-out runs and {known:.2g} times on "
-        f"fitted runs; {_LAW_FAILS if known > BEYOND_NOISE else _NEVER_FITTED}"
+        f"{REFUTED} the answer in {channel.name}: their error energy is {proved:.2g} times the noise, that of the "
+        f"fitted runs {known:.2g} times; {_LAW_FAILS if known > BEYOND_NOISE else _NEVER_FITTED}"
         for channel, proved, known in zip(channels, (after / noise).tolist(), fitted.tolist(), strict=True)
         if proved > BEYOND_NOISE * known
     ]
@@ -206,8 +207,8 @@ def _refuted(naming: Naming, validation: Validation) -> list[str]:
     if not (naming.named and validation.refutes):
         return []
     return [
-        "the named effects make the prediction of the held-out runs worse: do not rely on them; record more runs that "
-        "resemble each other"
+        f"{REFUTED} the named effects, with which their prediction becomes worse: do not rely on them; record more "
+        "runs that resemble each other"
     ]
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from simgap.recordings.contradiction import SUSPECTED
-from simgap.report.doubts import doubts_of, unfinished
+from simgap.report.doubts import doubts_of, refuted, unfinished
 from simgap.report.improvement import sureness, why_unknown
 from simgap.report.inputs import ReportInputs
 from simgap.report.naming import each_once, rivals, subject_of, with_subject
@@ -128,7 +128,12 @@ def size_of(entry: dict[str, Any]) -> str:
 
 
 def headline(diagnosis: dict[str, Any]) -> str:
-    """Return the verdict as one or two short sentences that state only what is believed."""
+    """Return the verdict as short sentences that state only what is believed, and what held-out runs say against it."""
+    return f"{_answer(diagnosis)} {refuted(diagnosis)}".rstrip()
+
+
+def _answer(diagnosis: dict[str, Any]) -> str:
+    """Return the verdict as one or two short sentences."""
     believed, _ = told_apart(diagnosis["effects"])
     wrong = [effect for effect in believed if str(effect["name"]).endswith("_error")]
     missing = [effect for effect in believed if effect not in wrong]

@@ -12,9 +12,6 @@ OPEN = {
     "test_real_recordings.py::test_rotor_drag_and_inflow_of_a_real_quadrotor": (
         "mass and thrust coefficient are both named at a third: together they make the torques small"
     ),
-    "test_validate.py::test_what_only_held_out_runs_show_is_said_and_never_none": (
-        "held-out runs decide no verdict any more; a gap that only they show is a warning beside the verdict none"
-    ),
     "test_name_joint.py::test_friction_and_a_wrong_number_show_only_beside_a_load_and_a_delay": (
         "the search does not visit the true set of four effects, which scores higher than what it finds"
     ),

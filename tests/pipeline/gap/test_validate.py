@@ -56,21 +56,19 @@ def test_held_out_runs_never_enter_the_fit():
     assert found.validation.after != other.validation.after
 
 
-def test_what_only_held_out_runs_show_is_said_and_never_none():
+def test_what_only_held_out_runs_show_is_the_first_warning_and_no_verdict():
     found = diagnosed(Plant(viscous=(0.0, 0.0, 0.0, 0.0, 0.05, 0.05)))
-    assert found.verdict == "unexplained"
-    assert any(
-        warning.startswith("torque: the error energy is") and warning.endswith("record more runs like them")
-        for warning in found.warnings
-    )
-    assert not any("times the noise on held-out runs" in warning for warning in diagnosed(Plant()).warnings)
+    assert (found.verdict, found.naming.named) == ("none", ())
+    assert found.warnings[0].startswith("held-out runs refute the answer in torque: their error energy is")
+    assert found.warnings[0].endswith("record more runs like them")
+    assert not any("held-out runs refute" in warning for warning in diagnosed(Plant()).warnings)
 
 
 def test_names_that_help_no_held_out_run_are_doubted():
     found = diagnosed(Plant(friction=(0.3, 0.3, 0.3, 0.3, 0.0, 0.0)))
     assert found.naming.named
     assert found.validation.gap_closed <= 0.0
-    assert any("do not rely on them" in warning for warning in found.warnings)
+    assert "do not rely on them" in found.warnings[0]
     assert not any("do not rely on them" in warning for warning in diagnosed(Plant(friction=0.3)).warnings)
 
 

@@ -188,3 +188,11 @@ def test_a_search_that_was_ended_is_said_below_the_headline_and_not_twice():
     assert summary(found).unfinished == said
     assert terminal_lines(found)[1:3] == [summary(found).headline, said]
     assert doubts_of(found) == doubts
+
+
+def test_held_out_runs_that_refute_the_answer_stand_in_the_headline():
+    found = diagnosis("missing_physics")
+    before, doubts = summary(found).headline, doubts_of(found)
+    found["warnings"].insert(0, "held-out runs refute the named effects: do not rely on them")
+    assert summary(found).headline == f"{before} Held-out runs refute the named effects: do not rely on them."
+    assert doubts_of(found) == doubts
