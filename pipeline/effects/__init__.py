@@ -1,6 +1,6 @@
 """Floor 3: the catalogue of physics that the tool can name, one file per effect."""
 
-from simgap.effects.catalogue import effect_by_key, effects_of, kinds
+from simgap.effects.catalogue import effect_by_key, effects_of, kinds, look_alikes_of
 from simgap.effects.dry_friction import DryFriction
 from simgap.effects.effect import (
     ActuatorEffect,
@@ -26,4 +26,5 @@ __all__ = [
     "effect_by_key",
     "effects_of",
     "kinds",
+    "look_alikes_of",
 ]

@@ -50,3 +50,22 @@ def effect_by_key(kind: str, key: str) -> Effect:
         remedy = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
         raise InputError(f"unknown effect {key!r} for a {kind}", "effects", remedy)
     return known[key]
+
+
+@functools.cache
+def look_alikes_of(effect: Effect) -> tuple[Effect, ...]:
+    """Return the effects of the same kind that a poor recording cannot separate from this one."""
+    if not effect.names_physics:
+        return ()
+    return tuple(o for o in effects_of(effect.kind) if o.names_physics and _is_like(effect, o))
+
+
+def _is_like(one: Effect, other: Effect) -> bool:
+    """Whether either effect names the other, and both act on one group of a swerve drive or one on its chassis."""
+    named = other.name in one.look_alikes or one.name in other.look_alikes
+    apart = (
+        one.kind == "swerve"
+        and one.acts_on != other.acts_on
+        and "chassis" not in (one.acts_on, other.acts_on)
+    )
+    return named and not apart

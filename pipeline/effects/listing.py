@@ -4,7 +4,7 @@ import inspect
 import textwrap
 from collections.abc import Sequence
 
-from simgap.effects.catalogue import effects_of
+from simgap.effects.catalogue import look_alikes_of
 from simgap.effects.effect import Effect, Parameter
 
 WIDTH = 120
@@ -59,29 +59,11 @@ def facts(effect: Effect) -> list[tuple[str, str]]:
         ("Law", effect.formula),
         ("In a log", effect.symptom),
         ("Manoeuvre", f"{effect.excitation[0].upper()}{effect.excitation[1:]}."),
-        ("Look-alikes", ", ".join(other.key for other in look_alikes(effect)) or "none in this catalogue"),
+        ("Look-alikes", ", ".join(other.key for other in look_alikes_of(effect)) or "none in this catalogue"),
         ("Needs", ", ".join(effect.needs) or "only signals that every recording has"),
         ("Diagnosis", _stated(effect)),
         ("Source", effect.source),
     ]
-
-
-def look_alikes(effect: Effect) -> list[Effect]:
-    """Return the effects of the same kind that a poor recording cannot separate from this one."""
-    if not effect.names_physics:
-        return []
-    return [other for other in effects_of(effect.kind) if other.names_physics and _is_like(effect, other)]
-
-
-def _is_like(one: Effect, other: Effect) -> bool:
-    """Whether either effect names the other, and both act on one group of a swerve drive or one on its chassis."""
-    named = other.name in one.look_alikes or one.name in other.look_alikes
-    apart = (
-        one.kind == "swerve"
-        and one.acts_on != other.acts_on
-        and "chassis" not in (one.acts_on, other.acts_on)
-    )
-    return named and not apart
 
 
 def _stated(effect: Effect) -> str:

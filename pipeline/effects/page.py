@@ -3,9 +3,9 @@
 import re
 from collections.abc import Iterable, Sequence
 
-from simgap.effects.catalogue import effects_of, kinds
+from simgap.effects.catalogue import effects_of, kinds, look_alikes_of
 from simgap.effects.effect import Effect
-from simgap.effects.listing import facts, look_alikes, meaning
+from simgap.effects.listing import facts, meaning
 
 _HEAD = """\
 # Effects
@@ -59,7 +59,7 @@ def _section(effect: Effect) -> str:
 def _shown(effect: Effect, name: str, text: str) -> str:
     """Return a fact as the page shows it: the law as code, look-alikes as links."""
     if name == "Look-alikes":
-        return ", ".join(map(_link, look_alikes(effect))) or text
+        return ", ".join(map(_link, look_alikes_of(effect))) or text
     return f"`{text}`" if name == "Law" else text
 
 

@@ -30,6 +30,7 @@ MODULES = (
     "residuals",
     "scales",
     "search",
+    "starts",
     "temper",
 )
 """The modules beside this one that decide a score. A change of one of them makes the calibration stale."""

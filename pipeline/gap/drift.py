@@ -63,7 +63,7 @@ def _estimate(
     count = int(groups.max()) + 1
     if count < 4:
         return None
-    scale = fit.scale.expand_as(fit.residual)[mine]
+    scale = fit.residual.square().mean((0, 1)).sqrt().clamp_min(1e-12)
     jacobian = fit.jacobian[mine][..., columns] / scale[..., None]
     residual = fit.residual[mine] / scale
     gram = torch.einsum("brcp,brcq->pq", jacobian, jacobian)

@@ -15,7 +15,6 @@ from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 
 _FIT_STEPS = 12
-_COST_TOLERANCE = 1e-7  # least promised decrease of the cost per row
 _LIKELIHOOD_TOLERANCE = 1e-2  # least promised gain of log likelihood
 _DIFFERENCE = 1e-4
 
@@ -30,7 +29,7 @@ class Problem:
         noise: standard deviation of a row by sensor noise alone, (channels,).
         quadrature: by how much sums over samples may miss the integrals that rows are, RMS, (channels,).
         cluster: stretches within which residuals may be correlated, (blocks,).
-        temper: how rows count; None: all alike.
+        temper: how rows count.
         sizes: typical effort, travel and speed of the recording, see `simgap.effects.sizes`.
     """
 
@@ -39,26 +38,32 @@ class Problem:
     noise: Tensor
     quadrature: Tensor
     cluster: Tensor
-    temper: Temper | None = None
+    temper: Temper
     sizes: Mapping[str, float] = field(default_factory=dict)
 
-    def scale(self, residual: Tensor) -> Tensor:
-        """Return what rows are weighed with: the standard deviation that each would have if it counted once.
+    def weigh(self, residual: Tensor) -> tuple[Tensor, float]:
+        """Return what rows are weighed with, and what they cost.
 
-        (blocks, 1, channels) where rows are tempered, else (channels,).
+        Args:
+            residual: (blocks, rows, channels).
+
+        Returns:
+            The standard deviation that each row would have if it counted once, (blocks, 1, channels) or another shape
+            that fits a residual, and the negative log likelihood up to a constant.
         """
-        if self.temper is None:
-            return channel_scale(residual, self.noise)
         noise = self.noise.square().clamp_min(1e-24)
-        return self.temper.weight(energy_of(residual, noise), noise).rsqrt()[:, None]
+        left = energy_of(residual, noise)
+        mixture = self.temper.mixture(left, noise)
+        scale = self.temper.weight_of(mixture, left, noise).rsqrt()[:, None]
+        return scale, -float(self.temper.value_of(mixture, left, noise).sum())
 
     def cost(self, residual: Tensor) -> float:
         """Return the negative log likelihood of a residual (blocks, rows, channels), up to a constant."""
-        if self.temper is None:
-            scale = channel_scale(residual, self.noise)
-            return float((scale.log() + 0.5 * residual.square().mean((0, 1)) / scale.square()).sum())
-        noise = self.noise.square().clamp_min(1e-24)
-        return -float(self.temper.value(energy_of(residual, noise), noise).sum())
+        return self.weigh(residual)[1]
+
+    def least_gain(self, residual: Tensor) -> float:
+        """Return the decrease of the weighted cost that is worth another step of a fit."""
+        return _LIKELIHOOD_TOLERANCE
 
     def residual(self, simulator: Simulator) -> Tensor:
         """Return what a simulator leaves of the equations of motion, (blocks, rows, channels)."""
@@ -80,7 +85,7 @@ class Fit:
         simulator: with the fitted values and their standard errors.
         residual: (blocks, rows, channels).
         jacobian: of the prediction in the parameters, (blocks, rows, channels, parameters).
-        scale: standard deviation that each channel's residual is weighed with, (channels,).
+        scale: standard deviation that residuals are weighed with, see `Problem.weigh`.
         covariance: of the parameters, robust to correlation inside clusters, (parameters, parameters).
     """
 
@@ -132,23 +137,20 @@ def with_values(simulator: Simulator, values: Tensor) -> Simulator:
 def fit(simulator: Simulator, problem: Problem) -> Fit:
     """Fit all parameters together by Gauss–Newton steps from the values that the simulator has.
 
-    Channels are weighed by their own residual, never below the noise, which is the maximum-likelihood weight when the
-    variances are unknown. Bounds are respected by clipping.
+    Rows are weighed as the problem says, anew at every step. Bounds are respected by clipping.
     """
     low, high = bounds_of(simulator)
     values = values_of(simulator).clamp(low, high)
     residual = problem.residual(with_values(simulator, values))
     jacobian = jacobian_of(with_values(simulator, values), problem, residual)
     for _ in range(_FIT_STEPS):
-        scale = problem.scale(residual)
+        scale, _ = problem.weigh(residual)
         change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
-        if promised < (
-            _COST_TOLERANCE * residual.numel() if problem.temper is None else _LIKELIHOOD_TOLERANCE
-        ):
+        if promised < problem.least_gain(residual):
             break
         values, residual = line_search(simulator, problem, values, change, residual, scale)
         jacobian = jacobian_of(with_values(simulator, values), problem, residual)
-    scale = problem.scale(residual)
+    scale, _ = problem.weigh(residual)
     covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)
     return Fit(with_errors(with_values(simulator, values), covariance), residual, jacobian, scale, covariance)
 
@@ -163,11 +165,6 @@ def bounds_of(simulator: Simulator) -> tuple[Tensor, Tensor]:
     parameters = parameters_of(simulator)
     low = torch.tensor([parameter.low for parameter in parameters], dtype=torch.float64)
     return low, torch.tensor([parameter.high for parameter in parameters], dtype=torch.float64)
-
-
-def channel_scale(residual: Tensor, noise: Tensor) -> Tensor:
-    """Return the standard deviation of each channel's residual, never below the noise: (channels,)."""
-    return torch.maximum(residual.square().mean((0, 1)).sqrt(), noise).clamp_min(1e-12)
 
 
 def jacobian_of(simulator: Simulator, problem: Problem, residual: Tensor) -> Tensor:
@@ -205,7 +202,7 @@ def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Prob
         means = {n: mean_of(problem.functions, blocks.at_samples(series)) for n, series in wrench.items()}
         rows = [scale[n] * means[n] if n in means else zero for n in names]
         columns.append(torch.stack(rows, dim=-1))
-    return torch.stack(columns, dim=-1) * row_weights(blocks, problem.functions)[..., None]
+    return torch.stack(columns, dim=-1) * row_weights(simulator, inner, blocks, problem.functions)[..., None]
 
 
 def _difference(

@@ -46,7 +46,6 @@ def driven_readings(centre: Hypothesis, settings: Gap) -> list[tuple[Reading, li
 def _with_driver(reading: Reading, law: "DriverLaw", driven: Sequence[Effect]) -> Reading:
     prepared, name = reading.prepared, law.name
     problem = prepared.problem
-    assert problem.temper is not None
     runs, blocks = len(torch.unique(problem.blocks.run)), len(problem.blocks)
     temper = problem.temper.without(runs / blocks)
     estimated = replace(problem, blocks=with_signal(problem.blocks, name, law.along(problem)), temper=temper)
@@ -64,7 +63,6 @@ def _with_driver(reading: Reading, law: "DriverLaw", driven: Sequence[Effect]) -
 
 def _share_of_levels(problem: Problem) -> float:
     """Return what one free level for each run costs, as odds: (independent rows of the run)^(−½) (Schwarz 1978)."""
-    assert problem.temper is not None
     _, blocks = torch.unique(problem.blocks.run, return_counts=True)
     return float((problem.temper.total * blocks.double()).rsqrt().prod())
 
@@ -124,7 +122,7 @@ class DriverLaw:
         line = constant(problem.blocks, self.rest)
         for _ in range(_DRIVER_PASSES):
             residual, answer = self._answer(problem, line - taken, torch.ones_like(line))
-            scale = problem.scale(residual)
+            scale, _ = problem.weigh(residual)
             information = (answer / scale).square().sum((1, 2))
             score = (answer * residual / scale.square()).sum((1, 2))
             shown = problem.blocks.inner(line).mean(1) + score / information.clamp_min(1e-300)
@@ -136,7 +134,7 @@ class DriverLaw:
         series = constant(problem.blocks, self.rest)
         residual, level = self._answer(problem, series, torch.ones_like(series))
         _, falling = self._answer(problem, series, -load)
-        weight = (1.0 / problem.scale(residual)).expand_as(residual)
+        weight = (1.0 / problem.weigh(residual)[0]).expand_as(residual)
         time = problem.blocks.start[:, None, None]
         apart = [torch.zeros(()), torch.zeros(())]
         for run in torch.unique(problem.blocks.run):

@@ -66,7 +66,6 @@ class LikelihoodOf:
     def __call__(self, fitted: Fit) -> Likelihood:
         """Return the likelihood of a fit."""
         simulator, problem = fitted.simulator, self.problem
-        assert problem.temper is not None
         noise, silenced = self.noise(simulator)
         energy = self.energy(simulator)
         explained = (self.base - fitted.residual).square().mean(1)
@@ -74,10 +73,11 @@ class LikelihoodOf:
             explained = torch.minimum(explained, energy)
         noise = noise + _INEXACT**2 * explained
         left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
-        value = problem.temper.value(left, noise)
+        mixture = problem.temper.mixture(left, noise)
+        value = problem.temper.value_of(mixture, left, noise)
         value = value + 0.5 * problem.temper.lasting * len(left) * energy.log()
         value = value + self.untouched
-        return Likelihood(float(value.sum()), problem.temper.weight(left, noise), left, noise)
+        return Likelihood(float(value.sum()), problem.temper.weight_of(mixture, left, noise), left, noise)
 
     def _untouched(self, nominal: Simulator) -> Tensor:
         """Return the log likelihood of the samples that an estimated driver has used up, (channels,).
@@ -85,7 +85,6 @@ class LikelihoodOf:
         They count as the nominal simulator leaves them: an estimate is no evidence for itself.
         """
         temper = self.problem.temper
-        assert temper is not None
         left = self.base.square().mean(1).clamp_min(_NOTHING)
         return -0.5 * temper.taken * (left / self.energy(nominal)).log().sum(0)
 

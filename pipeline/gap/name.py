@@ -18,6 +18,8 @@ from simgap.simulation import FittedEffect
 
 _LEAST_EXCESS = 0.01
 """Of the noise energy: what a share is related to where nothing was left."""
+_DIGITS = 3
+"""Of a probability, as it is written."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,8 @@ def _named(posterior: Posterior, base: Fit, least: float) -> tuple[Named, ...]:
         fitted = next(f for f in hypothesis.fit.simulator.free if f.effect.key == key)
         channel, share = _share(hypothesis.fit, fitted.effect, base, hypothesis.reading.problem)
         found.append(Named(fitted, probability, channel, share))
-    return tuple(found)
+    # Of what is equally sure, first what explains more: rounding of a sum of weights decides nothing.
+    return tuple(sorted(found, key=lambda n: (-round(n.probability, _DIGITS), -n.share, n.effect.key)))
 
 
 def _share(found: Fit, effect: Effect, base: Fit, problem: Problem) -> tuple[int, float]:

@@ -19,10 +19,13 @@ from simgap.gap.fit import columns_of
 from simgap.gap.hypothesis import Hypothesis
 from simgap.gap.prior import log_odds
 from simgap.gap.refit import remove
+from simgap.gap.temper import Mixture
 from simgap.simulation import FittedEffect
 
 _BLOCKS = 60
 """Blocks that sets are scored on, drawn evenly: what is promising needs no more."""
+_WEIGHED = 60
+"""Sets whose promise is worked out in full."""
 _RIDGE = 1e-9
 """Of a column's own energy: two effects with the same column share it."""
 
@@ -77,10 +80,10 @@ class Neighbours:
             self._note(effect.key, series, torch.cat([_contribution(hypothesis, centre), own], dim=-1))
         part = _spread(len(centre.fit.residual))
         self.gram = _gram(torch.cat([each[part] for each in series], dim=-1))
-        assert problem.temper is not None
         self.temper, self.share = problem.temper, len(centre.fit.residual) / len(part)
         self.noise = centre.likelihood.noise[part]
-        self.present = self._value(centre.likelihood.left[part].numpy())
+        left = centre.likelihood.left[part]
+        self.mixture, self.present = self.temper.mixture(left, self.noise), self._value(left)
         self.total = np.einsum("bc,bcpq->pq", centre.likelihood.weight[part].numpy(), self.gram)
 
     def _note(self, key: str, series: list[Tensor], columns: Tensor) -> None:
@@ -92,9 +95,17 @@ class Neighbours:
         """Return the most promising sets that are not among the known ones, best first."""
         keys = frozenset(self.mine)
         sets = {(keys - set(gone)) | set(come): (gone, come) for gone, come in self._moves()}
-        fresh = [Proposal(each, (), self._promise(*move)) for each, move in sets.items() if each not in known]
-        fresh.sort(key=lambda proposal: -proposal.promise)
-        return [Proposal(p.keys, self._starts(p.keys), p.promise) for p in fresh[:count]]
+        moves = [(each, *move) for each, move in sets.items() if each not in known]
+        if not moves:
+            return []
+        left = torch.from_numpy(np.stack([self._left(gone, come) for _, gone, come in moves]))
+        costs = torch.tensor([self._cost(gone, come) for _, gone, come in moves], dtype=torch.float64)
+        # The mixture of the centre ranks them; of the best, each has its own.
+        likely = (self._value(left, self.mixture) + costs).topk(min(_WEIGHED, len(moves))).indices
+        promises = self.centre.score + self._value(left[likely]) - self.present + costs[likely]
+        order = promises.argsort(descending=True)[:count].tolist()
+        found = [(moves[int(likely[place])][0], float(promises[place])) for place in order]
+        return [Proposal(keys, self._starts(keys), promise) for keys, promise in found]
 
     def _moves(self) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
         """Yield which effects go and which come: at most two of each, and more than one in all."""
@@ -105,30 +116,29 @@ class Neighbours:
                 if 2 <= len(gone) + len(come) <= 3:
                     yield gone, come
 
-    def _promise(self, gone: tuple[str, ...], come: tuple[str, ...]) -> float:
-        kept = [key for key in self.mine if key not in gone]
-        chosen = [column for key in (*kept, *come) for column in self.columns[key]]
-        target = np.zeros(self.gram.shape[-1])
-        target[[0, *(self.offset[key] for key in gone)]] = 1.0
-        left = self._left(target, chosen)
-        gained = self.share * (self._value(left) - self.present)
-        cost = sum(self.gain[key] for key in come) + sum(self.relief.get(key, 0.0) for key in gone)
-        return self.centre.score + gained + cost
+    def _cost(self, gone: tuple[str, ...], come: tuple[str, ...]) -> float:
+        """Return what a move changes of the score beside the likelihood."""
+        return sum(self.gain[key] for key in come) + sum(self.relief.get(key, 0.0) for key in gone)
 
-    def _left(self, target: NDArray[np.float64], chosen: list[int]) -> NDArray[np.float64]:
-        """Return the mean square that a weighted regression of a target on columns leaves, (blocks, channels)."""
-        change = target.copy()
+    def _left(self, gone: tuple[str, ...], come: tuple[str, ...]) -> NDArray[np.float64]:
+        """Return the mean square that a weighted regression leaves after a move, (blocks, channels)."""
+        present = (*(key for key in self.mine if key not in gone), *come)
+        chosen = [column for key in present for column in self.columns[key]]
+        change = np.zeros(self.gram.shape[-1])
+        change[[0, *(self.offset[key] for key in gone)]] = 1.0
         if chosen:
             square = self.total[np.ix_(chosen, chosen)]
             square = square + np.diag(_RIDGE * np.diag(square) + 1e-300)
-            change[chosen] -= np.linalg.solve(square, self.total[chosen] @ target)
+            change[chosen] -= np.linalg.solve(square, self.total[chosen] @ change)
         used = np.flatnonzero(change)
         part, kept = change[used], self.gram[..., used[:, None], used]
         return (kept @ part) @ part
 
-    def _value(self, left: NDArray[np.float64]) -> float:
-        floored = torch.maximum(torch.from_numpy(left), self.noise)
-        return float(self.temper.value(floored, self.noise).sum())
+    def _value(self, left: Tensor, mixture: Mixture | None = None) -> Tensor:
+        """Return the log likelihood of all blocks, (...,), of some whose mean squares are left."""
+        floored = torch.maximum(left, self.noise)
+        mixture = mixture or self.temper.mixture(floored, self.noise)
+        return self.share * self.temper.value_of(mixture, floored, self.noise).sum(-1)
 
     def _starts(self, keys: frozenset[str]) -> tuple[FittedEffect, ...]:
         every = self.new | self.mine

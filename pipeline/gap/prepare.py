@@ -12,6 +12,7 @@ from simgap.gap.resolution import resolution_of, resolved, with_resolution
 from simgap.gap.scoring import ENOUGH_CLUSTERS, independent_clusters
 from simgap.gap.sensors import settle_accelerometer, settle_velocity
 from simgap.gap.settings import Gap
+from simgap.gap.temper import temper_of
 from simgap.physics.weak_form import window_functions
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
@@ -60,7 +61,8 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool)
     functions = window_functions(fitted.samples, settings.test_width, fitted.time_step)
     noise, quadrature = (of(nominal, fitted, functions) for of in (noise_of_rows, quadrature_of_rows))
     sizes = sizes_of(recording.kind, fitted.signals, nominal.constants())
-    problem = Problem(fitted, functions, noise, quadrature, independent_clusters(fitted), sizes=sizes)
+    temper = temper_of(fitted, functions)
+    problem = Problem(fitted, functions, noise, quadrature, independent_clusters(fitted), temper, sizes)
     return Prepared(nominal, problem, proving, held_out, remarks)
 
 

@@ -5,7 +5,7 @@ recorded may follow from the motion. Which of these is right shows only together
 of a recording is one half of a hypothesis and its effects are the other.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 from simgap.effects import Effect
@@ -15,7 +15,7 @@ from simgap.gap.likelihood import LikelihoodOf
 from simgap.gap.prepare import Prepared, prepare
 from simgap.gap.scales import Scales, scales_of
 from simgap.gap.settings import Gap
-from simgap.gap.temper import temper_of
+from simgap.gap.starts import Starts
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.signals import COMMANDS
@@ -63,6 +63,11 @@ class Reading:
         return scales_of(self.nominal, self.problem)
 
     @cached_property
+    def starts(self) -> Starts:
+        """Where fits of the effects begin."""
+        return Starts(self.nominal, self.problem)
+
+    @cached_property
     def likelihood_of(self) -> LikelihoodOf:
         """The likelihood of fits to these rows."""
         return LikelihoodOf(self.problem, self.nominal)
@@ -99,8 +104,6 @@ def likeliest_reading(recording: Recording, simulator: Simulator, settings: Gap)
 
 def _reading(recording: Recording, nominal: Simulator, settings: Gap, held: bool) -> Reading:
     prepared = prepare(recording, nominal, settings, held)
-    problem = prepared.problem
-    problem = replace(problem, temper=temper_of(problem.blocks, problem.functions))
     odds = _FAST_CONTROLLER if held and recording.kind == "quadrotor" else 1.0
-    catalogue = candidates_for(prepared.nominal, problem.blocks.signals, settings.effects)
-    return Reading(held, replace(prepared, problem=problem), tuple(catalogue), odds)
+    catalogue = candidates_for(prepared.nominal, prepared.problem.blocks.signals, settings.effects)
+    return Reading(held, prepared, tuple(catalogue), odds)

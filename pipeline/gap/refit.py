@@ -1,7 +1,6 @@
 """A fit with one effect more or one less, without a full refit of the others."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import torch
 from torch import Tensor
@@ -21,18 +20,16 @@ from simgap.gap.fit import (
     with_errors,
     with_values,
 )
+from simgap.gap.starts import Starts, some_of
 from simgap.simulation import FittedEffect, Simulator
 
 _SLOPE_STEPS = 3  # Newton steps with kept slopes
 _MOST_STEPS = 8  # Newton steps with new slopes
 _PROGRESS = 0.05  # of the total decrease of the cost, which the last step must give for another to follow
-_SCANNED = 60  # blocks that rank the starts
-_FOLLOWED = 4  # starts that are followed where the best one ends on a bound
+_FOLLOWED = 3  # starts that are tried beside the fit, and followed where the best one ends on a bound
 
 
-def extend(
-    current: Fit, effect: Effect, problem: Problem, starts: Sequence[dict[str, float]] | None = None
-) -> Fit:
+def extend(current: Fit, effect: Effect, problem: Problem, starts: Starts | None = None) -> Fit:
     """Add an effect to a fit: its own columns are computed, those of the others kept.
 
     An effect that is known already is set free. A linear effect needs no evaluation of the simulator at all, any other
@@ -42,27 +39,29 @@ def extend(
         current: without the effect.
         effect: to be added.
         problem: what is fitted.
-        starts: values from which to start; None: the effect's own. The most promising one is followed, some more where
-            it leads to a bound, and each of them where a kink lies between them.
+        starts: where fits of the effect may begin; None: scanned beside the fit itself. The most promising one is
+            followed, some more where it leads to a bound, and each of them where a kink lies between them.
     """
-    tried = _tried(current, effect, effect.starts() if starts is None else starts)
+    known = _fitted_values(current, effect)
+    values = [known] if known else (starts or Starts(current.simulator, problem)).of(effect)
     if effect.kinked:
-        return _best([_extended(current, effect, problem, each) for each in tried], problem)
+        return _best(
+            [_extended(current, effect, problem, start) for start in _tried(current, effect, values)], problem
+        )
+    if len(values) > 1:
+        values = (starts or Starts(current.simulator, problem)).ranked(effect, current)
+    tried = _tried(current, effect, values[:_FOLLOWED])
     tried = _most_promising_first(tried, effect, current, problem)
     found = _extended(current, effect, problem, tried[0])
     if not _rests_on_a_bound(found, effect):
         return found
-    others = [
-        _extended(current, effect, problem, each) for each in (*tried[1:_FOLLOWED], _freed(found, effect))
-    ]
+    others = [_extended(current, effect, problem, each) for each in (*tried[1:], _freed(found, effect))]
     return _best([found, *others], problem)
 
 
-def _tried(current: Fit, effect: Effect, starts: Sequence[dict[str, float]]) -> list[Simulator]:
-    """Return the simulators from which an effect is fitted; what is known of it is the only start there is."""
+def _tried(current: Fit, effect: Effect, values: Sequence[dict[str, float]]) -> list[Simulator]:
+    """Return the simulators from which an effect is fitted."""
     kept = tuple(f for f in current.simulator.effects if f.effect.key != effect.key)
-    known = _fitted_values(current, effect)
-    values = [known] if known else starts
     return [current.simulator.with_effects((*kept, FittedEffect(effect, each))) for each in values]
 
 
@@ -101,17 +100,19 @@ def _freed(found: Fit, effect: Effect) -> Simulator:
 
 def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) -> Fit:
     simulator, residual = start, _residual_at(start, current, effect, problem)
-    costs, linear = [problem.cost(residual)], start.is_linear_in(effect)
+    scale, cost = problem.weigh(residual)
+    costs, linear = [cost], start.is_linear_in(effect)
     added = effect_jacobian(simulator, effect, problem, residual)
     for step in range(_MOST_STEPS):
         if step > 0 and not linear:
             added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
-        simulator, residual = _stepped(simulator, residual, jacobian, problem, linear)
-        costs.append(problem.cost(residual))
+        simulator, residual = _stepped(simulator, residual, jacobian, problem, scale, linear)
+        scale, cost = problem.weigh(residual)
+        costs.append(cost)
         if costs[-2] - costs[-1] <= _PROGRESS * (costs[0] - costs[-1]):
             break
-    return _finished(simulator, residual, jacobian, problem)
+    return _finished(simulator, residual, jacobian, problem, scale)
 
 
 def remove(current: Fit, effect: Effect, problem: Problem, known: FittedEffect | None = None) -> Fit:
@@ -137,7 +138,8 @@ def shrink(current: Fit, effect: Effect, problem: Problem, known: FittedEffect |
     residual = current.residual + current.jacobian[..., mine] @ (current.values[mine] - rest)
     jacobian = current.jacobian[..., others]
     if others:
-        simulator, residual = _stepped(simulator, residual, jacobian, problem, linear=True)
+        scale, _ = problem.weigh(residual)
+        simulator, residual = _stepped(simulator, residual, jacobian, problem, scale, linear=True)
     return _finished(simulator, residual, jacobian, problem)
 
 
@@ -150,7 +152,8 @@ def _eased(simulator: Simulator, jacobian: Tensor, problem: Problem) -> Fit | No
     """Move all parameters by a few Newton steps with slopes from nearby; None where the first leads nowhere."""
     residual = problem.residual(simulator)
     for step in range(_SLOPE_STEPS if jacobian.shape[-1] else 0):
-        moved, rows = _stepped(simulator, residual, jacobian, problem, linear=False)
+        scale, _ = problem.weigh(residual)
+        moved, rows = _stepped(simulator, residual, jacobian, problem, scale, linear=False)
         if moved is simulator:
             if step == 0:
                 return None
@@ -162,15 +165,10 @@ def _eased(simulator: Simulator, jacobian: Tensor, problem: Problem) -> Fit | No
 def _most_promising_first(
     tried: list[Simulator], effect: Effect, current: Fit, problem: Problem
 ) -> list[Simulator]:
-    """Return starting points in the order of what one Newton step from each promises.
-
-    Many effects have a size that only a step can tell and a shape that only a scan can find. The scan looks at a part
-    of the blocks, drawn evenly.
-    """
+    """Return starting points in the order of what one Newton step from each promises on some of the blocks."""
     if len(tried) == 1:
         return tried
-    part = torch.linspace(0, len(problem.blocks) - 1, min(_SCANNED, len(problem.blocks))).round().long()
-    few = replace(problem, blocks=problem.blocks.take(part), cluster=problem.cluster[part])
+    few, part = some_of(problem)
     return sorted(tried, key=lambda each: _promise(each, effect, current, few, part))
 
 
@@ -180,18 +178,16 @@ def _promise(simulator: Simulator, effect: Effect, current: Fit, few: Problem, p
     added = effect_jacobian(simulator, effect, few, residual)
     jacobian = torch.cat([current.jacobian[part], added], dim=-1)
     low, high = bounds_of(simulator)
-    scale = current.scale if few.temper is None else current.scale[part]
-    step = bounded_newton_step(jacobian, residual, scale, values_of(simulator), low, high)
-    change = step[0].minimum(high - values_of(simulator)).maximum(low - values_of(simulator))
-    left = residual - jacobian @ change
-    return float((left / scale).square().sum()) if few.temper is None else few.cost(left)
+    values = values_of(simulator)
+    change, _ = bounded_newton_step(jacobian, residual, current.scale[part], values, low, high)
+    return few.cost(residual - jacobian @ change.minimum(high - values).maximum(low - values))
 
 
 def _stepped(
-    simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem, linear: bool
+    simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem, scale: Tensor, linear: bool
 ) -> tuple[Simulator, Tensor]:
     low, high = bounds_of(simulator)
-    values, scale = values_of(simulator), problem.scale(residual)
+    values = values_of(simulator)
     change, _ = bounded_newton_step(jacobian, residual, scale, values, low, high)
     if linear:
         after = (values + change).clamp(low, high)
@@ -200,7 +196,9 @@ def _stepped(
     return (simulator, residual) if rows is residual else (with_values(simulator, after), rows)
 
 
-def _finished(simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem) -> Fit:
-    scale = problem.scale(residual)
+def _finished(
+    simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem, scale: Tensor | None = None
+) -> Fit:
+    scale = problem.weigh(residual)[0] if scale is None else scale
     covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)
     return Fit(with_errors(simulator, covariance), residual, jacobian, scale, covariance)

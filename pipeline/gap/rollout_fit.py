@@ -20,6 +20,7 @@ from simgap.simulation.motion import motion_of
 from simgap.simulation.replay import substeps_for
 
 _MOST_BLOCKS = 120
+_COST_TOLERANCE = 1e-7  # of the cost of one error, which a step has to promise
 _ENDS = 5  # instants at which predictions are compared
 _FAR = 5.0  # standard errors by which a value may move
 _BLUNTER = 2.0  # times the first standard error, which the new one may not exceed
@@ -46,6 +47,19 @@ class RolloutProblem(Problem):
         ends = torch.linspace(0, steps, _ENDS + 1).round().long()[1:]
         error = self.recorded[:, ends] - predicted[:, ends]
         return torch.nan_to_num(error, nan=1e6, posinf=1e6, neginf=-1e6).clamp(-1e6, 1e6)
+
+    def weigh(self, residual: Tensor) -> tuple[Tensor, float]:
+        """Return the standard deviation of each signal's error, never below the noise, (n,), and the cost per error.
+
+        It is the maximum-likelihood weight where variances are unknown.
+        """
+        variance = residual.square().mean((0, 1))
+        scale = torch.maximum(variance.sqrt(), self.noise).clamp_min(1e-12)
+        return scale, float((scale.log() + 0.5 * variance / scale.square()).sum())
+
+    def least_gain(self, residual: Tensor) -> float:
+        """Return the decrease of the weighted cost that is worth another step of a fit."""
+        return _COST_TOLERANCE * residual.numel()
 
     def regressors(self, simulator: Simulator, effect: Effect) -> Tensor | None:
         """Return None: through a prediction no effect is linear."""
@@ -96,6 +110,7 @@ def _rollout_problem(simulator: Simulator, problem: Problem, horizon: float) -> 
         noise,
         torch.zeros_like(noise),
         cluster,
+        problem.temper,
         recorded=recorded,
         substeps=substeps,
     )

@@ -10,7 +10,7 @@ import math
 import time
 from collections.abc import Sequence
 
-from simgap.effects import Effect
+from simgap.effects import Effect, look_alikes_of
 from simgap.gap.fit import Fit, fit
 from simgap.gap.hypothesis import Hypothesis, idle_in, weigh
 from simgap.gap.latent_inputs import driven_readings
@@ -111,6 +111,7 @@ class Search:
             self._drive(centre)
         for key in centre.keys:
             self._without(centre, key)
+            self._exchange(centre, key)
         added = [self._added(centre, e) for e in reading.catalogue if e.key not in centre.keys]
         smaller = {key: (reading.timing, centre.keys - {key}) for key in centre.keys}
         dropped = {key: self.visited[place] for key, place in smaller.items() if place in self.visited}
@@ -136,6 +137,21 @@ class Search:
             effect = next(f.effect for f in centre.fit.simulator.free if f.effect.key == key)
             self._visit(shrink(centre.fit, effect, reading.problem, _known(reading, effect)), reading)
 
+    def _exchange(self, centre: Hypothesis, key: str) -> None:
+        """Visit a hypothesis with each look-alike in the place of one of its effects.
+
+        Beside the effect that it stands in for a look-alike does nothing, so that no linearisation there shows it.
+        """
+        reading = centre.reading
+        smaller = self.visited.get((reading.timing, centre.keys - {key}))
+        effect = next(f.effect for f in centre.fit.simulator.free if f.effect.key == key)
+        if smaller is None:
+            return
+        for other in look_alikes_of(effect):
+            place = reading.timing, smaller.keys | {other.key}
+            if other in reading.catalogue and other.key not in centre.keys and place not in self.visited:
+                self._added(smaller, other)
+
     def _drive(self, centre: Hypothesis) -> None:
         """Visit the same effects with one more whose driver was not recorded and is estimated."""
         for reading, effects in driven_readings(centre, self.settings):
@@ -147,9 +163,7 @@ class Search:
 
     def _added(self, centre: Hypothesis, effect: Effect) -> Hypothesis:
         reading = centre.reading
-        blocks, constants = reading.problem.blocks, reading.nominal.constants()
-        starts = effect.starts_in(blocks.signals | blocks.resolution, constants)
-        return self._visit(extend(centre.fit, effect, reading.problem, starts), reading)
+        return self._visit(extend(centre.fit, effect, reading.problem, reading.starts), reading)
 
     def _visit(self, fitted: Fit, reading: Reading) -> Hypothesis:
         """Weigh a fit and keep it where it is the best of its effects; end the search where its time is over.

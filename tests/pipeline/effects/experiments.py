@@ -9,6 +9,7 @@ from simgap.effects import Effect, MeasurementEffect
 from simgap.effects.shift import shift_in_time
 from simgap.gap.fit import Fit, Problem, fit
 from simgap.gap.residuals import residual_rows
+from simgap.gap.temper import temper_of
 from simgap.physics import rotations
 from simgap.physics.weak_form import window_functions
 from simgap.simulation import FittedEffect, Simulator, rollout
@@ -132,7 +133,9 @@ def recovered(effect: Effect, blocks: Blocks) -> dict[str, float]:
     channels = len(machine.mechanism.channels_of(blocks.signals))
     noise = torch.full((channels,), _NOISE, dtype=torch.float64)
     functions = window_functions(blocks.samples, 0.05, blocks.time_step)
-    problem = Problem(blocks, functions, noise, torch.zeros_like(noise), blocks.run)
+    problem = Problem(
+        blocks, functions, noise, torch.zeros_like(noise), blocks.run, temper_of(blocks, functions)
+    )
     tried = effect.starts_in(blocks.signals, machine.constants())
     starts = [machine.with_effects((FittedEffect(effect, start),)) for start in tried]
     scale = residual_rows(machine, blocks, functions).square().mean((0, 1)).clamp_min(_NOISE**2)

@@ -2,8 +2,8 @@
 
 import pytest
 
-from simgap.effects import effect_by_key, effects_of, kinds
-from simgap.effects.listing import description, facts, listing, look_alikes, meaning, shown_parameters
+from simgap.effects import effect_by_key, effects_of, kinds, look_alikes_of
+from simgap.effects.listing import description, facts, listing, meaning, shown_parameters
 from simgap.effects.page import catalogue_page
 from tests.pipeline.platforms.machines import EVERY_EFFECT, MACHINES, identity
 
@@ -55,7 +55,7 @@ def test_the_page_has_everything_about_an_effect(effect):
     assert meaning(effect) in section
     for name, text in facts(effect):
         assert name == "Look-alikes" or text in section
-    for other in look_alikes(effect):
+    for other in look_alikes_of(effect):
         assert f"[`{other.key}`](#" in section
     for p in effect.parameters:
         assert (
@@ -83,14 +83,14 @@ def test_of_many_parameters_the_first_ones_are_listed():
 def test_a_look_alike_exists_and_names_the_effect_too(effect):
     names = {other.name for other in effects_of(effect.kind) if other.names_physics}
     assert set(effect.look_alikes) <= names - {effect.name}
-    for other in look_alikes(effect):
-        assert effect in look_alikes(other)
+    for other in look_alikes_of(effect):
+        assert effect in look_alikes_of(other)
 
 
 def test_look_alikes_act_on_one_group_of_a_swerve_drive():
-    like_delay = {other.key for other in look_alikes(effect_by_key("swerve", "command_delay@drive"))}
+    like_delay = {other.key for other in look_alikes_of(effect_by_key("swerve", "command_delay@drive"))}
     assert like_delay == {"motor_inductance@drive", "sensor_time_offset@chassis"}
 
 
 def test_an_effect_that_is_never_named_is_like_none():
-    assert look_alikes(effect_by_key("quadrotor", "grey_box_aerodynamics")) == []
+    assert look_alikes_of(effect_by_key("quadrotor", "grey_box_aerodynamics")) == ()

@@ -10,6 +10,7 @@ from simgap.gap.fit import Problem
 from simgap.gap.residuals import noise_of_rows, quadrature_of_rows
 from simgap.gap.scoring import independent_clusters
 from simgap.gap.settings import Gap
+from simgap.gap.temper import temper_of
 from simgap.physics.weak_form import window_functions
 from simgap.recordings.recording import Recording
 from simgap.simulation import FittedEffect, Simulator
@@ -27,7 +28,8 @@ def problem_of(recording: Recording, simulator: Simulator) -> Problem:
     blocks = blocks_of(recording, simulator)
     functions = window_functions(blocks.samples, Gap().test_width, blocks.time_step)
     noise, quadrature = (of(simulator, blocks, functions) for of in (noise_of_rows, quadrature_of_rows))
-    return Problem(blocks, functions, noise, quadrature, independent_clusters(blocks))
+    temper = temper_of(blocks, functions)
+    return Problem(blocks, functions, noise, quadrature, independent_clusters(blocks), temper)
 
 
 def at_start(effect: Effect) -> FittedEffect:

@@ -7,6 +7,7 @@ from simgap.effects import effect_by_key
 from simgap.gap.fit import Problem, clustered_covariance, fit, jacobian_of, values_of
 from simgap.gap.refit import extend, shrink
 from simgap.gap.residuals import residual_rows
+from simgap.gap.temper import temper_of
 from simgap.physics.weak_form import window_functions
 from simgap.simulation import FittedEffect, Simulator, rollout
 from simgap.simulation.blocks import Blocks
@@ -123,7 +124,7 @@ def test_coloured_residuals_widen_the_clustered_error_and_white_ones_do_not():
 def test_an_unmodelled_effect_widens_the_errors_of_the_others():
     """Missing friction colours the residual: errors that took its rows for independent would be too small."""
     found = _fitted(Plant(friction=0.3), "inertia_error")
-    weighted = found.jacobian / found.scale[:, None]
+    weighted = found.jacobian / found.residual.square().mean().sqrt()
     naive = 1.0 / float(weighted.square().sum())
     assert float(found.covariance) > 1.3 * naive
 
@@ -204,4 +205,11 @@ def _replayed(*effects: FittedEffect, machines: int = 24, step: float = 0.005) -
     signals = motion_of(joint_simulator().platform).signals(states) | voltage
     blocks = Blocks(signals, run, ("run",), run.double(), step, margin=4, samples=193, held_commands=voltage)
     functions, quiet = window_functions(blocks.samples, 0.2, step), torch.full((1,), 1e-4).double()
-    return Problem(blocks, functions, quiet, torch.zeros(1).double(), torch.arange(machines))
+    return Problem(
+        blocks,
+        functions,
+        quiet,
+        torch.zeros(1).double(),
+        torch.arange(machines),
+        temper_of(blocks, functions),
+    )

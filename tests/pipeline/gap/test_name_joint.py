@@ -131,6 +131,10 @@ def test_what_the_catalogue_lacks_gets_a_formula_and_no_wrong_name(other, wave):
     assert unnamed.share > 0.5
 
 
+TIMING = {"command_delay", "sensor_time_offset", "motor_lag", "velocity_filter"}
+"""Effects that a tenth of a sample makes the same."""
+
+
 @pytest.mark.parametrize("late", [-0.1, 0.1])
 def test_clocks_that_are_a_tenth_of_a_sample_apart_are_no_cause(late):
     recording = joint_recording(Plant())
@@ -140,10 +144,7 @@ def test_clocks_that_are_a_tenth_of_a_sample_apart_are_no_cause(late):
         frame[column] = (series - late * np.gradient(series, axis=1)).ravel()
     found = quick(replace(recording, frame=frame), joint_simulator())
     assert (found.verdict, named(found)) == ("none", [])
-    assert {fitted.effect.key for fitted in found.simulator.effects} <= {
-        "command_delay",
-        "sensor_time_offset",
-    }
+    assert {fitted.effect.key for fitted in found.simulator.effects} <= TIMING
     assert any("not named" in warning for warning in found.warnings)
 
 
