@@ -14,15 +14,16 @@ from torch import Tensor
 from simgap.effects import ActuatorEffect, Effect, MeasurementEffect
 from simgap.effects.time_offset import TimeOffset
 from simgap.gap.fit import Fit, Problem
-from simgap.gap.residuals import channel_series, noise_of_rows, residual_rows
+from simgap.gap.residuals import channel_series, noise_of_rows, rows_without_commands
 from simgap.physics.weak_form import mean_rate_of
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 from simgap.simulation.signals import COMMANDS
 
 _SENT = "motor_command"
-_INEXACT = 0.03
-"""Of what a law explains: no textbook law holds better, so that what is left below it is evidence for no other one."""
+_INEXACT = 0.1
+"""Of what a law explains: textbook laws of friction and drag hold to a tenth, so that what is left below it is evidence
+for no other one."""
 _NOTHING = 1e-24
 """Mean square of what does not move at all."""
 _AXES = ("joint",)
@@ -114,7 +115,7 @@ class LikelihoodOf:
         """
         if self.moved is None:
             return self.base.square().mean((0, 1)).clamp_min(_NOTHING)
-        rows = residual_rows(simulator, self.still, self.problem.functions)
+        rows = rows_without_commands(simulator, self.still, self.problem.functions)
         return (rows.square().mean((0, 1)) + self.moved).clamp_min(_NOTHING)
 
 

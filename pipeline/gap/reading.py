@@ -20,7 +20,7 @@ from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.signals import COMMANDS
 
-_FAST_CONTROLLER = 0.1
+_FAST_CONTROLLER = 0.3
 """Odds that a multirotor's commands are held as long as its samples last: most controllers are faster than logs."""
 
 

@@ -128,10 +128,31 @@ def measured_rows(series: ChannelSeries, blocks: Blocks, functions: WindowFuncti
 
 def residual_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
     """Return measured minus predicted, averaged over the windows: (blocks, rows, channels) in the channels' units."""
-    inner, rows = signals_inside(simulator, blocks, blocks.acting), []
-    for series in channel_series(simulator, blocks, inner):
-        rows.append(measured_rows(series, blocks, functions) - mean_of(functions, series.predicted))
-    return torch.stack(rows, dim=-1) * row_weights(simulator, inner, blocks, functions)
+    inner = signals_inside(simulator, blocks, blocks.acting)
+    rows = _bare_rows(simulator, blocks, functions, inner)
+    return rows * row_weights(simulator, inner, blocks, functions)
+
+
+def rows_without_commands(simulator: Simulator, still: Blocks, functions: WindowFunctions) -> Tensor:
+    """Return measured minus predicted where no command is given, (blocks, rows, channels).
+
+    Args:
+        simulator: to evaluate.
+        still: the blocks with commands of zero.
+        functions: the windows.
+    """
+    inner = signals_inside(simulator, still, still.acting)
+    return _bare_rows(simulator, still, functions, inner) * _without_lost(still, functions)
+
+
+def _bare_rows(
+    simulator: Simulator, blocks: Blocks, functions: WindowFunctions, inner: dict[str, Tensor]
+) -> Tensor:
+    rows = [
+        measured_rows(series, blocks, functions) - mean_of(functions, series.predicted)
+        for series in channel_series(simulator, blocks, inner)
+    ]
+    return torch.stack(rows, dim=-1)
 
 
 def row_weights(
