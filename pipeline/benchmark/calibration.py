@@ -126,7 +126,13 @@ def _fitted(statements: Sequence[Statement]) -> Calibration:
 
 def _cross_validated(statements: Sequence[Statement]) -> list[float]:
     """Return each statement's recalibrated probability, by a fit to the cases of the other folds."""
-    cases = sorted({statement.case for statement in statements})
-    fold = {case: number % _FOLDS for number, case in enumerate(cases)}
-    fits = [_fitted([s for s in statements if fold[s.case] != part]) for part in range(_FOLDS)]
-    return [fits[fold[s.case]](s.probability) for s in statements]
+    from sklearn.model_selection import GroupKFold  # of an extra that only this needs
+
+    cases = [statement.case for statement in statements]
+    folds = GroupKFold(min(_FOLDS, len(set(cases))))
+    found = [0.0] * len(statements)
+    for others, left_out in folds.split(cases, groups=cases):
+        fitted = _fitted([statements[place] for place in others])
+        for place in left_out:
+            found[place] = fitted(statements[place].probability)
+    return found

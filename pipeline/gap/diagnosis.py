@@ -120,7 +120,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     validation = validate(
         nominal, simulator, proving, functions, counted, held_out, settings.resamples, beside
     )
-    gap = bool(unnamed) or any(m.excess > BEYOND_NOISE for m in mismatches)
+    gap = bool(unnamed) or _is_gap(naming, problem)
     refuted = (*_refuted(naming, validation), *_held_out_only(validation, naming, problem, channels))
     doubts = (
         *_unfinished(naming, settings),
@@ -180,6 +180,12 @@ def _verdict(naming: Naming, gap: bool, remains: bool) -> str:
         return "missing_physics" if physics else "parameter_mismatch"
     believed = any(named.probability >= BELIEVED for named in physics)
     return "missing_physics" if believed else "unexplained"
+
+
+def _is_gap(naming: Naming, problem: Problem) -> bool:
+    """Whether the nominal simulator fails somewhere, beyond what timing and platform numbers are known to."""
+    believed_before = naming.base if naming.best.names else naming.fit
+    return bool((excess_of(believed_before, problem.noise) > BEYOND_NOISE).any())
 
 
 def _remains(naming: Naming, problem: Problem) -> bool:

@@ -51,8 +51,8 @@ class Hypothesis:
     @property
     def names(self) -> frozenset[str]:
         """The effects worth a name: all but those within what timing and platform numbers are known to."""
-        simulator, step = self.fit.simulator, self.reading.problem.blocks.time_step
-        return frozenset(f.effect.key for f in simulator.free if not is_tolerance(f, simulator, step))
+        simulator, reading = self.fit.simulator, self.reading
+        return frozenset(f.effect.key for f in simulator.free if not is_tolerance(f, simulator, reading))
 
     @property
     def score(self) -> float:
@@ -97,22 +97,20 @@ def _log_volume(fitted: Fit, likelihood: Likelihood, precision: Tensor) -> float
     return float(whole + inside.clamp_min(_LEAST_VARIANCE).log().sum())
 
 
-def is_tolerance(fitted: FittedEffect, simulator: Simulator, time_step: float) -> bool:
+def is_tolerance(fitted: FittedEffect, simulator: Simulator, reading: Reading) -> bool:
     """Whether an effect is within what is known: a delay of a part of a sample, a number off by a percent.
 
     It stays in the simulator, where it keeps others from standing in for it, and gets no name.
     """
     if isinstance(fitted.effect, ParameterError):
         return abs(float(fitted.values["ratio"]) - 1.0) < _TOLERANCE
-    return is_short(fitted.effect.lateness(fitted.values, simulator.constants()), time_step)
+    late = fitted.effect.lateness(fitted.values, simulator.constants())
+    return is_short(late, reading.problem.blocks.time_step, reading.held)
 
 
 def _log_prior_odds(fitted: Fit, reading: Reading) -> float:
-    simulator, step = fitted.simulator, reading.problem.blocks.time_step
-    odds = math.log(reading.odds)
-    for f in simulator.free:
-        odds += 0.0 if is_tolerance(f, simulator, step) else log_odds(f.effect)
-    return odds
+    named = (f for f in fitted.simulator.free if not is_tolerance(f, fitted.simulator, reading))
+    return math.log(reading.odds) + sum(log_odds(f.effect) for f in named)
 
 
 def idle_in(fitted: Fit, reading: Reading) -> list[FittedEffect]:

@@ -21,9 +21,9 @@ from simgap.simulation.blocks import Blocks
 from simgap.simulation.signals import COMMANDS
 
 _SENT = "motor_command"
-_INEXACT = 0.1
-"""Of what a law explains: textbook laws of friction and drag hold to a tenth, so that what is left below it is evidence
-for no other one."""
+_INEXACT = 0.05
+"""Of what a law explains: textbook laws of friction and drag hold to a twentieth, so that what is left below it is
+evidence for no other one."""
 _NOTHING = 1e-24
 """Mean square of what does not move at all."""
 _AXES = ("joint",)

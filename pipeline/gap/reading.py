@@ -16,6 +16,7 @@ from simgap.gap.prepare import Prepared, prepare
 from simgap.gap.scales import Scales, scales_of
 from simgap.gap.settings import Gap
 from simgap.gap.starts import Starts
+from simgap.gap.temper import SECONDS
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.signals import COMMANDS
@@ -105,5 +106,8 @@ def likeliest_reading(recording: Recording, simulator: Simulator, settings: Gap)
 def _reading(recording: Recording, nominal: Simulator, settings: Gap, held: bool) -> Reading:
     prepared = prepare(recording, nominal, settings, held)
     odds = _FAST_CONTROLLER if held and recording.kind == "quadrotor" else 1.0
-    catalogue = candidates_for(prepared.nominal, prepared.problem.blocks.signals, settings.effects)
-    return Reading(held, prepared, tuple(catalogue), odds)
+    blocks = prepared.problem.blocks
+    catalogue = candidates_for(prepared.nominal, blocks.signals, settings.effects)
+    # Of less than that there is not one independent sample of what any law leaves: nothing can be told from it.
+    enough = len(blocks) * blocks.samples * blocks.time_step >= SECONDS
+    return Reading(held, prepared, tuple(catalogue) if enough else (), odds)

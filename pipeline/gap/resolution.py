@@ -15,12 +15,23 @@ _CROSSED = 0.5  # of the change of velocity per step; below it, the velocity pas
 _MOST_CHANGES = 10_000_000  # most values for a quantile
 _CERTAIN = 3.0  # standard deviations of the noise, above which the direction is known
 _LEAST_SHARE, _LEAST_SPEED = 1e-3, 1e-6  # of the RMS speed, and in its unit: limits of the resolution
+_HOLDING = 0.5  # of a sample, by which holding delays a command
 _SHORT = 0.3  # of a sample; a controller twice as fast as the log is already a quarter of a sample off
 
 
-def is_short(late: float, time_step: float) -> bool:
-    """Whether a delay, s, is too short to be told from the timing of a held command."""
-    return 0.0 < abs(late) < _SHORT * time_step
+def is_short(late: float, time_step: float, held: bool) -> bool:
+    """Whether a delay, s, is too short to be told from the timing of the commands.
+
+    A command that is held to the next sample acts half a sample late on average. Taken for measured at the sample, it
+    looks late by as much, and a measured one that is taken for held looks early.
+
+    Args:
+        late: how late a command acts beyond what is assumed.
+        time_step: between samples, s.
+        held: whether commands are taken to be held.
+    """
+    samples = late / time_step
+    return late != 0.0 and (-_SHORT - _HOLDING * held < samples < _SHORT + _HOLDING * (not held))
 
 
 def resolved(nominal: Simulator, blocks: Blocks) -> Simulator:

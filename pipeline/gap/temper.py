@@ -26,7 +26,7 @@ from torch import Tensor
 from simgap.physics.weak_form import WindowFunctions
 from simgap.simulation.blocks import Blocks
 
-_SECONDS = 1.0
+SECONDS = 1.0
 """Time between independent samples of a discrepancy: of thirteen real joints, a second gave the most right answers."""
 _FREEDOM = 16.0
 """Degrees of freedom of a discrepancy: it is a smooth function of the state."""
@@ -151,7 +151,7 @@ def temper_of(blocks: Blocks, functions: WindowFunctions) -> Temper:
     """Return how rows of these blocks count."""
     rows = len(functions.centres)
     seconds = len(blocks) * blocks.samples * blocks.time_step
-    lasting = 1.0 / (_SECONDS / seconds + 1.0 / _FREEDOM) / len(blocks)
+    lasting = 1.0 / (SECONDS / seconds + 1.0 / _FREEDOM) / len(blocks)
     lasting = min(lasting, _OVERLAP * rows)
     return Temper(rows, lasting, _OVERLAP * rows - lasting)
 
