@@ -50,19 +50,19 @@ def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
     cleaned = clean_with_coverage(recording, config.clean, config.dataset.split, case.seed).recording
     known = _known(case.kind, key)
     whole = build_simulator(case.platform, SimulatorSettings(effects=known), cleaned.units)
-    prepared = likeliest_reading(cleaned, whole, replace(config.gap, effects=[])).prepared
-    blocks, functions = prepared.problem.blocks, prepared.problem.functions
+    reading = likeliest_reading(cleaned, whole, replace(config.gap, effects=[]))
+    blocks, functions = reading.problem.blocks, reading.problem.functions
     without = {name: values for name, values in known.items() if not _is_of(name, effect)}
     simulators = [
         replace(
             build_simulator(case.platform, SimulatorSettings(effects=effects), cleaned.units),
-            settings=prepared.nominal.settings,
+            settings=reading.nominal.settings,
         )
         for effects in (known, without)
     ]
     constants = simulators[0].constants()
     if any(
-        is_short(effect_by_key(case.kind, name).lateness(values, constants), blocks.time_step)
+        is_short(effect_by_key(case.kind, name).lateness(values, constants), blocks.time_step, reading.held)
         for name, values in known.items()
         if _is_of(name, effect)
     ):
