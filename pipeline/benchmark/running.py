@@ -29,7 +29,8 @@ def run_cases(
         work: does a task in the folder that it may write to and returns its result, plain values alone.
         folder: holds one folder per task.
         jobs: processes side by side.
-        identity: of a task; a result of another identity under the same name is done again.
+        identity: of a task; a result of another identity under the same name is done again, and so is one that
+            `failed`.
 
     Raises:
         InputError: when a process was killed from outside.
@@ -78,7 +79,7 @@ def _done(folder: Path, identity: str) -> dict[str, Any] | None:
     if not path.exists():
         return None
     result = json.loads(path.read_text(encoding="utf-8"))
-    return result if result.get("identity") == identity else None
+    return result if result.get("identity") == identity and "failed" not in result else None
 
 
 def write_whole(content: Any, path: Path) -> None:

@@ -19,7 +19,7 @@ class Gap:
     """Settings of the gap engine."""
 
     effects: list[str] | None = None
-    """Names that may be selected; null: the whole catalogue of the platform kind."""
+    """Effects that may be missing; null: the whole catalogue of the platform kind."""
     block_duration: float = 1.0
     """Length of the stretches that a recording is cut into, s."""
     test_width: float = 0.2
@@ -31,11 +31,11 @@ class Gap:
     least_share: float = 0.02
     """Least share of the excess over the noise floor that a formula must explain, cross-validated."""
     least_probability: float = 0.3
-    """Least probability of a named effect."""
+    """Least probability of a named effect that belongs to the most probable explanation."""
     folds: int = 5
     """Folds of the cross-validation over runs."""
     most_effects: int = 8
-    """Most effects that are named in one diagnosis."""
+    """Most effects of a set that the search proposes; one at a time it may add more."""
     horizon: float = 0.5
     """Length of the open-loop predictions of the validation, s."""
     fit_horizon: float = 0.3
