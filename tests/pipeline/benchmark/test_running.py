@@ -71,6 +71,14 @@ def test_an_answer_to_another_question_is_not_taken(tmp_path):
     assert times(tmp_path, "a") == 3
 
 
+def test_a_case_that_failed_is_tried_again(tmp_path):
+    run(tmp_path, {"a": 1})
+    path = tmp_path / "a" / RESULT
+    write_whole(json.loads(path.read_text()) | {"failed": "TypeError: no"}, path)
+    assert "failed" not in run(tmp_path, {"a": 1})["a"]
+    assert times(tmp_path, "a") == 2
+
+
 def test_nothing_to_do_needs_no_process(tmp_path):
     assert run(tmp_path, {}) == {}
 
