@@ -105,16 +105,19 @@ def name(readings: Sequence[Reading], settings: Gap) -> Naming:
 
 
 def _named(posterior: Posterior, base: Fit, least: float) -> tuple[Named, ...]:
-    """Return the names of the best hypothesis that are probable enough, and others that are more likely than not."""
+    """Return the names of the best hypothesis that are probable enough, and others that are more likely than not.
+
+    The posterior decides what is named, and recalibration what is said of it: two effects that stand in for each other
+    share what is certain of both together.
+    """
     found = []
     for key, raw in posterior.inclusion().items():
-        probability = calibrated(raw)
-        if probability < (least if key in posterior.best.names else BELIEVED):
+        if raw < (least if key in posterior.best.names else BELIEVED):
             continue
         hypothesis = posterior.best_with(key)
         fitted = next(f for f in hypothesis.fit.simulator.free if f.effect.key == key)
         channel, share = _share(hypothesis.fit, fitted.effect, base, hypothesis.reading.problem)
-        found.append(Named(fitted, probability, channel, share))
+        found.append(Named(fitted, calibrated(raw), channel, share))
     # Of what is equally sure, first what explains more: rounding of a sum of weights decides nothing.
     return tuple(sorted(found, key=lambda n: (-round(n.probability, _DIGITS), -n.share, n.effect.key)))
 

@@ -31,7 +31,7 @@ class Gap:
     least_share: float = 0.02
     """Least share of the excess over the noise floor that a formula must explain, cross-validated."""
     least_probability: float = 0.3
-    """Least probability of a named effect that belongs to the most probable explanation."""
+    """Least posterior probability, before recalibration, of a named effect of the most probable explanation."""
     folds: int = 5
     """Folds of the cross-validation over runs."""
     most_effects: int = 8

@@ -40,7 +40,7 @@ def test_the_planted_effect_is_named_and_no_other(name, seed):
     rivals = {rival.key for rivalry in found.naming.rivalries for rival in rivalry.rivals}
     # One input and its answer: a late command and a late sensor are one and the same there.
     assert rivals == ({"sensor_time_offset"} if name == "command_delay" else set())
-    assert sum(found.naming.probabilities[key] for key in (name, *rivals)) > 0.9
+    assert sum(found.naming.posterior.inclusion()[key] for key in (name, *rivals)) > 0.9
     assert value_of(found, name) == pytest.approx(truth, rel=0.1)
     wrong_number = name.endswith("_error")
     assert found.verdict == ("parameter_mismatch" if wrong_number else "missing_physics")
