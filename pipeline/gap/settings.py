@@ -26,7 +26,7 @@ class Gap:
     """Width of the test functions that residuals are averaged with, s."""
     margin: float = 0.5
     """Time before a block in which effects with memory settle, s."""
-    budget: float = 120.0
+    budget: float = 300.0
     """Greatest time of the search, s; then the best answer so far is given, marked as such."""
     least_share: float = 0.02
     """Least share of the excess over the noise floor that a formula must explain, cross-validated."""
@@ -40,7 +40,7 @@ class Gap:
     """Length of the open-loop predictions of the validation, s."""
     fit_horizon: float = 0.3
     """Length of the open-loop predictions through which the named effects are fitted together, s."""
-    most_blocks: int = 600
+    most_blocks: int = 200
     """Most blocks that are used of the fitting runs, drawn evenly; bounds the time of a diagnosis."""
     resamples: int = 400
     """Bootstrap resamples of the intervals."""
