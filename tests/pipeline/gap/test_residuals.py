@@ -248,7 +248,7 @@ def test_friction_over_the_samples_in_which_an_axis_turns_round_leaves_less_than
 
 
 def test_a_motor_that_stays_inside_the_gap_explains_no_motion_of_its_load():
-    """With most of the inertia in a gap that it never crosses, nothing drives the load: its error is whole."""
+    """With half of the inertia in a gap that it never crosses, nothing drives the load: its error is whole."""
     problem = problem_of(joint_recording(Plant()), joint_simulator())
     wide = FittedEffect(effect_by_key("joint", "backlash"), {"gap": 100.0, "motor_inertia_share": 0.5})
     simulator = joint_simulator(wide)

@@ -88,11 +88,12 @@ def test_a_block_that_is_missed_counts_more_where_all_others_are_met():
 def test_the_weight_is_the_slope_of_the_likelihood(seed):
     """A row's residual r counts −dℓ/dr / r: with a mean square of n rows, −2/n · dℓ/d(mean square)."""
     left = spread_of(seed).requires_grad_()
-    (slope,) = torch.autograd.grad(TEMPER.value(left, NOISE).sum(), left)
-    # The usual size of a discrepancy is the end of an iteration: within a thousandth.
-    torch.testing.assert_close(
-        TEMPER.weight(left.detach(), NOISE), -2.0 / TEMPER.rows * slope, rtol=1e-3, atol=1e-3
-    )
+    mixture, weight = TEMPER.mixture(left.detach(), NOISE), TEMPER.weight(left.detach(), NOISE)
+    (slope,) = torch.autograd.grad(TEMPER.value_of(mixture, left, NOISE).sum(), left)
+    torch.testing.assert_close(weight, -2.0 / TEMPER.rows * slope)
+    # The likeliest mixture moves with the residual and changes nothing, but for the end of its iteration.
+    (whole,) = torch.autograd.grad(TEMPER.value(left, NOISE).sum(), left)
+    torch.testing.assert_close(weight, -2.0 / TEMPER.rows * whole, rtol=1e-3, atol=1e-3)
 
 
 @pytest.mark.parametrize("seed", range(3))
