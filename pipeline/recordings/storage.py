@@ -61,6 +61,25 @@ def read_table(path: Path) -> Table:
     )
 
 
+def header_of(path: Path) -> list[str]:
+    """Return the names of the columns of Parquet or CSV, without reading the rows.
+
+    Raises:
+        InputError: when the file is missing, unreadable or empty.
+    """
+    if _first_bytes(path) == _MAGIC:
+        try:
+            return [str(name) for name in pq.read_schema(path).names]
+        except (pa.ArrowException, OSError, ValueError) as error:
+            reason = str(error).splitlines()[0]
+            raise InputError(f"is a damaged Parquet file ({reason})", str(path), "write it again") from None
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            return [name.strip() for name in next(csv.reader(file), [])]
+    except (UnicodeDecodeError, csv.Error):
+        raise InputError("is not a text file", str(path), "give CSV in UTF-8, or Parquet") from None
+
+
 def _first_bytes(path: Path) -> bytes:
     if path.is_dir():
         raise InputError("is a folder", str(path), "give the path of one file")

@@ -1,0 +1,63 @@
+"""From the path of a log of any format to a recording: by the mapping that a person gives, or by a proposed one."""
+
+from pathlib import Path
+
+from simgap.errors import InputError
+from simgap.logs.formats import format_of, read_log
+from simgap.logs.log import Log
+from simgap.logs.mapping import read_mapping
+from simgap.logs.proposal import Proposal, lacking, propose
+from simgap.logs.proposal_file import write_proposal
+from simgap.recordings.contract import KINDS
+from simgap.recordings.recording import Recording, read_recording
+from simgap.recordings.storage import header_of
+
+
+def open_recording(path: Path, kind: str | None = None, mapping: Path | None = None) -> Recording:
+    """Read a recording from a log of any format.
+
+    A table with the contract's columns is read as it is. For any other log the mapping is taken, or one is proposed;
+    a proposal that is not sure is written beside the working directory, and the error names it.
+
+    Args:
+        path: a file, or the folder of a format that has several files.
+        kind: quadrotor, swerve or joint, where the platform says it.
+        mapping: a YAML file; see `simgap.logs.mapping.read_mapping`.
+
+    Raises:
+        InputError: when the log cannot be used, or a person has to say which signal is which column.
+    """
+    from simgap.logs.apply import recording_of
+
+    if mapping is not None:
+        chosen = read_mapping(mapping)
+        return recording_of(read_log(path), chosen)
+    if format_of(path).name in ("Parquet", "CSV") and _is_recording(path, kind):
+        return read_recording(path, kind)
+    log = read_log(path)
+    proposal = propose(log, kind)
+    _require(log, proposal, path)
+    return recording_of(log, proposal.mapping())
+
+
+def _is_recording(path: Path, kind: str | None) -> bool:
+    """Whether a table has the contract's columns: `t`, and those that a kind requires."""
+    present = set(header_of(path))
+    return "t" in present and any(not lacking(each, present) for each in ([kind] if kind else KINDS))
+
+
+def _require(log: Log, proposal: Proposal, path: Path) -> None:
+    """Refuse to go on with a proposal that is not sure or lacks a column."""
+    if proposal.refusal:
+        raise InputError(proposal.refusal, str(path), f"simgap inspect {path} shows what is in it")
+    lost = lacking(proposal.kind, set(proposal.columns)) if proposal.kind else []
+    if lost:
+        advice = proposal.missing.get(lost[0], f"simgap inspect {path} shows what is in it")
+        raise InputError(f"no signal for {', '.join(map(repr, lost[:4]))} was found", str(path), advice)
+    if not proposal.is_sure:
+        written = write_proposal(log, proposal, Path(f"{path.stem}.mapping.yaml"))
+        raise InputError(
+            "which signal is which column is not clear",
+            str(path),
+            f"correct {written}, and give mapping={written}",
+        )

@@ -1,0 +1,92 @@
+"""A proposed mapping: which signal is which column, how sure that is, and what is missing."""
+
+import importlib
+from collections.abc import Mapping as AbstractMapping
+from dataclasses import dataclass, field
+
+from simgap.logs.log import Log, Span
+from simgap.logs.mapping import Mapping, Source
+from simgap.recordings.contract import ANY_OF, REQUIRED
+
+SURE = 0.9
+"""Confidence from which on a proposed column is used without asking, as a name of 0.9 is right in nine of ten."""
+
+LAYOUTS: tuple[str, ...] = ()
+"""Modules in `simgap.logs.layouts` with `propose(log, kind) -> Proposal | None`, each for logs of one software."""
+
+
+@dataclass(frozen=True)
+class Proposed:
+    """A proposed column.
+
+    Attributes:
+        source: where it comes from.
+        confidence: from 0 to 1.
+        reason: why, in a few words.
+    """
+
+    source: Source
+    confidence: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A proposed mapping.
+
+    Attributes:
+        kind: quadrotor, swerve or joint; None where the log fits none.
+        columns: column of the contract to what is proposed.
+        missing: what the kind still needs, and how to log it: column (or a group) to a sentence.
+        windows: proposed runs, where the log marks none.
+        notes: sentences for a person: what the log shows of the machine, what its rates allow.
+        refusal: why a diagnosis makes no sense at all: nothing moves, not a quadrotor; empty where it does.
+    """
+
+    kind: str | None
+    columns: AbstractMapping[str, Proposed]
+    missing: AbstractMapping[str, str] = field(default_factory=dict)
+    windows: tuple[Span, ...] = ()
+    notes: tuple[str, ...] = ()
+    refusal: str = ""
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether all that is needed is there and sure."""
+        return (
+            self.kind is not None
+            and not self.refusal
+            and not lacking(self.kind, set(self.columns))
+            and all(proposed.confidence >= SURE for proposed in self.columns.values())
+        )
+
+    def mapping(self) -> Mapping:
+        """Return the mapping that is proposed; its kind must be known."""
+        assert self.kind is not None
+        return Mapping(self.kind, {name: entry.source for name, entry in self.columns.items()}, self.windows)
+
+
+def propose(log: Log, kind: str | None = None) -> Proposal:
+    """Propose a mapping of a log's signals to the columns of the contract.
+
+    Args:
+        log: as it was read.
+        kind: what it is a recording of, where that is known.
+    """
+    for layout in LAYOUTS:
+        found: Proposal | None = importlib.import_module(f"simgap.logs.layouts.{layout}").propose(log, kind)
+        if found is not None:
+            return found
+    from simgap.logs.guess import guess
+
+    return guess(log, kind)
+
+
+def lacking(kind: str, columns: set[str]) -> list[str]:
+    """Return the required columns that are not there; of groups of which one is needed, that of the first."""
+    lost = [column for column in REQUIRED[kind] if column not in columns]
+    groups = ANY_OF[kind]
+    if groups and not any(set(group) <= columns for group in groups):
+        begun = max(groups, key=lambda group: len(columns & set(group)))
+        lost += [column for column in begun if column not in columns]
+    return lost
