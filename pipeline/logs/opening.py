@@ -8,7 +8,7 @@ from simgap.logs.log import Log
 from simgap.logs.mapping import read_mapping
 from simgap.logs.proposal import Proposal, lacking, propose
 from simgap.logs.proposal_file import write_proposal
-from simgap.recordings.contract import KINDS
+from simgap.recordings.contract import COLUMNS, INDEX_COLUMNS, KINDS
 from simgap.recordings.recording import Recording, read_recording
 from simgap.recordings.storage import header_of
 
@@ -41,9 +41,10 @@ def open_recording(path: Path, kind: str | None = None, mapping: Path | None = N
 
 
 def _is_recording(path: Path, kind: str | None) -> bool:
-    """Whether a table has the contract's columns: `t`, and those that a kind requires."""
-    present = set(header_of(path))
-    return "t" in present and any(not lacking(each, present) for each in ([kind] if kind else KINDS))
+    """Whether a table is meant as a recording: it has what a kind requires, or no column but the contract's."""
+    present, kinds = set(header_of(path)), [kind] if kind else KINDS
+    known = any(present <= {*INDEX_COLUMNS, *COLUMNS[each]} for each in kinds)
+    return "t" in present and (known or any(not lacking(each, present) for each in kinds))
 
 
 def _require(log: Log, proposal: Proposal, path: Path) -> None:
