@@ -32,7 +32,7 @@ def open_recording(path: Path, kind: str | None = None, mapping: Path | None = N
     if mapping is not None:
         chosen = read_mapping(mapping)
         return recording_of(read_log(path), chosen)
-    if format_of(path).name in ("Parquet", "CSV") and _is_recording(path, kind):
+    if format_of(path).name in ("Parquet", "CSV") and _is_recording(path):
         return read_recording(path, kind)
     log = read_log(path)
     proposal = propose(log, kind)
@@ -40,11 +40,11 @@ def open_recording(path: Path, kind: str | None = None, mapping: Path | None = N
     return recording_of(log, proposal.mapping())
 
 
-def _is_recording(path: Path, kind: str | None) -> bool:
+def _is_recording(path: Path) -> bool:
     """Whether a table is meant as a recording: it has what a kind requires, or no column but the contract's."""
-    present, kinds = set(header_of(path)), [kind] if kind else KINDS
-    known = any(present <= {*INDEX_COLUMNS, *COLUMNS[each]} for each in kinds)
-    return "t" in present and (known or any(not lacking(each, present) for each in kinds))
+    present = set(header_of(path))
+    known = any(present <= {*INDEX_COLUMNS, *COLUMNS[kind]} for kind in KINDS)
+    return "t" in present and (known or any(not lacking(kind, present) for kind in KINDS))
 
 
 def _require(log: Log, proposal: Proposal, path: Path) -> None:
