@@ -28,6 +28,7 @@ ORDER = (
     "calibrate",
     "results",
     "effects",
+    "motors",
 )
 
 HELP = {"-h", "--help"}

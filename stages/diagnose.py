@@ -62,7 +62,7 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
 
 def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
     """Return a person's own recording and what is believed of its platform."""
-    from simgap.api.flow import nominal_simulator
+    from simgap.api.flow import nominal_simulator, with_assumptions
     from simgap.platforms import platform_from_config
 
     path = run.input(config.recording or "")
@@ -70,7 +70,7 @@ def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
 
     from simgap.recordings.recording import read_recording  # with pandas: after the platform has been checked
 
-    recording = read_recording(path, kind)
+    recording = with_assumptions(read_recording(path, kind), config.platform)
     return recording, nominal_simulator(recording, config.platform, config.simulator, str(path))
 
 
