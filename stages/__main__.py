@@ -47,6 +47,7 @@ usage: simgap COMMAND [key=value ...]      simgap COMMAND --help      simgap --v
 
 A recording of your own:
   simgap diagnose [--config-dir DIR] platform=NAME recording=PATH output=DIR
+  simgap diagnose platform=FILE [joint=NAME] recording=PATH output=DIR     (YAML, URDF or MJCF)
 """
 
 

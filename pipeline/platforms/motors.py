@@ -108,13 +108,18 @@ def motor_named(name: Any, where: str) -> NamedMotor:
     Raises:
         InputError: when there is no such motor, with the nearest names.
     """
-    known = {_plain(each): motor for motor in motors() for each in (motor.name, *motor.also)}
+    known = _by_name()
     plain = _plain(name) if isinstance(name, str) else ""
     if plain in known:
         return known[plain]
     near = list(dict.fromkeys(known[key].name for key in _nearest(plain, known)))[:_NEAR]
     remedy = f"did you mean {' or '.join(map(repr, near))}?" if near else "see simgap motors"
     raise InputError(f"there is no motor {name!r}", where, remedy)
+
+
+@cache
+def _by_name() -> dict[str, NamedMotor]:
+    return {_plain(each): motor for motor in motors() for each in (motor.name, *motor.also)}
 
 
 def _nearest(plain: str, known: dict[str, NamedMotor]) -> list[str]:

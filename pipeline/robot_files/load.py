@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from simgap.errors import InputError
-from simgap.robot_files.bodies import Axis, Body, Pose, Robot
+from simgap.robot_files.bodies import Axis, Body, Pose, Robot, Solid
 
 _ANGLE = 1e-3  # rad: what an angle written with three decimals may be wrong by
 _LENGTH = 1e-6  # m: a center of mass nearer to the axis than a micrometre is on it
@@ -51,12 +51,9 @@ def load_of(robot: Robot, axis: Axis, body: Body, pose: Pose) -> Load:
         bodies += 1
         for solid in part.solids():
             arm = place.of(solid.center) - anchor
-            along = place.rotation.T @ direction
             mass += solid.mass
             moment += solid.mass * arm
-            inertia += along @ solid.inertia @ along + solid.mass * float(
-                np.sum(np.cross(direction, arm) ** 2)
-            )  # the parallel axis theorem
+            inertia += _about(direction, arm, solid, place)
     if mass <= 0.0 or (inertia <= 0.0 and not axis.slides):
         what = "mass" if mass <= 0.0 else "inertia about its axis"
         raise InputError(
@@ -65,7 +62,13 @@ def load_of(robot: Robot, axis: Axis, body: Body, pose: Pose) -> Load:
     if axis.slides:
         return Load(bodies, mass, mass, force=mass * float(robot.gravity @ direction))
     sine, cosine = _gravity(robot.gravity, direction, moment, mass, axis.reference)
-    return Load(bodies, mass, float(inertia), sine, cosine)
+    return Load(bodies, mass, inertia, sine, cosine)
+
+
+def _about(direction: np.ndarray, arm: np.ndarray, solid: Solid, place: Pose) -> float:
+    """Return the inertia of a mass about an axis that its center is an arm away from: the parallel axis theorem."""
+    along = place.rotation.T @ direction
+    return float(along @ solid.inertia @ along + solid.mass * np.sum(np.cross(direction, arm) ** 2))
 
 
 def _gravity(

@@ -21,7 +21,8 @@ def add_actuators(root: Element, settings: Settings, axes: Mapping[str, Axis]) -
     for element in (entry for section in root.findall("actuator") for entry in section):
         where = f"{settings.file}: {element.tag} {element.get('name', 'without a name')!r}"
         given = settings.attributes(element, None, where)
-        axis = axes.get(given.get("joint") or given.get("jointinparent") or "")
+        name = given.get("joint", given.get("jointinparent"))
+        axis = axes.get(name) if name else None
         if axis is not None:
             _add(axis, element.tag, given, settings, where)
 

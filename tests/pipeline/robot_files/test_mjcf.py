@@ -151,6 +151,13 @@ def test_a_position_actuator_is_a_controller(tmp_path, actuator, controller):
     assert keys(text, tmp_path).get("controller", {}) == pytest.approx(expected)
 
 
+def test_an_actuator_of_something_else_is_none_of_a_joint_without_a_name(tmp_path):
+    text = mjcf(
+        body('<joint axis="0 1 0"/>', BALL), after='<actuator><position tendon="t" kp="3"/></actuator>'
+    )
+    assert "controller" not in keys(text, tmp_path)
+
+
 def test_a_spring_at_rest_at_zero_is_a_stiffness(tmp_path):
     spring = '<joint name="j" axis="0 1 0" stiffness="4" springref="{}" damping="0.1" frictionloss="0.2"/>'
     found = keys(mjcf(body(spring.format(0), BALL)), tmp_path)
