@@ -31,6 +31,8 @@ def read_mjcf(root: Element, file: str) -> Robot:
         body for world in root.findall("worldbody") for body in _Reader(settings).bodies(world, Pose(), None)
     ]
     robot = Robot(file, bodies, settings.gravity)
+    if settings.total_mass > 0.0:
+        settings.scale = _scale(robot, settings.total_mass)
     axes = {axis.name: axis for axis, _, _ in robot.axes()}
     add_actuators(root, settings, axes)
     for equality in (entry for section in root.findall("equality") for entry in section):
@@ -39,6 +41,14 @@ def read_mjcf(root: Element, file: str) -> Robot:
                 axis.remarks.append("The equality constraints of the file are not taken into account.")
             break
     return robot
+
+
+def _scale(robot: Robot, total_mass: float) -> float:
+    """Return what makes the masses of all bodies a total; the bodies are read for it as they are."""
+    masses = [solid.mass for root in robot.bodies for body, _ in root.walk(Pose()) for solid in body.solids()]
+    if sum(masses) <= 0.0:
+        raise InputError("settotalmass is given, and nothing has a mass", robot.file, "correct the file")
+    return total_mass / sum(masses)
 
 
 class _Reader:
@@ -90,7 +100,10 @@ class _Reader:
     def _solids(
         self, contents: list[tuple[Element, Pose, str | None]], where: str
     ) -> Callable[[], list[Solid]]:
-        return lambda: masses_of(contents, self.settings, where)
+        return lambda: [
+            Solid(self.settings.scale * solid.mass, solid.center, self.settings.scale * solid.inertia)
+            for solid in masses_of(contents, self.settings, where)
+        ]
 
     def _axes(self, element: Element, frame: Pose, inherited: str | None, where: str) -> list[Axis]:
         if element.tag != "joint":

@@ -11,7 +11,7 @@ from simgap.robot_files.bodies import Pose
 from simgap.robot_files.values import number, numbers, unit, vector
 
 _MAIN = "main"
-_UNREAD = ("settotalmass", "boundmass", "boundinertia")  # they change every mass
+_UNREAD = ("boundmass", "boundinertia")  # they change single masses
 _ACTUATORS = (
     "general",
     "motor",
@@ -36,6 +36,8 @@ class Settings:
         from_shapes: whether masses come from shapes: `true`, `false`, or `auto`, where no inertial says them.
         groups: of shapes that have a mass, first and last.
         autolimits: whether a range alone makes a limit.
+        total_mass: of all bodies, to which their masses are scaled, kg; 0 where they hold as they are.
+        scale: of every mass.
         gravity: m/s², shape (3,).
         defaults: class to tag to attributes.
     """
@@ -46,6 +48,8 @@ class Settings:
     from_shapes: str = "auto"
     groups: tuple[float, float] = (0.0, 5.0)
     autolimits: bool = True
+    total_mass: float = 0.0
+    scale: float = 1.0
     gravity: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
     defaults: dict[str, dict[str, dict[str, str]]] = field(default_factory=lambda: {_MAIN: {}})
 
@@ -116,7 +120,7 @@ def read_settings(root: Element, file: str) -> Settings:
     """Return the settings of an MJCF document.
 
     Raises:
-        InputError: on a setting that changes all masses and is not read here.
+        InputError: on a setting that changes masses and is not read here.
     """
     settings = Settings(file)
     for compiler in root.findall("compiler"):
@@ -134,6 +138,7 @@ def _compile(settings: Settings, compiler: Element, where: str) -> None:
     for key in _UNREAD:
         if number(given, key, 0.0, where) > 0.0:
             raise InputError(f"{key} is not read", where, "give the masses themselves")
+    settings.total_mass = number(given, "settotalmass", settings.total_mass, where)
     settings.degrees = given.get("angle", "degree" if settings.degrees else "radian") == "degree"
     settings.sequence = given.get("eulerseq", settings.sequence)
     if len(settings.sequence) != 3 or settings.sequence not in _sequences():

@@ -60,6 +60,14 @@ def test_the_rotor_counts_and_gravity_is_that_of_the_file(tmp_path):
     assert not any("inertia of the rotor" in sentence for sentence in found["assumptions"])
 
 
+def test_masses_are_scaled_to_the_total_that_the_file_gives(tmp_path):
+    world = body(HINGE, BALL) + body('<geom size="0.1" mass="6"/>')
+    plain = keys(mjcf(world), tmp_path)
+    scaled = keys(mjcf(world, '<compiler settotalmass="4"/>'), tmp_path)
+    for key in ("inertia", "gravity_torque"):
+        assert scaled[key] == pytest.approx(0.5 * plain[key])
+
+
 def test_classes_inherit_and_the_nearest_counts(tmp_path):
     before = """<default><joint armature="1"/>
       <default class="arm"><joint armature="2"/><geom mass="5"/>
@@ -192,7 +200,8 @@ def test_what_else_the_file_says_is_not_passed_over(tmp_path):
         (mjcf(body(HINGE)), "joint 'j' moves no mass"),
         (mjcf(body("<freejoint/>", BALL)), "has no joint that turns or slides about one axis"),
         (mjcf(body(HINGE, BALL, attributes='quat="0 0 0 0"')), "the quaternion has no direction"),
-        (mjcf(body(HINGE, BALL), '<compiler settotalmass="3"/>'), "compiler: settotalmass is not read"),
+        (mjcf(body(HINGE, BALL), '<compiler boundmass="3"/>'), "compiler: boundmass is not read"),
+        (mjcf(body(HINGE), '<compiler settotalmass="3"/>'), "settotalmass is given, and nothing has a mass"),
         (mjcf(body(HINGE, BALL), '<compiler eulerseq="abc"/>'), "eulerseq='abc' is no sequence"),
         (mjcf('<include file="/etc/passwd"/>'), "<include> is not read; let MuJoCo write the whole model"),
         (mjcf(body(HINGE, '<replicate count="3"/>')), "<replicate> is not read"),
