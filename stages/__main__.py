@@ -30,6 +30,7 @@ ORDER = (
     "calibrate",
     "results",
     "effects",
+    "motors",
 )
 
 HELP = {"-h", "--help"}
@@ -49,6 +50,7 @@ usage: simgap COMMAND [key=value ...]      simgap COMMAND --help      simgap --v
 A recording of your own:
   simgap inspect PATH
   simgap diagnose [--config-dir DIR] platform=NAME recording=PATH [mapping=FILE] output=DIR
+  simgap diagnose platform=FILE [joint=NAME] recording=PATH output=DIR     (YAML, URDF or MJCF)
 """
 
 

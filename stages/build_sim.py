@@ -22,6 +22,7 @@ class BuildSimStage(StageConfig):
 @stage(BuildSimStage)
 def build_sim(config: BuildSimStage, run: StageRun) -> None:
     """Build the nominal simulator from platform, identified parameters and named effects."""
+    from simgap.platforms import platform_assumptions
     from simgap.recordings.recording import read_recording, require_kind
     from simgap.simulation import replay_error, write_simulator
     from simgap.simulation.blocks import cut_blocks
@@ -37,6 +38,8 @@ def build_sim(config: BuildSimStage, run: StageRun) -> None:
     write_simulator(simulator, run.output)
     blocks = cut_blocks(recording, simulator.platform, BLOCK_DURATION, MARGIN)
     run.log_metrics(replay_error(simulator, blocks, BLOCK_DURATION / 2))
+    for assumption in platform_assumptions(config.platform):
+        run.warn(assumption)
 
 
 if __name__ == "__main__":

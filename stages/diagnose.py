@@ -63,7 +63,7 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
 
 def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
     """Return a person's own recording and what is believed of its platform."""
-    from simgap.api.flow import nominal_simulator
+    from simgap.api.flow import nominal_simulator, with_assumptions
     from simgap.platforms import platform_from_config
 
     path = run.input(config.recording or "")
@@ -72,6 +72,7 @@ def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
     from simgap.logs.opening import open_recording  # with pandas: after the platform has been checked
 
     recording = open_recording(path, kind, run.input(config.mapping) if config.mapping else None)
+    recording = with_assumptions(recording, config.platform)
     return recording, nominal_simulator(recording, config.platform, config.simulator, str(path))
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from simgap.api.answer import Answer
-from simgap.api.flow import diagnosed, nominal_simulator
+from simgap.api.flow import diagnosed, nominal_simulator, with_assumptions
 from simgap.api.inputs import load_recording, platform_config, settings_of
 from simgap.gap.settings import Gap
 from simgap.platforms.settings import SimulatorSettings
@@ -42,6 +42,7 @@ def diagnose(
     settings: Mapping[str, Any] | None = None,
     units: Mapping[str, str] | None = None,
     mapping: str | Path | None = None,
+    joint: str | None = None,
 ) -> Answer:
     """Say which physics the simulator of a machine lacks, by a recording of the machine.
 
@@ -49,13 +50,14 @@ def diagnose(
 
     Args:
         recording: the path of a log, a data frame or a mapping of columns; see `load_recording`.
-        platform: what is known of the machine: the path of a YAML file, a mapping of its keys, a `Quadrotor`, `Swerve`
-            or `Joint` of `simgap.platforms`, or the name of a platform that the package brings.
+        platform: what is known of the machine: the path of a YAML, URDF or MJCF file, a mapping of keys, a `Quadrotor`,
+            `Swerve` or `Joint` of `simgap.platforms`, or the name of a platform that the package brings.
         settings: what differs from the configuration in conf/, nested as there, for example
             `{"gap": {"effects": ["coulomb_friction"]}, "dataset": {"split": {"holdout": ["run_7"]}}}`. The keys
             are `dataset.split`, `clean`, `simulator`, `gap` and `seed`, which draws runs that are held out by chance.
         units: the units of the columns of a data frame or mapping, where they are not the contract's.
         mapping: path of a YAML file that says which signal of a log is which column; `simgap inspect` proposes one.
+        joint: which joint of a URDF or MJCF file was recorded; None for the only one that moves.
 
     Returns:
         The answer, which holds the diagnosed simulator.
@@ -64,10 +66,11 @@ def diagnose(
         InputError: when recording, platform or a setting cannot be used; one line says what, where and what to do.
     """
     chosen = settings_of(Settings, settings or {}, "settings")
-    known = platform_config(platform)
+    known = platform_config(platform, joint)
     from simgap.platforms import platform_from_config
 
-    read = load_recording(recording, platform_from_config(known).kind, units, mapping)
+    kind = platform_from_config(known).kind
+    read = with_assumptions(load_recording(recording, kind, units, mapping), known)
     name = Path(recording).name if isinstance(recording, str | Path) else "recording"
     nominal = nominal_simulator(read, known, chosen.simulator, name)
     found = diagnosed(read, nominal, chosen.gap, chosen.clean, chosen.dataset.split, chosen.seed)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -72,6 +72,19 @@ def nominal_simulator(
     from simgap.simulation.build import build_simulator  # with torch: after what is refused has been refused
 
     return build_simulator(platform, settings, recording.units)
+
+
+def with_assumptions(recording: "Recording", platform: Mapping[str, Any]) -> "Recording":
+    """Return a recording whose warnings also say what the platform leaves open.
+
+    Args:
+        recording: of the machine.
+        platform: the keys of docs/contract.md.
+    """
+    from simgap.platforms import platform_assumptions
+
+    said = platform_assumptions(platform)
+    return replace(recording, warnings=(*recording.warnings, *said)) if said else recording
 
 
 def diagnosed(

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from simgap.errors import InputError
+from simgap.robot_files import is_robot_file, read_robot_file
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,16 +75,23 @@ def _table(columns: "pd.DataFrame | Mapping[str, Any]", units: Mapping[str, str]
     return Table(frame.reset_index(drop=True), dict(units))
 
 
-def platform_config(platform: "PlatformLike") -> dict[str, Any]:
+def platform_config(platform: "PlatformLike", joint: str | None = None) -> dict[str, Any]:
     """Return the keys of a platform, as docs/contract.md lists them.
 
     Args:
-        platform: the path of a YAML file, a mapping of its keys, a `Quadrotor`, `Swerve` or `Joint` of
+        platform: the path of a YAML, URDF or MJCF file, a mapping of keys, a `Quadrotor`, `Swerve` or `Joint` of
             `simgap.platforms`, or the name of a platform that the package brings (`racer`, `servo`, ...).
+        joint: which joint of a URDF or MJCF file; None for the only one that moves.
 
     Raises:
-        InputError: when there is no such file or name, or the file is not a mapping.
+        InputError: when there is no such file, name or joint, or the file cannot be used.
     """
+    if isinstance(platform, str | Path) and is_robot_file(platform):
+        return read_robot_file(Path(platform).expanduser(), joint)
+    if joint is not None:
+        raise InputError(
+            "names a joint of a URDF or MJCF file", "joint", "give the path of one as the platform"
+        )
     if isinstance(platform, Mapping):
         return dict(platform)
     if isinstance(platform, str | Path):
@@ -105,15 +113,10 @@ def read_option(group: str, choice: str | Path) -> dict[str, Any]:
     Raises:
         InputError: when there is no such file or name, or the file is not a mapping.
     """
-    path = _option_path(group, choice)
-    import yaml
+    from simgap.artifacts.plain_yaml import read_yaml
 
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", str(path), "check the path") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError("is not plain YAML", str(path), "correct the file") from error
+    path = _option_path(group, choice)
+    content = read_yaml(path)
     if not isinstance(content, dict):
         raise InputError("is no mapping of keys", str(path), "see docs/contract.md")
     return content

@@ -37,15 +37,17 @@ def build_simulator(
     effects: Mapping[str, Mapping[str, float]] | None = None,
     command: str | None = None,
     position_unit: str = "rad",
+    joint: str | None = None,
 ) -> Machine:
     """Build a simulator from a platform and, if wanted, effects of the catalogue.
 
     Args:
-        platform: the path of a YAML file, a mapping of its keys, a dataclass of `simgap.platforms` or the name of a
-            platform that the package brings.
+        platform: the path of a YAML, URDF or MJCF file, a mapping of keys, a dataclass of `simgap.platforms` or the
+            name of a platform that the package brings.
         effects: effect to parameter to value, in the units of `simgap.catalogue`; what is left out has its default.
         command: what drives it, see `Machine`.
         position_unit: of a joint, rad or m.
+        joint: which joint of a URDF or MJCF file; None for the only one that moves.
 
     Raises:
         InputError: on a wrong platform, an unknown effect or parameter, or where the platform cannot be driven so.
@@ -54,7 +56,7 @@ def build_simulator(
         raise InputError(f"is {position_unit!r}", "position_unit", "use rad or m")
     settings = SimulatorSettings(effects={name: dict(values) for name, values in (effects or {}).items()})
     units = {"position": position_unit}
-    return Machine(built_simulator(platform_config(platform), settings, units), command)
+    return Machine(built_simulator(platform_config(platform, joint), settings, units), command)
 
 
 def catalogue(kind: str) -> tuple[Effect, ...]:

@@ -1,6 +1,5 @@
 """A mapping: which signal of a log is which column of the contract, as a YAML file that a person can correct."""
 
-import contextlib
 import difflib
 import math
 from collections.abc import Mapping as AbstractMapping
@@ -8,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from simgap.artifacts.plain_yaml import read_yaml
 from simgap.errors import InputError
 from simgap.logs.log import Span
 from simgap.recordings.contract import KINDS, channel_units
@@ -68,15 +68,7 @@ def read_mapping(path: Path) -> Mapping:
     Raises:
         InputError: when it cannot be read, or a key, a unit or a number is wrong.
     """
-    import yaml
-
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", str(path), "check the path") from None
-    except (yaml.YAMLError, UnicodeDecodeError):
-        raise InputError("is not plain YAML", str(path), "correct the file") from None
-    return mapping_from_config(content, str(path))
+    return mapping_from_config(read_yaml(path), str(path))
 
 
 def mapping_from_config(content: Any, where: str = "mapping") -> Mapping:
@@ -174,9 +166,6 @@ def _base(source: Source | None) -> str | None:
 
 
 def _number(value: Any, place: str) -> float:
-    if isinstance(value, str):  # YAML takes 5e-05 for a text
-        with contextlib.suppress(ValueError):
-            value = float(value)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise InputError(f"{value!r} is not a number", place, "give a number")
     return float(value)

@@ -1,7 +1,7 @@
 """Floor 2: platforms, the known parameters of a machine before identification."""
 
 from simgap.platforms.joint import Joint, JointMotor
-from simgap.platforms.load import platform_from_config, platform_to_config
+from simgap.platforms.load import platform_assumptions, platform_from_config, platform_to_config
 from simgap.platforms.quadrotor import Quadrotor
 from simgap.platforms.swerve import DirectCurrentMotor, SteerAxis, Swerve, SwerveAxis
 
@@ -16,6 +16,7 @@ __all__ = [
     "SteerAxis",
     "Swerve",
     "SwerveAxis",
+    "platform_assumptions",
     "platform_from_config",
     "platform_to_config",
 ]

@@ -10,6 +10,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 from simgap.errors import InputError
 from simgap.platforms.joint import Joint
 from simgap.platforms.quadrotor import Quadrotor
+from simgap.platforms.shorthand import plain
 from simgap.platforms.swerve import Swerve
 
 _BY_KIND: dict[str, type] = {cls.kind: cls for cls in (Joint, Quadrotor, Swerve)}
@@ -31,6 +32,26 @@ def platform_from_config(config: Any, where: str = "platform") -> Quadrotor | Sw
     Raises:
         InputError: on an unknown, missing, negative or non-numeric key, or on no mapping at all.
     """
+    chosen, values = _chosen(config, where)
+    given = plain(chosen, values, where).values
+    return _build(chosen, _with_means(given, where) if chosen is Quadrotor else given, where)
+
+
+def platform_assumptions(config: Any, where: str = "platform") -> tuple[str, ...]:
+    """Return what a platform leaves open and was assumed instead, one sentence each.
+
+    Args:
+        config: as for `platform_from_config`.
+        where: the configuration key to name in an error.
+
+    Raises:
+        InputError: as `platform_from_config`.
+    """
+    return plain(*_chosen(config, where), where).assumptions
+
+
+def _chosen(config: Any, where: str) -> tuple[type, dict[str, Any]]:
+    """Return the class of the kind, and the keys without the kind."""
     if not isinstance(config, Mapping):
         raise InputError("a mapping of keys is needed here", where, "see the platforms in conf/platform")
     values = dict(config)
@@ -39,24 +60,23 @@ def platform_from_config(config: Any, where: str = "platform") -> Quadrotor | Sw
         raise InputError(f"unknown kind {kind!r}", f"{where}.kind", f"use one of {', '.join(_BY_KIND)}")
     if not values:
         raise InputError("no platform is given", where, "choose one with platform=NAME")
-    chosen = _BY_KIND[kind] if kind else max(_BY_KIND.values(), key=_in_common(values))
-    return _build(chosen, _with_means(values, where) if chosen is Quadrotor else values, where)
+    return (_BY_KIND[kind] if kind else max(_BY_KIND.values(), key=_in_common(values))), values
 
 
 def platform_to_config(platform: Quadrotor | Swerve | Joint) -> dict[str, Any]:
     """Return the plain mapping from which `platform_from_config` builds the same platform, without what is absent."""
     given = {key: value for key, value in dataclasses.asdict(platform).items() if value is not None}
-    return {"kind": platform.kind} | _plain(given)
+    return {"kind": platform.kind} | _listed(given)
 
 
 def _in_common(values: Mapping[str, Any]) -> Callable[[type], int]:
     return lambda cls: len(values.keys() & {field.name for field in dataclasses.fields(cls)})
 
 
-def _plain(value: Any) -> Any:
+def _listed(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
-    return [_plain(entry) for entry in value] if isinstance(value, tuple) else value
+        return {key: _listed(entry) for key, entry in value.items()}
+    return [_listed(entry) for entry in value] if isinstance(value, tuple) else value
 
 
 def _with_means(values: dict[str, Any], where: str) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from simgap.artifacts.project import CONFIGURATION
 from simgap.errors import InputError
 from simgap.runner.config import StageConfig
 from simgap.runner.mistakes import configuration_mistakes
+from simgap.runner.platform_file import with_platform_files
 from simgap.runner.project import nearest
 
 if TYPE_CHECKING:
@@ -112,14 +113,14 @@ def prepare_overrides(overrides: Sequence[str], config_dir: str | None = None) -
     """Return the overrides such that Hydra accepts every key: the dataclasses know which there are.
 
     Raises:
-        InputError: when the first part of a key is nothing that `conf/config.yaml` has.
+        InputError: when the first part of a key is nothing that `conf/config.yaml` has, or a platform's file is no use.
     """
     folders = [CONFIGURATION] + ([Path(config_dir)] if config_dir else [])
     groups = {
         entry.name for folder in folders if folder.is_dir() for entry in folder.iterdir() if entry.is_dir()
     }
     known = root_keys() | groups
-    return [_prepare(override, known, groups) for override in overrides]
+    return [_prepare(override, known, groups) for override in with_platform_files(overrides)]
 
 
 def _is_single(override: str) -> bool:

@@ -15,7 +15,7 @@ from simgap.artifacts.project import STAGES
 from simgap.runner.project import commands, described, file_of
 from simgap.stages.__main__ import ORDER, main
 
-NO_STAGES = {"import", "inspect", "reproduce", "results", "effects", "stages"}
+NO_STAGES = {"import", "inspect", "reproduce", "results", "effects", "motors", "stages"}
 
 
 def simgap(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -57,6 +57,7 @@ def test_every_stage_is_in_it_for_every_branch() -> None:
         "calibrate",
         "results",
         "effects",
+        "motors",
         "stages",
     }
     assert set(STAGES) == set(commands()) - beside

@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from simgap.api.diagnosing import Settings
+from simgap.api.flow import with_assumptions
 from simgap.api.inputs import load_recording, platform_config, settings_of
 from simgap.api.simulators import build_simulator, catalogue
 from simgap.artifacts import CONFIGURATION
@@ -17,6 +18,7 @@ from simgap.recordings.recording import write_recording
 from simgap.runner.compose import compose
 from tests.pipeline.gap.recordings import JOINT, Plant, joint_recording
 from tests.pipeline.platforms.machines import MACHINES
+from tests.pipeline.robot_files.robots import rod
 
 
 def columns(samples: int = 40) -> dict[str, object]:
@@ -102,6 +104,31 @@ def test_a_files_own_folder_counts(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("arm.yaml").write_text("inertia: 0.3\n")
     assert platform_config("arm.yaml") == {"inertia": 0.3}
+
+
+def test_a_number_in_scientific_notation_is_a_number(tmp_path):
+    (tmp_path / "arm.yaml").write_text("inertia: 5e-05\n")
+    assert platform_from_config(platform_config(tmp_path / "arm.yaml")) == Joint(5e-5)
+
+
+def test_a_joint_of_a_robot_file_is_a_platform(tmp_path):
+    (tmp_path / "robot.urdf").write_text(rod(mass=0.6, length=0.5))
+    for given, joint in ((tmp_path / "robot.urdf", "hinge"), (str(tmp_path / "robot.urdf"), None)):
+        assert platform_from_config(platform_config(given, joint)).inertia == pytest.approx(0.05)
+    machine = build_simulator(tmp_path / "robot.urdf", joint="hinge")
+    hanging = machine.rollout(machine.state(position=0.0), np.zeros((10, 1)), dt=0.01)
+    np.testing.assert_allclose(np.asarray(hanging), 0.0, atol=1e-12)
+    with pytest.raises(InputError, match="there is no joint 'elbow'"):
+        platform_config(tmp_path / "robot.urdf", "elbow")
+    with pytest.raises(InputError, match="joint: names a joint of a URDF or MJCF file"):
+        platform_config("servo", "elbow")
+
+
+def test_what_a_platform_leaves_open_is_a_warning_of_the_recording(tmp_path):
+    (tmp_path / "robot.urdf").write_text(rod())
+    recording = with_assumptions(load_recording(columns()), platform_config(tmp_path / "robot.urdf"))
+    assert any("inertia of the rotor" in warning for warning in recording.warnings)
+    assert with_assumptions(recording, platform_config(JOINT)) is recording
 
 
 @pytest.mark.parametrize(
