@@ -27,6 +27,7 @@ class Format:
 
 
 FORMATS: tuple[Format, ...] = (
+    Format("WPILOG", "wpilog", lambda path, head: head.startswith(b"WPILOG")),
     Format("Parquet", "table", lambda path, head: head.startswith(b"PAR1")),
     Format("CSV", "table", lambda path, head: path.suffix.lower() in (".csv", ".txt")),
 )
