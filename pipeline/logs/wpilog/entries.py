@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ class Entry:
     name: str
     type: str
     metadata: str
-    records: NDArray[np.int64]
+    records: NDArray[Any]
 
 
 def entries_of(records: Records) -> tuple[list[Entry], list[str]]:
@@ -71,12 +72,12 @@ def _with_times(records: Records, remarks: list[str]) -> NDArray[np.bool_]:
     return usable
 
 
-def _by_entry(entry: NDArray[np.uint32], usable: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _by_entry(entry: NDArray[np.uint32], usable: NDArray[np.bool_]) -> NDArray[Any]:
     """Return the usable records by their entry, each entry's in the order of the file."""
     short = (
         entry.astype(np.uint16) if len(entry) and int(entry.max()) < 1 << 16 else entry
     )  # sorted much faster
-    order = np.argsort(short, kind="stable")
+    order = np.argsort(short, kind="stable").astype(np.uint32 if len(entry) < 1 << 32 else np.int64)
     return order if usable.all() else order[usable[order]]
 
 

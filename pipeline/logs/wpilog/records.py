@@ -34,7 +34,7 @@ class Records:
     Attributes:
         raw: bytes of the file, and some more.
         entry: number of the entry; 0 is a control record, (n,).
-        begin: first byte of the content, (n,).
+        begin: first byte of the content, whole numbers of 32 bits where these suffice, (n,).
         size: bytes of the content, (n,).
         time: µs, (n,).
         remarks: sentences about what was damaged.
@@ -42,7 +42,7 @@ class Records:
 
     raw: bytearray
     entry: NDArray[np.uint32]
-    begin: NDArray[np.int64]
+    begin: NDArray[Any]
     size: NDArray[np.uint32]
     time: NDArray[np.int64]
     remarks: tuple[str, ...] = ()
@@ -52,7 +52,7 @@ class Records:
         begin = int(self.begin[record])
         return bytes(self.raw[begin : begin + int(self.size[record])])
 
-    def numbers(self, dtype: str, places: NDArray[np.int64]) -> NDArray[Any]:
+    def numbers(self, dtype: str, places: NDArray[Any]) -> NDArray[Any]:
         """Return the numbers of a type that begin at bytes of the file, (n,)."""
         return _unaligned(self.raw, dtype)[places]
 
@@ -97,9 +97,9 @@ def _bytes(path: Path) -> tuple[bytearray, int]:
     return raw, end
 
 
-def _places(raw: bytearray, begin: int, end: int) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+def _places(raw: bytearray, begin: int, end: int) -> tuple[NDArray[Any], tuple[str, ...]]:
     """Return the first byte of each record, and what is damaged. Each record says where the next one begins."""
-    found, place, last = array("q"), begin, begin
+    found, place, last = array("I" if end < 1 << 32 else "q"), begin, begin
     lengths = [1 + entry + size + time for entry, size, time in zip(_ENTRY, _SIZE, _TIME, strict=True)]
     add, size_bytes, entry_bytes = found.append, _SIZE, _ENTRY
     while place < end:
@@ -112,7 +112,8 @@ def _places(raw: bytearray, begin: int, end: int) -> tuple[NDArray[np.int64], tu
             place += lengths[bits] + raw[size_at]
         else:
             place += lengths[bits] + int.from_bytes(raw[size_at : size_at + size_bytes[bits]], "little")
-    places = np.frombuffer(found, np.int64) if found else np.empty(0, np.int64)  # writable, as the array is
+    dtype = np.dtype(found.typecode)
+    places = np.frombuffer(found, dtype) if found else np.empty(0, dtype)  # writable, as the array is
     if place > end:
         return places[:-1], (f"The file ends within a record: its last {end - last} bytes were left out.",)
     if place < end:
@@ -123,7 +124,7 @@ def _places(raw: bytearray, begin: int, end: int) -> tuple[NDArray[np.int64], tu
 
 
 def _field(
-    raw: bytearray, places: NDArray[np.int64], length: NDArray[np.uint8], dtype: type[np.unsignedinteger[Any]]
+    raw: bytearray, places: NDArray[Any], length: NDArray[np.uint8], dtype: type[np.unsignedinteger[Any]]
 ) -> NDArray[Any]:
     """Return whole numbers of one to eight bytes, little end first."""
     masks = np.array([0, *((1 << 8 * count) - 1 for count in range(1, 9))], np.uint64)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,7 +111,7 @@ def _signals(entry: Entry, records: Records, layout: Layout, is_array: bool) -> 
 
 
 def _numbers(
-    records: Records, layout: Layout, place: NDArray[np.int64], element: int
+    records: Records, layout: Layout, place: NDArray[Any], element: int
 ) -> Iterator[tuple[Number, NDArray[np.float64]]]:
     begin = records.begin[place] + element * layout.size
     for number in layout.numbers:
