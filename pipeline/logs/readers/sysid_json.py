@@ -9,6 +9,7 @@ from simgap.recordings.importers.sysid_json import load, runs_of
 
 FORMAT = "SysId JSON"
 _PAUSE = 1.0  # s put between two runs on the common clock; any time above zero does
+_FACTS: tuple[str, ...] = ("units", "unitsPerRotation", "test")
 _QUANTITIES = {"voltage": "V", "position": None, "velocity": None}
 
 
@@ -38,5 +39,5 @@ def read(path: Path) -> Log:
         )
         for name, unit in _QUANTITIES.items()
     }
-    facts = {key: str(content[key]) for key in ("units", "unitsPerRotation", "test") if key in content}
+    facts = {key: str(content[key]) for key in _FACTS if key in content}
     return Log(FORMAT, str(path), signals, tuple(spans), facts)

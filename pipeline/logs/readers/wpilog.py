@@ -10,11 +10,15 @@ from simgap.logs.wpilog.entries import Entry, entries_of
 from simgap.logs.wpilog.motors import JOINED, joined, sysid_motors
 from simgap.logs.wpilog.records import Records, read_records
 from simgap.logs.wpilog.signals import cycle_of, decode, has_pause
-from simgap.logs.wpilog.spans import enabled_spans, test_spans
+from simgap.logs.wpilog.spans import STATE_ENTRY, enabled_spans, test_spans
 
 FORMAT = "WPILOG"
 _SCHEMA = ".schema/struct:"
-_FACTS = ("Metadata/", "FMSInfo/EventName", "FMSInfo/MatchNumber")  # AdvantageKit; NetworkTables of a match
+_FACTS = (
+    "Metadata/",
+    "FMSInfo/EventName",
+    STATE_ENTRY,
+)  # AdvantageKit; NetworkTables of a match; SysId routines
 _LONGEST_FACT = 80  # characters: more is no fact to read at a glance
 _MOST_REMARKS = 8  # of one sort of damage; the rest is counted
 

@@ -15,14 +15,16 @@ from simgap.logs.wpilog.records import Records
 
 TESTS = ("quasistatic-forward", "quasistatic-reverse", "dynamic-forward", "dynamic-reverse")
 _STATES = (*TESTS, "none", "")
-_STATE_ENTRY = "sysid-test-state-"
+STATE_ENTRY = "sysid-test-state-"
+"""Before the name of a routine: the name of the entry of its states."""
+
 _ENABLED = ("DS:enabled", "/DriverStation/Enabled")  # DataLogManager, AdvantageKit
 _SHORTEST = 1.0  # s; a shorter time enabled is a slip of the finger
 
 
 def mechanisms_of(names: Sequence[str]) -> list[str]:
     """Return the names of the SysId routines of a log, longest first: one may end with another."""
-    found = {name.split(_STATE_ENTRY, 1)[1] for name in names if _STATE_ENTRY in name}
+    found = {name.split(STATE_ENTRY, 1)[1] for name in names if STATE_ENTRY in name}
     return sorted(found, key=lambda name: (-len(name), name))
 
 
@@ -80,4 +82,4 @@ def _tests(entry: Entry, records: Records) -> Iterator[tuple[str, float, float]]
 
 
 def _routine(name: str) -> str:
-    return name.split(_STATE_ENTRY, 1)[1] if _STATE_ENTRY in name else name.strip("/").replace("/", "-")
+    return name.split(STATE_ENTRY, 1)[1] if STATE_ENTRY in name else name.strip("/").replace("/", "-")
