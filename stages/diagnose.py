@@ -55,9 +55,10 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
         name = Path(config.recording or config.name).name
         write_report(run.output, run.output / "report.html", name, simulator)
 
+    from simgap.api.gains import gains_line
     from simgap.report.terminal import terminal_lines
 
-    print(*terminal_lines(found.document), sep="\n")
+    print(*terminal_lines(found.document), *([gains_line(found.gains)] if found.gains else []), sep="\n")
 
 
 def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
@@ -68,9 +69,9 @@ def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
     path = run.input(config.recording or "")
     kind = platform_from_config(config.platform).kind
 
-    from simgap.recordings.recording import read_recording  # with pandas: after the platform has been checked
+    from simgap.logs.opening import open_recording  # with pandas: after the platform has been checked
 
-    recording = read_recording(path, kind)
+    recording = open_recording(path, kind, platform=config.platform)
     return recording, nominal_simulator(recording, config.platform, config.simulator, str(path))
 
 
