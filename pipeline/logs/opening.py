@@ -40,7 +40,7 @@ def open_recording(
     if mapping is not None:
         chosen = read_mapping(mapping)
         return recording_of(read_log(path), chosen, platform)
-    if format_of(path).name in ("Parquet", "CSV") and _is_recording(path, kind):
+    if format_of(path).name in ("Parquet", "CSV") and _is_recording(path):
         return read_recording(path, kind)
     log = read_log(path)
     proposal = propose(log, kind)
@@ -48,10 +48,10 @@ def open_recording(
     return recording_of(log, proposal.mapping(), platform)
 
 
-def _is_recording(path: Path, kind: str | None) -> bool:
-    """Whether a table has the contract's columns: `t`, and those that a kind requires."""
+def _is_recording(path: Path) -> bool:
+    """Whether a table has the contract's columns: `t`, and those that a kind requires, be it another one."""
     present = set(header_of(path))
-    return "t" in present and any(not lacking(each, present) for each in ([kind] if kind else KINDS))
+    return "t" in present and any(not lacking(each, present) for each in KINDS)
 
 
 def _require(log: Log, proposal: Proposal, path: Path) -> None:
