@@ -21,6 +21,7 @@ class DiagnoseStage(StageConfig):
     """The configuration of the diagnosis."""
 
     recording: str | None = None
+    mapping: str | None = None
     platform: dict[str, Any] = field(default_factory=dict)
     dataset: Dataset = field(default_factory=Dataset)
     clean: Cleaning = field(default_factory=Cleaning)
@@ -71,7 +72,8 @@ def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
 
     from simgap.logs.opening import open_recording  # with pandas: after the platform has been checked
 
-    recording = open_recording(path, kind, platform=config.platform)
+    mapping = run.input(config.mapping) if config.mapping else None
+    recording = open_recording(path, kind, mapping, config.platform)
     return recording, nominal_simulator(recording, config.platform, config.simulator, str(path))
 
 

@@ -10,7 +10,7 @@ from simgap.logs.log import Log
 from simgap.logs.mapping import read_mapping
 from simgap.logs.proposal import Proposal, lacking, propose
 from simgap.logs.proposal_file import write_proposal
-from simgap.recordings.contract import KINDS
+from simgap.recordings.contract import COLUMNS, INDEX_COLUMNS, KINDS
 from simgap.recordings.recording import Recording, read_recording
 from simgap.recordings.storage import header_of
 
@@ -49,9 +49,10 @@ def open_recording(
 
 
 def _is_recording(path: Path) -> bool:
-    """Whether a table has the contract's columns: `t`, and those that a kind requires, be it another one."""
+    """Whether a table is meant as a recording: it has what a kind requires, or no column but the contract's."""
     present = set(header_of(path))
-    return "t" in present and any(not lacking(each, present) for each in KINDS)
+    known = any(present <= {*INDEX_COLUMNS, *COLUMNS[kind]} for kind in KINDS)
+    return "t" in present and (known or any(not lacking(kind, present) for kind in KINDS))
 
 
 def _require(log: Log, proposal: Proposal, path: Path) -> None:

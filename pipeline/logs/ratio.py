@@ -27,6 +27,13 @@ def with_ratios(mapping: Mapping, platform: AbstractMapping[str, Any] | None) ->
     return replace(mapping, columns=columns)
 
 
+def without_ratios(mapping: Mapping) -> Mapping:
+    """Return a mapping as if every ratio were one: its recording has the runs and the times, not the sizes."""
+    return replace(
+        mapping, columns={name: replace(source, ratio=None) for name, source in mapping.columns.items()}
+    )
+
+
 def _scaled(column: str, source: Source, platform: AbstractMapping[str, Any] | None) -> Source:
     if source.ratio is None:
         return source
