@@ -16,6 +16,7 @@ from simgap.logs.log import Log, Signal, Span
 from simgap.logs.mapping import Mapping, Source
 from simgap.logs.ratio import with_ratios
 from simgap.logs.table_clock import with_clock
+from simgap.recordings.cleaning.channels import ANGLES
 from simgap.recordings.contract import channel_units
 from simgap.recordings.recording import Recording, recording_from_frame
 from simgap.recordings.units import KNOWN, conversion
@@ -86,6 +87,9 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
     unit = source.unit or signal.unit
     if unit is not None:
         values = _to_contract(values, unit, expected, f"{log.path}, column {column!r}")
+    if column in ANGLES:
+        known = np.isfinite(values)
+        values[known] = np.unwrap(values[known])  # between π and −π lies no angle to interpolate
     held = signal.held if source.held is None else source.held
     return replace(signal, values=values, unit=expected, held=held)
 

@@ -62,7 +62,7 @@ def _require(log: Log, proposal: Proposal, path: Path) -> None:
     lost = lacking(proposal.kind, set(proposal.columns)) if proposal.kind else []
     if lost:
         advice = proposal.missing.get(lost[0], f"simgap inspect {path} shows what is in it")
-        raise InputError(f"no signal for {', '.join(map(repr, lost[:4]))} was found", str(path), advice)
+        raise InputError(f"no signal for {_grouped(lost)} was found", str(path), advice)
     if not proposal.is_sure:
         doubted = min(proposal.columns.items(), key=lambda entry: entry[1].confidence, default=None)
         reason = f" ({doubted[0]}: {doubted[1].reason})" if doubted else ""
@@ -72,3 +72,13 @@ def _require(log: Log, proposal: Proposal, path: Path) -> None:
             str(path),
             f"correct {written}, and give mapping={written}",
         )
+
+
+def _grouped(columns: list[str]) -> str:
+    """Return names of columns, four that differ by their number as one: 'drive_voltage_1..4'."""
+    named = []
+    for column in columns:
+        four = [f"{column[:-1]}{number}" for number in range(1, 5)]
+        named.append(f"{column}..4" if column == four[0] and set(four) <= set(columns) else column)
+    covered = {f"{name[:-4]}{number}" for name in named if name.endswith("..4") for number in range(2, 5)}
+    return ", ".join(repr(name) for name in named if name not in covered)

@@ -64,9 +64,7 @@ def _signals(entries: Sequence[Entry], records: Records) -> tuple[dict[str, Sign
         found = decode(entry, records, schemas)
         remarks += found.remarks
         for signal in found.signals:
-            name = signal.name
-            while name in signals:  # one name with two types
-                name += "'"
+            name = f"{signal.name} ({entry.type})" if signal.name in signals else signal.name
             signals[name] = replace(signal, name=name)
             on_change += [name] if found.on_change else []
     signals = {name: signal for name, signal in signals.items() if len(signal.time)}

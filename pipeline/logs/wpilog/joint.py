@@ -6,7 +6,7 @@ import numpy as np
 
 from simgap.logs.log import Log, Signal
 from simgap.logs.mapping import Source
-from simgap.logs.proposal import Proposal, Proposed, lacking
+from simgap.logs.proposal import Proposal, Proposed
 from simgap.logs.wpilog.advice import HOW, JOINT, NO_DUTY
 from simgap.logs.wpilog.checks import moves
 from simgap.logs.wpilog.motors import JOINED, QUANTITIES, Motor, motor_spans, sysid_motors
@@ -78,11 +78,13 @@ def _proposal(log: Log, columns: dict[str, Proposed], **more: tuple) -> Proposal
         columns["battery_voltage"] = Proposed(Source(battery.name, "V"), _NAMED, "its name")
     duty = duty_of(log.signals)
     said = f"{NO_DUTY.format(duty)}: " if duty else ""
-    missing: dict[str, str] = {
+    missing = {
         name: f"{said if name == 'voltage' else ''}{JOINT[name]}; {HOW}"
         for name in ("position", "velocity", "voltage")
-        if name not in columns and name in (*lacking("joint", set(columns)), "voltage")
+        if name not in columns
     }
+    if "voltage" in missing:  # the contract asks for an effort where there is neither
+        missing["effort"] = missing.pop("voltage")
     motion = [
         log.signals[columns[name].source.signal] for name in ("position", "velocity") if name in columns
     ]
@@ -94,9 +96,9 @@ def _nothing(log: Log) -> Proposal:
     duty = duty_of(log.signals)
     said = f"; {NO_DUTY.format(duty)}" if duty else ""
     refusal = f"no motor with voltage, position and velocity was logged{said}: {JOINT['voltage']}; {HOW}"
-    return Proposal(
-        "joint", {}, {name: f"{advice}; {HOW}" for name, advice in JOINT.items()}, refusal=refusal
-    )
+    missing = {name: f"{advice}; {HOW}" for name, advice in JOINT.items()}
+    missing["effort"] = missing.pop("voltage")
+    return Proposal("joint", {}, missing, refusal=refusal)
 
 
 def _axes(signals: Mapping[str, Signal]) -> dict[str, dict[str, Signal]]:

@@ -103,7 +103,7 @@ def runs_of(content: Mapping[str, Any], path: Path) -> dict[str, Samples]:
             continue
         try:
             rows = np.array(content[test], dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError(
                 "holds rows that are not numbers", f"{path}, {test}", "record the test again"
             ) from None

@@ -1,5 +1,6 @@
 """Logs of FRC robots as recordings: swerve drives, single axes and tests of SysId, or how to log what is missing."""
 
+import contextlib
 import json
 import re
 import struct
@@ -7,14 +8,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from simgap.errors import InputError
 from simgap.logs.formats import read_log
+from simgap.logs.mapping import mapping_to_config
 from simgap.logs.opening import open_recording
 from simgap.logs.proposal import Proposal, propose
 from simgap.recordings.opposites import named_opposites
 from tests.pipeline.logs.wpilog_encoder import Writer, unit
 
+_ROWS = [[0.1 * k, 1e9, -0.5 * k, 2.0] for k in range(5)]
+_SMALL_FILE = json.dumps({"fast-forward": _ROWS, "units": "Meters", "unitsPerRotation": 0.3}).encode()
 GEAR, WHEEL = 6.75, 0.05
 ROBOT = {"drive": {"gear_ratio": GEAR}, "steer": {"gear_ratio": 20.0}, "wheel_radius": WHEEL}
 TIME = 0.02 * np.arange(400)
@@ -59,6 +66,20 @@ def test_a_swerve_drive_of_advantage_kit(tmp_path: Path, corners: bool) -> None:
         np.testing.assert_allclose(frame[f"steer_angle_{number}"], number * np.sin(TIME[at]))
         np.testing.assert_array_equal(frame[f"steer_voltage_{number}"], np.where(TIME[at] > 1.0, 2.0, 1.0))
     assert frame["battery_voltage"].between(11.6, 12.0).all()
+
+
+def test_an_angle_that_wraps_is_interpolated_the_short_way(tmp_path: Path) -> None:
+    log = _advantage_kit()
+    turned = 1.5 * TIME
+    log.doubles("/Swerve/FrontLeft/SteerAngleRad", TIME + 0.007, np.arctan2(np.sin(turned), np.cos(turned)))
+    own = tmp_path / "mine.yaml"
+    proposed = propose(read_log(log.write(tmp_path / "a.wpilog")), "swerve").mapping()
+    content = mapping_to_config(proposed) | {"steer_angle_1": {"from": "/Swerve/FrontLeft/SteerAngleRad"}}
+    own.write_text(yaml.safe_dump(content))
+    frame = open_recording(tmp_path / "a.wpilog", "swerve", own, ROBOT).frame
+    expected = 1.5 * (frame["t"] - frame["t"].iloc[0])
+    error = np.exp(1j * (frame["steer_angle_1"] - expected))
+    assert np.abs(np.angle(error / error.iloc[0])).max() < 0.01
 
 
 def test_the_speed_of_a_motor_is_not_geared_again(tmp_path: Path) -> None:
@@ -218,7 +239,10 @@ def test_a_real_swerve_drive_without_volts(shared_data: Path) -> None:
         f"{name}_{n}" for name in ("drive_voltage", "steer_voltage", "steer_velocity") for n in range(1, 5)
     }
     assert set(proposal.missing) == lost | {"drive_velocity_3", "steer_angle_3"}
-    with pytest.raises(InputError, match=r"no signal for 'drive_voltage_1'.*log the volts of each motor"):
+    with pytest.raises(
+        InputError,
+        match=r"no signal for 'drive_voltage_1..4', 'steer_voltage_1..4', .*log the volts of each motor",
+    ):
         open_recording(
             shared_data / "raw" / "wpilog_swerve_match_tan560/FRC_20240910_002841.wpilog", "swerve"
         )
@@ -281,6 +305,27 @@ def test_a_sysid_file_with_two_readings_asks_and_takes_the_answer(
 def test_a_sysid_file_that_says_its_unit_is_read(tmp_path: Path) -> None:
     recording = open_recording(_sysid_file(tmp_path / "data.json", 5.0), "joint")  # 20 m/s, were it metres
     assert recording.frame["velocity"].max() == pytest.approx(5.0 * 2.0 * 0.3, rel=1e-3)
+
+
+def _damaged(content: bytes, end: float, flips: list[tuple[float, int]]) -> bytes:
+    damaged = bytearray(content)
+    for place, change in flips:
+        damaged[int(place * (len(content) - 1))] ^= change
+    return bytes(damaged[: int(end * len(content))])
+
+
+@settings(max_examples=50)
+@given(
+    end=st.one_of(st.just(1.0), st.floats(0.0, 1.0)),
+    flips=st.lists(st.tuples(st.floats(0.0, 1.0), st.integers(1, 255)), max_size=3),
+)
+def test_a_damaged_sysid_file_is_read_or_refused(
+    tmp_path_factory: pytest.TempPathFactory, end: float, flips: list[tuple[float, int]]
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "damaged.json"
+    path.write_bytes(_damaged(_SMALL_FILE, end, flips))
+    with contextlib.suppress(InputError):
+        propose(read_log(path), "joint")
 
 
 def test_of_a_record_with_several_values_all_are_of_one_sample(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from simgap.errors import InputError
 from simgap.logs.formats import read_log
 from simgap.logs.log import Log
+from simgap.logs.proposal import propose
 from tests.pipeline.logs.wpilog_encoder import Writer, unit
 
 
@@ -218,6 +219,8 @@ def _small() -> bytes:
     _routine(log, "arm", {"dynamic-forward": (0.1, 0.2)}, ())
     log.doubles("/x", np.arange(5.0), np.arange(5.0))
     log.double(log.start("/array", "double[]"), 7, 1.0, 2.0)
+    for name in ("DriveAppliedVolts", "DriveVelocityRadPerSec", "DrivePositionRad", "TurnPosition"):
+        log.doubles(f"/Drive/Module1/{name}", 0.02 * np.arange(5), np.arange(5.0))
     log.record(log.start("DS:enabled", "boolean"), 1, b"\1")
     return log.bytes()
 
@@ -239,7 +242,10 @@ def test_a_damaged_file_is_read_or_refused(
     path = tmp_path_factory.getbasetemp() / "damaged.wpilog"
     path.write_bytes(content[:end])
     with contextlib.suppress(InputError):
-        assert isinstance(read_log(path), Log)
+        read = read_log(path)
+        assert isinstance(read, Log)
+        for kind in ("joint", "swerve", None):
+            propose(read, kind)
 
 
 @pytest.mark.parametrize(
