@@ -21,7 +21,7 @@ def with_ratios(mapping: Mapping, platform: AbstractMapping[str, Any] | None) ->
     Raises:
         InputError: when a ratio names no number of the platform.
     """
-    if not any(source.ratio for source in mapping.columns.values()):
+    if all(source.ratio is None for source in mapping.columns.values()):
         return mapping
     columns = {name: _scaled(name, source, platform) for name, source in mapping.columns.items()}
     return replace(mapping, columns=columns)
@@ -44,9 +44,8 @@ def _value(ratio: str, platform: AbstractMapping[str, Any] | None, column: str) 
     """Return the product of the numbers that a text names, as `drive.gear_ratio / wheel_radius`."""
     where = f"mapping, {column}, ratio"
     value = 1.0
-    for sign, name in re.findall(r"([*/]?)([^*/]*)", ratio.replace(" ", "")):
-        if not sign and not name:
-            continue
+    parts = ["*", *re.split("([*/])", ratio.replace(" ", ""))]
+    for sign, name in zip(parts[::2], parts[1::2], strict=True):
         if not _TERM.fullmatch(name):
             raise InputError(
                 f"{ratio!r} is no ratio", where, "write drive.gear_ratio, or a product with * and /"

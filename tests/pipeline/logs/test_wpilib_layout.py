@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 
 from simgap.errors import InputError
 from simgap.logs.formats import read_log
-from simgap.logs.mapping import mapping_to_config
+from simgap.logs.mapping import mapping_from_config, mapping_to_config
 from simgap.logs.opening import open_recording
 from simgap.logs.proposal import Proposal, propose
+from simgap.logs.ratio import with_ratios
 from simgap.recordings.opposites import named_opposites
 from tests.pipeline.logs.wpilog_encoder import Writer, unit
 
@@ -94,6 +95,28 @@ def test_a_ratio_needs_a_platform(tmp_path: Path) -> None:
         open_recording(path, "swerve")
     with pytest.raises(InputError, match=r"the platform has no number drive.gear_ratio"):
         open_recording(path, "swerve", platform={"drive": {}})
+
+
+@pytest.mark.parametrize(
+    ("ratio", "expected"),
+    [
+        ("drive.gear_ratio", GEAR),
+        ("drive.gear_ratio / wheel_radius", GEAR / WHEEL),
+        ("wheel_radius*steer.gear_ratio", WHEEL * 20.0),
+    ],
+)
+def test_a_ratio_is_a_product_of_numbers_of_the_platform(ratio: str, expected: float) -> None:
+    mapping = mapping_from_config(
+        {"kind": "swerve", "drive_velocity_1": {"from": "v", "scale": 2, "ratio": ratio}}
+    )
+    assert with_ratios(mapping, ROBOT).columns["drive_velocity_1"].scale == pytest.approx(2.0 * expected)
+
+
+@pytest.mark.parametrize("ratio", ["2 * drive.gear_ratio", "drive.", "__import__('os')", "drive", ""])
+def test_a_ratio_that_names_no_number_is_refused(ratio: str) -> None:
+    mapping = mapping_from_config({"kind": "swerve", "drive_velocity_1": {"from": "v", "ratio": ratio}})
+    with pytest.raises(InputError):
+        with_ratios(mapping, ROBOT)
 
 
 def test_measured_states_are_no_targets_and_a_turn_to_the_left_is_positive(tmp_path: Path) -> None:
