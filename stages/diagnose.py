@@ -56,9 +56,10 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
         name = Path(config.recording or config.name).name
         write_report(run.output, run.output / "report.html", name, simulator)
 
+    from simgap.api.gains import gains_line
     from simgap.report.terminal import terminal_lines
 
-    print(*terminal_lines(found.document), sep="\n")
+    print(*terminal_lines(found.document), *([gains_line(found.gains)] if found.gains else []), sep="\n")
 
 
 def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
@@ -71,8 +72,8 @@ def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
 
     from simgap.logs.opening import open_recording  # with pandas: after the platform has been checked
 
-    recording = open_recording(path, kind, run.input(config.mapping) if config.mapping else None)
-    recording = with_assumptions(recording, config.platform)
+    mapping = run.input(config.mapping) if config.mapping else None
+    recording = with_assumptions(open_recording(path, kind, mapping, config.platform), config.platform)
     return recording, nominal_simulator(recording, config.platform, config.simulator, str(path))
 
 

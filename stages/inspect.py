@@ -16,6 +16,7 @@ def inspect(path: Path, kind: str | None = None, output: Path | None = None, eve
     from simgap.logs.listing import log_lines
     from simgap.logs.proposal import propose
     from simgap.logs.proposal_file import write_proposal
+    from simgap.logs.ratio import without_ratios
 
     log = read_log(path)
     proposal = propose(log, kind)
@@ -31,7 +32,7 @@ def inspect(path: Path, kind: str | None = None, output: Path | None = None, eve
         )
         return
     try:
-        recording = recording_of(log, proposal.mapping())
+        recording = recording_of(log, without_ratios(proposal.mapping()))
     except InputError as error:
         print(f"No diagnosis: {error}.")
     else:

@@ -70,7 +70,7 @@ def diagnose(
     from simgap.platforms import platform_from_config
 
     kind = platform_from_config(known).kind
-    read = with_assumptions(load_recording(recording, kind, units, mapping), known)
+    read = with_assumptions(load_recording(recording, kind, units, mapping, known), known)
     name = Path(recording).name if isinstance(recording, str | Path) else "recording"
     nominal = nominal_simulator(read, known, chosen.simulator, name)
     found = diagnosed(read, nominal, chosen.gap, chosen.clean, chosen.dataset.split, chosen.seed)

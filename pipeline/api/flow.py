@@ -14,6 +14,7 @@ from simgap.recordings.split import Split
 
 if TYPE_CHECKING:
     from simgap.gap.diagnosis import Diagnosis
+    from simgap.models.identify import Identified
     from simgap.recordings.cleaning import Cleaned
     from simgap.recordings.recording import Recording
     from simgap.simulation import Simulator
@@ -26,10 +27,12 @@ class Found:
     Attributes:
         diagnosis: of the gap engine.
         cleaned: the account of the cleaning; None where the recording was clean already.
+        gains: feedforward gains of the motor of a joint; None for other machines.
     """
 
     diagnosis: "Diagnosis"
     cleaned: "Cleaned | None"
+    gains: "Identified | None" = None
 
     @cached_property
     def document(self) -> dict[str, Any]:
@@ -39,13 +42,16 @@ class Found:
         return diagnosis_document(self.diagnosis)
 
     def write(self, folder: Path) -> None:
-        """Write `diagnosis.json`, `simulator/`, `evidence/` and, where it was cleaned, `clean/` into a folder."""
+        """Write `diagnosis.json`, `simulator/`, `evidence/`, and `clean/` and `sysid/` where there are such."""
+        from simgap.api.gains import write_gains
         from simgap.gap.contract import write_json
         from simgap.gap.evidence import write_evidence
         from simgap.simulation import write_simulator
 
         if self.cleaned is not None:
             _write_cleaned(self.cleaned, folder / "clean")
+        if self.gains is not None:
+            write_gains(self.gains, folder / "sysid")
         write_simulator(self.diagnosis.simulator, folder / "simulator")
         write_evidence(self.diagnosis, folder / "evidence")
         write_json(self.document, folder / "diagnosis.json")
@@ -103,12 +109,16 @@ def diagnosed(
     Raises:
         InputError: when nothing usable is left after cleaning, or a setting is out of its range.
     """
+    from simgap.api.gains import motor_gains
     from simgap.gap.diagnosis import diagnose
     from simgap.recordings.cleaning import clean_with_coverage
 
     cleaned = None if recording.cleaned else clean_with_coverage(recording, clean, split, seed)
+    used = cleaned.recording if cleaned else recording
     with _one_thread():
-        return Found(diagnose(cleaned.recording if cleaned else recording, nominal, gap), cleaned)
+        found = diagnose(used, nominal, gap)
+        gains = None if found.contradictions else motor_gains(used, nominal.platform, seed)
+        return Found(found, cleaned, gains)
 
 
 def write_report(folder: Path, target: Path, name: str, simulator: str) -> None:
@@ -122,10 +132,8 @@ def write_report(folder: Path, target: Path, name: str, simulator: str) -> None:
     """
     from simgap.report import ReportInputs, write_page
 
-    clean = folder / "clean"
-    inputs = ReportInputs(
-        diagnose=folder, clean=clean if clean.is_dir() else None, name=name, simulator=simulator
-    )
+    clean, sysid = (part if part.is_dir() else None for part in (folder / "clean", folder / "sysid"))
+    inputs = ReportInputs(diagnose=folder, clean=clean, sysid=sysid, name=name, simulator=simulator)
     write_page(inputs, target)
 
 

@@ -27,6 +27,7 @@ def load_recording(
     kind: str | None = None,
     units: Mapping[str, str] | None = None,
     mapping: str | Path | None = None,
+    platform: Mapping[str, Any] | None = None,
 ) -> "Recording":
     """Read a recording and check it, without changing it.
 
@@ -38,6 +39,7 @@ def load_recording(
         units: the unit of each column of a data frame or mapping that has another one than the contract's, for example
             `{"position": "deg"}`. A joint with `{"position": "m"}` slides. A file declares its own units.
         mapping: path of a YAML file that says which signal of a log is which column; `simgap inspect` proposes one.
+        platform: its keys, which a log needs that has speeds of the wheels and not of the motors.
 
     Returns:
         The samples in the contract's units, with a sentence for each doubt in `warnings`.
@@ -53,7 +55,9 @@ def load_recording(
     if isinstance(recording, str | Path):
         if units:
             raise InputError("a file declares its own units", "units", "give units with a data frame")
-        return open_recording(Path(recording).expanduser(), kind, Path(mapping) if mapping else None)
+        return open_recording(
+            Path(recording).expanduser(), kind, Path(mapping) if mapping else None, platform
+        )
     if mapping:
         raise InputError("a mapping is of a file", "mapping", "rename the columns of the data frame")
     return recording_from_table(_table(recording, units or {}), kind)

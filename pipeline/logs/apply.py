@@ -2,7 +2,9 @@
 
 import difflib
 from collections.abc import Iterator
+from collections.abc import Mapping as AbstractMapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,7 +14,9 @@ from simgap.errors import InputError
 from simgap.logs.common_times import base_times, values_at
 from simgap.logs.log import Log, Signal, Span
 from simgap.logs.mapping import Mapping, Source
+from simgap.logs.ratio import with_ratios
 from simgap.logs.table_clock import with_clock
+from simgap.recordings.cleaning.channels import ANGLES
 from simgap.recordings.contract import channel_units
 from simgap.recordings.recording import Recording, recording_from_frame
 from simgap.recordings.units import KNOWN, conversion
@@ -20,7 +24,7 @@ from simgap.recordings.units import KNOWN, conversion
 _FEWEST = 2  # samples of a run
 
 
-def recording_of(log: Log, mapping: Mapping) -> Recording:
+def recording_of(log: Log, mapping: Mapping, platform: AbstractMapping[str, Any] | None = None) -> Recording:
     """Return the columns that a mapping names, as a recording in the contract's units.
 
     Each run has the times of its slowest measured column that is required, or of the mapping's `rate`. Held signals
@@ -29,10 +33,12 @@ def recording_of(log: Log, mapping: Mapping) -> Recording:
     Args:
         log: as it was read.
         mapping: of its signals to columns.
+        platform: its keys, for a mapping with ratios.
 
     Raises:
         InputError: when a signal is missing, a unit does not fit, or no run has samples of all columns.
     """
+    mapping = with_ratios(mapping, platform)
     log, remarks = with_clock(log, mapping)
     sources = {name: source for name, source in mapping.columns.items() if name not in ("t", "run")}
     sliding = _is_sliding(log, sources)
@@ -81,6 +87,9 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
     unit = source.unit or signal.unit
     if unit is not None:
         values = _to_contract(values, unit, expected, f"{log.path}, column {column!r}")
+    if column in ANGLES:
+        known = np.isfinite(values)
+        values[known] = np.unwrap(values[known])  # between π and −π lies no angle to interpolate
     held = signal.held if source.held is None else source.held
     return replace(signal, values=values, unit=expected, held=held)
 
@@ -105,6 +114,7 @@ def _run(columns: dict[str, Signal], span: Span, mapping: Mapping) -> pd.DataFra
     """Return the samples of one run; None where it has too few."""
     within = {name: _within(signal, span) for name, signal in columns.items()}
     times = base_times(within, mapping.kind, mapping.rate)
+    times = times[times >= span.begin]  # a held value may be from before
     if len(times) < _FEWEST:
         return None
     values = {name: values_at(signal, times, signal.held) for name, signal in within.items()}

@@ -1,6 +1,6 @@
 """Signals with times of their own at common times: held, averaged or interpolated, never over a gap."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,32 +14,42 @@ _GAP = (
 _AVERAGED = (
     2.0  # times the common rate; of faster signals, linear interpolation would alias what lies between
 )
+_CYCLE = (
+    0.25  # of a step, up to which values count as of one cycle: a program writes them one after the other
+)
 
 
 def base_times(signals: Mapping[str, Signal], kind: str, rate: float | None) -> NDArray[np.float64]:
     """Return the times at which a run is sampled, s of the log's clock, (n,).
 
     These are the times of the slowest required column that is measured and not held, or uniform ones at `rate`, from
-    where all measured columns have begun to where the first ends.
+    where all measured columns have begun to where the first ends. Where all are held, as in a log that is written on
+    change only, they are the times at which any of the required columns changes.
 
     Args:
         signals: column to signal, cut to the run.
         kind: of the platform.
         rate: samples per second.
     """
-    measured = {name: _known(signal) for name, signal in signals.items() if not signal.held} or {
-        name: _known(signal) for name, signal in signals.items()
-    }
-    needed = {name: time for name, time in measured.items() if name in REQUIRED[kind]} or measured
-    if any(len(time) < 2 for time in needed.values()):
+    needed = {name: signal for name, signal in signals.items() if name in REQUIRED[kind]} or signals
+    measured = {name: _known(signal) for name, signal in needed.items() if not signal.held}
+    bounds = list(measured.values()) or [_known(signal) for signal in needed.values()]
+    if any(len(time) < (2 if measured else 1) for time in bounds):
         return np.empty(0)
-    begin = max(time[0] for time in needed.values())
-    end = min(time[-1] for time in needed.values())
+    begin = max(time[0] for time in bounds)
+    end = min(time[-1] for time in bounds) if measured else max(time[-1] for time in bounds)
     if rate is not None:
         return np.arange(begin, end, 1.0 / rate)
-    slowest = max(needed, key=lambda name: step_of(needed[name]))
-    times = signals[slowest].time
+    slowest = max(measured, key=lambda name: step_of(measured[name]), default="")
+    times = signals[slowest].time if measured else _changes(bounds)
     return times[(times >= begin) & (times <= end)]
+
+
+def _changes(times: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return the times at which any of several held signals changes, one for each cycle of what wrote them."""
+    union = np.unique(np.concatenate(times))
+    apart = np.diff(union) > _CYCLE * min(step_of(time) for time in times)
+    return union[np.append(apart, True)]
 
 
 def step_of(time: NDArray[np.float64]) -> float:
@@ -62,7 +72,8 @@ def values_at(signal: Signal, times: NDArray[np.float64], held: bool) -> NDArray
     if not len(time):
         return np.full(len(times), np.nan)
     if held:
-        place = np.searchsorted(time, times, side="right") - 1
+        ahead = _CYCLE * step_of(times) if len(times) > 1 else 0.0
+        place = np.searchsorted(time, times + ahead, side="right") - 1
         return np.where(place >= 0, values[np.maximum(place, 0)], np.nan)
     step, common = step_of(time), step_of(times)
     found = (

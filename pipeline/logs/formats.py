@@ -26,7 +26,16 @@ class Format:
     matches: Callable[[Path, bytes], bool]
 
 
+_SYSID = (b'"slow-', b'"fast-', b'"sysid"')  # names of its tests, and its mark
+
+
+def _is_sysid(path: Path, head: bytes) -> bool:
+    return path.suffix.lower() == ".json" and any(name in head for name in _SYSID)
+
+
 FORMATS: tuple[Format, ...] = (
+    Format("WPILOG", "wpilog", lambda path, head: head.startswith(b"WPILOG")),
+    Format("SysId JSON", "sysid_json", _is_sysid),
     Format("Parquet", "table", lambda path, head: head.startswith(b"PAR1")),
     Format("CSV", "table", lambda path, head: path.suffix.lower() in (".csv", ".txt")),
 )

@@ -13,7 +13,7 @@ from simgap.logs.log import Span
 from simgap.recordings.contract import KINDS, channel_units
 from simgap.recordings.units import KNOWN, conversion
 
-_ENTRY_KEYS = ("from", "unit", "scale", "sign", "offset", "missing", "held", "times")
+_ENTRY_KEYS = ("from", "unit", "scale", "sign", "offset", "missing", "held", "times", "ratio")
 _GENERAL_KEYS = ("kind", "runs", "rate")
 
 
@@ -30,6 +30,7 @@ class Source:
         missing: a code that stands for no value.
         held: whether a value holds until the next one; None where the log says it.
         times: a second signal that multiplies this one: the supply voltage of a duty cycle.
+        ratio: numbers of the platform that multiply this signal, as `drive.gear_ratio / wheel_radius`.
     """
 
     signal: str
@@ -40,6 +41,7 @@ class Source:
     missing: float | None = None
     held: bool | None = None
     times: str | None = None
+    ratio: str | None = None
 
 
 @dataclass(frozen=True)
@@ -141,6 +143,7 @@ def _source(column: str, entry: Any, where: str) -> Source:
         missing=None if entry.get("missing") is None else _number(entry["missing"], f"{place}, missing"),
         held=held,
         times=None if entry.get("times") is None else str(entry["times"]),
+        ratio=None if entry.get("ratio") is None else str(entry["ratio"]),
     )
 
 

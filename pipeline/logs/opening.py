@@ -1,6 +1,8 @@
 """From the path of a log of any format to a recording: by the mapping that a person gives, or by a proposed one."""
 
+from collections.abc import Mapping as AbstractMapping
 from pathlib import Path
+from typing import Any
 
 from simgap.errors import InputError
 from simgap.logs.formats import format_of, read_log
@@ -13,7 +15,12 @@ from simgap.recordings.recording import Recording, read_recording
 from simgap.recordings.storage import header_of
 
 
-def open_recording(path: Path, kind: str | None = None, mapping: Path | None = None) -> Recording:
+def open_recording(
+    path: Path,
+    kind: str | None = None,
+    mapping: Path | None = None,
+    platform: AbstractMapping[str, Any] | None = None,
+) -> Recording:
     """Read a recording from a log of any format.
 
     A table with the contract's columns is read as it is. For any other log the mapping is taken, or one is proposed;
@@ -23,6 +30,7 @@ def open_recording(path: Path, kind: str | None = None, mapping: Path | None = N
         path: a file, or the folder of a format that has several files.
         kind: quadrotor, swerve or joint, where the platform says it.
         mapping: a YAML file; see `simgap.logs.mapping.read_mapping`.
+        platform: its keys, where it is known: a mapping may need its gear ratio.
 
     Raises:
         InputError: when the log cannot be used, or a person has to say which signal is which column.
@@ -31,13 +39,13 @@ def open_recording(path: Path, kind: str | None = None, mapping: Path | None = N
 
     if mapping is not None:
         chosen = read_mapping(mapping)
-        return recording_of(read_log(path), chosen)
+        return recording_of(read_log(path), chosen, platform)
     if format_of(path).name in ("Parquet", "CSV") and _is_recording(path):
         return read_recording(path, kind)
     log = read_log(path)
     proposal = propose(log, kind)
     _require(log, proposal, path)
-    return recording_of(log, proposal.mapping())
+    return recording_of(log, proposal.mapping(), platform)
 
 
 def _is_recording(path: Path) -> bool:
@@ -54,11 +62,23 @@ def _require(log: Log, proposal: Proposal, path: Path) -> None:
     lost = lacking(proposal.kind, set(proposal.columns)) if proposal.kind else []
     if lost:
         advice = proposal.missing.get(lost[0], f"simgap inspect {path} shows what is in it")
-        raise InputError(f"no signal for {', '.join(map(repr, lost[:4]))} was found", str(path), advice)
+        raise InputError(f"no signal for {_grouped(lost)} was found", str(path), advice)
     if not proposal.is_sure:
+        doubted = min(proposal.columns.items(), key=lambda entry: entry[1].confidence, default=None)
+        reason = f" ({doubted[0]}: {doubted[1].reason})" if doubted else ""
         written = write_proposal(log, proposal, Path(f"{path.stem}.mapping.yaml"))
         raise InputError(
-            "which signal is which column is not clear",
+            f"which signal is which column is not clear{reason}",
             str(path),
             f"correct {written}, and give mapping={written}",
         )
+
+
+def _grouped(columns: list[str]) -> str:
+    """Return names of columns, four that differ by their number as one: 'drive_voltage_1..4'."""
+    named = []
+    for column in columns:
+        four = [f"{column[:-1]}{number}" for number in range(1, 5)]
+        named.append(f"{column}..4" if column == four[0] and set(four) <= set(columns) else column)
+    covered = {f"{name[:-4]}{number}" for name in named if name.endswith("..4") for number in range(2, 5)}
+    return ", ".join(repr(name) for name in named if name not in covered)

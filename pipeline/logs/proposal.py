@@ -11,7 +11,7 @@ from simgap.recordings.contract import ANY_OF, REQUIRED
 SURE = 0.9
 """Confidence from which on a proposed column is used without asking, as a name of 0.9 is right in nine of ten."""
 
-LAYOUTS: tuple[str, ...] = ()
+LAYOUTS: tuple[str, ...] = ("wpilib", "sysid_json")
 """Modules in `simgap.logs.layouts` with `propose(log, kind) -> Proposal | None`, each for logs of one software."""
 
 
@@ -77,9 +77,8 @@ def propose(log: Log, kind: str | None = None) -> Proposal:
         found: Proposal | None = importlib.import_module(f"simgap.logs.layouts.{layout}").propose(log, kind)
         if found is not None:
             return found
-    from simgap.logs.guess import guess
-
-    return guess(log, kind)
+    guessed: Proposal = importlib.import_module("simgap.logs.guess").guess(log, kind)
+    return guessed
 
 
 def lacking(kind: str, columns: set[str]) -> list[str]:

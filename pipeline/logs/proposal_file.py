@@ -28,6 +28,7 @@ def proposal_text(log: Log, proposal: Proposal) -> str:
         ).strip()
         lines.append(f"{column}: {entry}  # {proposed.confidence:.2f}: {_one_line(proposed.reason)}")
     lines += [f"# {column}: missing. {_one_line(advice)}" for column, advice in proposal.missing.items()]
+    lines += [f"# {_one_line(note)}" for note in proposal.notes]
     if proposal.windows:
         lines.append("runs: # name: [begin, end], s of the log's clock")
         lines += [f"  {_quoted(w.name)}: [{w.begin:.6g}, {w.end:.6g}]" for w in proposal.windows]

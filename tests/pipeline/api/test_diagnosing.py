@@ -76,7 +76,7 @@ def _plain(value: object) -> object:
 
 def test_what_is_saved_is_what_the_command_writes(answer, saved):
     assert {path.name for path in saved.iterdir()} == {
-        *(".simgap", "clean", "diagnosis.json", "evidence", "report.html", "simulator"),
+        *(".simgap", "clean", "diagnosis.json", "evidence", "report.html", "simulator", "sysid"),
     }
     assert [path for path in saved.parent.iterdir() if path != saved] == []
 

@@ -1,0 +1,1 @@
+"""What a WPILib DataLog is made of: records, structs, units and SysId tests."""
