@@ -21,8 +21,11 @@ from tools.link_package import link_package
 
 # Keys that say where a stage works, what it is called and how its sweeps are compared, not what it does.
 PLACES = {"name", "artifacts", "output", "tracking", "results"}
-# Parts of the project that cannot change what a stage writes.
-SILENT = {f"simgap.{name}" for name in ("checks", "comparison", "errors", "extras", "lazy", "tracking")}
+# Parts of the project that cannot change what a stage writes; a branch names its platform, and reads no robot's file.
+SILENT = {
+    f"simgap.{name}"
+    for name in ("checks", "comparison", "errors", "extras", "lazy", "robot_files", "tracking")
+}
 
 PIPELINE = yaml.safe_load((PROJECT_ROOT / "dvc.yaml").read_text())
 STAGES: dict[str, Any] = {name: entry["do"] for name, entry in PIPELINE["stages"].items()}
