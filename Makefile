@@ -18,14 +18,26 @@ KIND ?= quadrotor,joint,swerve
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-.PHONY: run test docs site prove bench bench-training bench-policies lint install
+.PHONY: run test quick checks docs site prove bench bench-training bench-policies lint install
 
 run: $(STAMP)
 	@$(BIN)/simgap reproduce $(BRANCH)
 
-test: lint site
-	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal -m "not slow"
-	@OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal -m slow
+# Beside the checks, which use one core, the tests that are quick begin. Byte code is kept, also where that was switched
+# off: tests start many programs, each of which would compile the whole project.
+test: export PYTHONDONTWRITEBYTECODE :=
+test: export OMP_NUM_THREADS := 1
+test: $(STAMP)
+	@$(MAKE) --no-print-directory --jobs 2 checks quick
+	@$(BIN)/pytest -n 2 --dist worksteal -m slow
+
+quick: $(STAMP)
+	@$(BIN)/pytest -n 2 --dist worksteal -m "not slow"
+
+# One after the other: both lay out the package.
+checks:
+	@$(MAKE) --no-print-directory lint
+	@$(MAKE) --no-print-directory site
 
 prove: $(STAMP)
 	@$(BIN)/simgap prove seed=$(SEED) prove.cases=$(CASES) 'prove.kinds=[$(KIND)]'

@@ -78,23 +78,28 @@ def installed(
     request: pytest.FixtureRequest, wheel: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> Installed:
     """A fresh environment with the wheel and what it depends on, without extras."""
-    return _environment(request.param, str(wheel), tmp_path_factory.mktemp("environment"))
+    base = tmp_path_factory.mktemp("environment")
+    subprocess.run([request.param, "-m", "venv", str(base / "env")], check=True)
+    # By pip, which takes the build of this machine; compiling all of it would take longer than what the tests import.
+    pip = [str(base / "env" / "bin" / "python"), "-m", "pip", "install", "--quiet", "--no-compile"]
+    subprocess.run([*pip, *CONSTRAINTS, "torch"], check=True)
+    return _with(str(wheel), base)
 
 
 @pytest.fixture(scope="module")
-def racing(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
-    """The same with the extra that the tutorial on the Python interface asks for."""
-    return _environment(sys.executable, f"{wheel}[race]", tmp_path_factory.mktemp("racing"))
+def racing(installed: Installed, wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """A copy of it with the extra that the tutorial on the Python interface asks for; its python is used, no script."""
+    base = tmp_path_factory.mktemp("racing")
+    # Links in place of copies: whatever installs or compiles files here replaces them and writes into none.
+    shutil.copytree(installed.programs.parent, base / "env", symlinks=True, copy_function=os.link)
+    return _with(f"{wheel}[race]", base)
 
 
-def _environment(interpreter: str, wanted: str, base: Path) -> Installed:
-    """Install what is wanted into a fresh environment beside a person's folder."""
-    subprocess.run([interpreter, "-m", "venv", str(base / "env")], check=True)
+def _with(wanted: str, base: Path) -> Installed:
+    """Install what is wanted into the environment of a folder, and make a person's folder beside it."""
     python = str(base / "env" / "bin" / "python")
     pip = [python, "-m", "pip", "install", "--quiet"]
     uv = [str(UV), "pip", "install", "--quiet", "--python", python] if UV.exists() else pip
-    # By pip, which takes the build of this machine; compiling all of it would take longer than what the tests import.
-    subprocess.run([*pip, "--no-compile", *CONSTRAINTS, "torch"], check=True)
     subprocess.run([*uv, *CONSTRAINTS, wanted], check=True)
     return Installed(base / "env" / "bin", _folder(base / "own"))
 

@@ -24,8 +24,8 @@ PLATFORM = {
     "motor": {"resistance": 1.0, "torque_constant": 0.05, "gear_ratio": 10.0},
 }
 
-FEW = "gap.effects=[coulomb_friction, viscous_friction]"
-"""Where the whole catalogue would only take time."""
+FEW = ("gap.effects=[coulomb_friction, viscous_friction]", "gap.resamples=50", "gap.horizon=0.05")
+"""Where the whole catalogue, narrow intervals and long predictions would only take time."""
 
 
 @pytest.fixture
@@ -128,7 +128,7 @@ def test_csv_and_parquet_give_the_same_diagnosis(own, monkeypatch):
     write_recording(raw, own / "bench.parquet")
     documents = []
     for file in ("bench.csv", "bench.parquet"):
-        arguments = _arguments(own, own / file, FEW)
+        arguments = _arguments(own, own / file, *FEW)
         arguments[4] = f"output={own / file}.out"
         assert _ends(arguments) == 0
         documents.append(read_diagnosis(own / f"{file}.out" / "diagnosis.json", "joint"))
@@ -140,7 +140,7 @@ def test_csv_and_parquet_give_the_same_diagnosis(own, monkeypatch):
 def test_one_run_is_diagnosed_with_a_warning(own, monkeypatch, capsys):
     monkeypatch.chdir(own)
     write_recording(_raw(runs=1), own / "bench.parquet")
-    assert _ends(_arguments(own, own / "bench.parquet", FEW)) == 0
+    assert _ends(_arguments(own, own / "bench.parquet", *FEW)) == 0
     document = read_diagnosis(own / "out" / "diagnosis.json", "joint")
     assert document["fit"]["gap_closed"] is None
     errors = capsys.readouterr().err.splitlines()
@@ -194,7 +194,7 @@ def test_an_output_that_cannot_be_written_is_refused(own, monkeypatch, capsys):
 def test_a_finished_diagnosis_outlives_a_failed_one(own, monkeypatch):
     monkeypatch.chdir(own)
     write_recording(_raw(), own / "bench.parquet")
-    assert _ends(_arguments(own, own / "bench.parquet", FEW)) == 0
+    assert _ends(_arguments(own, own / "bench.parquet", *FEW)) == 0
     kept = (own / "out" / "diagnosis.json").read_bytes()
     assert _ends(_arguments(own, own / "bench.parquet", "gap.effects=[no_such_thing]")) == 2
     assert (own / "out" / "diagnosis.json").read_bytes() == kept

@@ -25,34 +25,9 @@ from simgap.stages.deploy import deploy
 from simgap.stages.evaluate import EvaluateStage, evaluate
 from simgap.stages.train_policy import TrainPolicyStage, train_policy
 from tests.pipeline.policies.racing.machines import racer
+from tests.stages.racing import FEW, RACE, ran
 
 ROOT = Path(__file__).parents[2]
-RACE = ("platform=racer", "track=tiny", "train_policy=racing_quick", "tracking.enabled=false")
-FEW = (
-    *RACE,
-    "train_policy.learning.interactions=12_000",
-    "train_policy.learning.machines=32",
-    "train_policy.learning.horizon=16",
-    "train_policy.learning.minibatch=128",
-    "train_policy.learning.checkpoint_every=3",
-    "train_policy.racing.flying.substeps=2",
-    "train_policy.racing.flying.integrator=euler",
-)
-
-
-def ran(stage, *overrides: str) -> None:
-    """Run the command in this process, which has paid for its imports."""
-    with pytest.raises(SystemExit) as ended:
-        main(stage, [*overrides])
-    assert ended.value.code == 0
-
-
-@pytest.fixture(scope="module")
-def trained(tmp_path_factory) -> Path:
-    """Return the artifacts of a training that is far too short."""
-    artifacts = tmp_path_factory.mktemp("artifacts")
-    ran(train_policy, *FEW, f"artifacts={artifacts}")
-    return artifacts
 
 
 def test_a_policy_carries_what_it_was_trained_with(trained):

@@ -8,16 +8,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.stages.test_train_policy import FEW, ROOT
+from simgap.artifacts import PROJECT_ROOT
+from tests.stages.racing import FEW
 
 
 def ran(stage: str, artifacts: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-W", "ignore", "-m", "simgap.stages", stage, *FEW, f"artifacts={artifacts}"]
-    command += ["evaluate.starts=3", "evaluate.seconds=0.5"]
+    command += ["train_policy.learning.interactions=2_048", "evaluate.starts=3", "evaluate.seconds=0.5"]
     inherited = {name: value for name, value in os.environ.items() if name not in ("CC", "CXX")}
     changed = {"OMP_NUM_THREADS": "1", **environment}
     return subprocess.run(
-        command, cwd=ROOT, env=inherited | changed, capture_output=True, text=True, check=False
+        command, cwd=PROJECT_ROOT, env=inherited | changed, capture_output=True, text=True, check=False
     )
 
 

@@ -17,6 +17,8 @@ Step = Callable[
 """From state and memory (components, batch) and action (k, batch) to state and memory."""
 
 _MANY = 2**16  # machines in the example from which the compiler decides whether threads share the work
+_KEPT = 8  # steps that are kept compiled: more than one program flies at a time, and so few take no memory to speak of
+_KNOWN: dict[tuple[Any, ...], "Step | None"] = {}
 
 
 def compiled(
@@ -27,12 +29,26 @@ def compiled(
 ) -> "Step | None":
     """Return a step as one loop over the batch; None, with one line on standard error, where nothing compiles here.
 
+    A process compiles the same step once, however many environments fly by it.
+
     Args:
-        graph: of the step, on components.
+        graph: of the step, on components, with every constant written into it.
         rows: an example (components, batch).
         action: an example (k, batch).
         options: of TorchInductor.
     """
+    inputs = [(len(tensor), tensor.dtype, tensor.device) for tensor in (rows, action)]
+    key = (graph.code, *inputs, torch.get_num_threads(), *sorted(options.items()))
+    if key not in _KNOWN:
+        if len(_KNOWN) == _KEPT:
+            del _KNOWN[next(iter(_KNOWN))]
+        _KNOWN[key] = _newly_compiled(graph, rows, action, options)
+    return _KNOWN[key]
+
+
+def _newly_compiled(
+    graph: fx.GraphModule, rows: Tensor, action: Tensor, options: dict[str, Any]
+) -> "Step | None":
     from torch._inductor.exc import CppCompileError, InductorError, InvalidCxxCompiler
 
     examples = [tensor.new_empty(len(tensor), _MANY) for tensor in (rows, action)]

@@ -22,7 +22,13 @@ from simgap.recordings.recording import Recording, write_recording
 from tests.contract_checker import read_diagnosis
 from tests.pipeline.gap.recordings import JOINT, Plant, joint_recording
 
-SETTINGS = {"gap": {"effects": ["coulomb_friction", "viscous_friction"]}}
+SETTINGS = {
+    "gap": {
+        "effects": ["coulomb_friction", "viscous_friction"],
+        "resamples": 50,
+        "horizon": 0.05,
+    }  # to be quick
+}
 
 
 def raw(runs: int = 6) -> Recording:

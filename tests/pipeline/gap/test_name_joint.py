@@ -10,7 +10,16 @@ from simgap.gap.fit import fit
 from simgap.gap.refit import extend
 from simgap.platforms import Joint
 from simgap.simulation import FittedEffect, Simulator
-from tests.pipeline.gap.problems import at_start, diagnosed, named, of_joint, problem_of, quick, value_of
+from tests.pipeline.gap.problems import (
+    FEW,
+    at_start,
+    diagnosed,
+    named,
+    of_joint,
+    problem_of,
+    quick,
+    value_of,
+)
 from tests.pipeline.gap.recordings import (
     JOINT,
     Plant,
@@ -31,11 +40,14 @@ PLANTED = {
 }
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize(
+    ("seed", "effects"), [(0, None), (1, (*FEW, "sensor_time_offset"))], ids=["all", "few"]
+)
 @pytest.mark.parametrize("name", PLANTED)
-def test_the_planted_effect_is_named_and_no_other(name, seed):
+def test_the_planted_effect_is_named_and_no_other(name, seed, effects):
+    """Of the whole catalogue, and with other noise of its nearest rivals."""
     plant, truth = PLANTED[name]
-    found = diagnosed(plant, seed)
+    found = diagnosed(plant, seed, effects=effects)
     assert named(found) == [name]
     rivals = {rival.key for rivalry in found.naming.rivalries for rival in rivalry.rivals}
     # One input and its answer: a late command and a late sensor are one and the same there.
@@ -173,7 +185,7 @@ def test_a_known_effect_with_the_right_value_is_not_named_and_with_a_wrong_one_i
     plant, effect = Plant(friction=0.3), effect_by_key("joint", "coulomb_friction")
     for level, expected in ((0.3, []), (0.2, ["coulomb_friction"])):
         believed = FittedEffect(effect, {"level": level}, known=True)
-        found = quick(joint_recording(plant), joint_simulator(believed))
+        found = quick(joint_recording(plant), joint_simulator(believed), FEW)
         assert named(found) == expected
         assert len(found.simulator.effects) == 1
         (final,) = found.simulator.effects
@@ -183,7 +195,7 @@ def test_a_known_effect_with_the_right_value_is_not_named_and_with_a_wrong_one_i
 def test_a_sliding_axis_speaks_of_forces():
     recording = joint_recording(Plant(friction=0.3))
     sliding = replace(recording, units={"position": "m", "velocity": "m/s", "voltage": "V"})
-    found = quick(sliding, Simulator(JOINT, position_unit="m"))
+    found = quick(sliding, Simulator(JOINT, position_unit="m"), FEW)
     assert found.mismatches[0].channel.name == "force"
     assert named(found) == ["coulomb_friction"]
 

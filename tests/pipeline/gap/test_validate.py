@@ -13,7 +13,7 @@ from simgap.gap.residuals import channels_on, noise_of_rows
 from simgap.gap.settings import Gap
 from simgap.gap.validate import Validation, gap_closed, validate
 from simgap.simulation import FittedEffect
-from tests.pipeline.gap.problems import diagnosed, problem_of, quick
+from tests.pipeline.gap.problems import FEW, diagnosed, problem_of, quick
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
 pytestmark = pytest.mark.slow
@@ -47,7 +47,7 @@ def test_held_out_runs_never_enter_the_fit():
     held = frame["run"].map(recording.split) == "holdout"
     frame.loc[held, "velocity"] *= 1.5
     frame.loc[held, "position"] *= 1.5
-    found, other = (quick(r, joint_simulator()) for r in (recording, replace(recording, frame=frame)))
+    found, other = (quick(r, joint_simulator(), FEW) for r in (recording, replace(recording, frame=frame)))
     assert found.simulator == other.simulator
     assert found.probabilities == other.probabilities
     assert found.naming.posterior.weights == other.naming.posterior.weights
@@ -57,19 +57,20 @@ def test_held_out_runs_never_enter_the_fit():
 
 
 def test_what_only_held_out_runs_show_is_the_first_warning_and_no_verdict():
-    found = diagnosed(Plant(viscous=(0.0, 0.0, 0.0, 0.0, 0.05, 0.05)))
+    found = diagnosed(Plant(viscous=(0.0, 0.0, 0.0, 0.0, 0.05, 0.05)), effects=FEW)
     assert (found.verdict, found.naming.named) == ("none", ())
     assert found.warnings[0].startswith("held-out runs refute the answer in torque: their error energy is")
     assert found.warnings[0].endswith("record more runs like them")
-    assert not any("held-out runs refute" in warning for warning in diagnosed(Plant()).warnings)
+    assert not any("held-out runs refute" in warning for warning in diagnosed(Plant(), effects=FEW).warnings)
 
 
 def test_names_that_help_no_held_out_run_are_doubted():
-    found = diagnosed(Plant(friction=(0.3, 0.3, 0.3, 0.3, 0.0, 0.0)))
+    found = diagnosed(Plant(friction=(0.3, 0.3, 0.3, 0.3, 0.0, 0.0)), effects=FEW)
     assert found.naming.named
     assert found.validation.gap_closed <= 0.0
     assert "do not rely on them" in found.warnings[0]
-    assert not any("do not rely on them" in warning for warning in diagnosed(Plant(friction=0.3)).warnings)
+    right = diagnosed(Plant(friction=0.3), effects=FEW)
+    assert not any("do not rely on them" in warning for warning in right.warnings)
 
 
 @pytest.mark.parametrize(
@@ -91,7 +92,7 @@ def test_runs_that_were_held_out_speak_against_names(after, noise, closed, dispr
     [Plant(friction=0.3), Plant(current_limit=5.0), Plant(friction=0.3, other=lambda q, v: -0.02 * q)],
 )
 def test_the_interval_contains_the_estimate(plant):
-    validation = diagnosed(plant).validation
+    validation = diagnosed(plant, effects=FEW).validation
     assert validation.interval is not None
     low, high = validation.interval
     assert low <= validation.gap_closed <= high <= 1.0
@@ -118,7 +119,7 @@ def test_one_held_out_run_gives_no_interval(held, known):
 
 
 def test_one_run_proves_nothing_and_says_so():
-    found = diagnosed(Plant(friction=0.3), runs=1)
+    found = diagnosed(Plant(friction=0.3), runs=1, effects=FEW)
     assert (found.validation.gap_closed, found.validation.interval, found.validation.held_out_runs) == (
         None,
         None,
@@ -129,13 +130,13 @@ def test_one_run_proves_nothing_and_says_so():
 
 
 def test_the_floor_is_where_a_right_simulator_lands():
-    validation = diagnosed(Plant()).validation
+    validation = diagnosed(Plant(), effects=FEW).validation
     assert validation.before == validation.after == pytest.approx(validation.noise_floor, rel=0.15)
 
 
 def test_open_loop_predictions_fall_too():
     recording = joint_recording(Plant(friction=0.3))
-    (position, velocity) = diagnose(recording, joint_simulator(), Gap(resamples=50)).horizons
+    (position, velocity) = diagnose(recording, joint_simulator(), Gap(resamples=50, effects=[*FEW])).horizons
     assert (position.unit, velocity.unit) == ("rad", "rad/s")
     for error in (position, velocity):
         assert float(error.after[-1, 0]) < 0.2 * float(error.before[-1, 0])

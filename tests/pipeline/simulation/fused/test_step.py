@@ -115,6 +115,19 @@ def test_what_differs_from_machine_to_machine_travels_in_the_memory():
     )
 
 
+def test_the_same_step_is_compiled_once_and_another_apart():
+    def fused(pull: float) -> FusedStep:
+        state, action = torch.ones(2, 3), torch.ones(2, 3)
+        return FusedStep(lambda x, u, memory: (x + pull * u, memory), state, action, ())
+
+    rows, action = torch.ones(3, 5), torch.full((3, 5), 2.0)
+    steps = [fused(pull) for pull in (0.5, 0.5, 0.25)]
+    assert [float(step(rows, action)[0, 0]) for step in steps] == [2.0, 2.0, 1.5]
+    first, again, other = (step._compiled[False] for step in steps)
+    assert first is again
+    assert other is not first
+
+
 def test_rows_and_tensors_are_the_same_numbers():
     flight = racer()
     state, memory, action = start(flight, torch.float64)
