@@ -3,20 +3,21 @@
 Messages: https://ardupilot.org/copter/docs/logmessages.html.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from simgap.logs.layouts.ardupilot_events import crash_free, said
 from simgap.logs.layouts.ardupilot_motors import battery, commands, order, speeds
 from simgap.logs.layouts.choices import AXES, QUATERNION, Choice, choose, moves, number, vector
-from simgap.logs.layouts.flights import flights, height_of, rise
-from simgap.logs.layouts.rates import SLOWEST, rated, told
-from simgap.logs.log import Log
+from simgap.logs.layouts.flights import flights, height_of
+from simgap.logs.layouts.rates import rated
+from simgap.logs.layouts.refusals import no_flight, too_slow, wrong_kind
+from simgap.logs.log import Log, Span
 from simgap.logs.proposal import Proposal, Proposed, lacking
 
 HOW = "set bits 0 (fast attitude) and 18 (fast IMU) of LOG_BITMASK"
 MOTORS = (
-    "RCOU is written at 10 Hz whatever LOG_BITMASK says, so let the speed controllers tell their speeds: "
-    "bidirectional DShot, SERVO_BLH_BDMASK 15, fills ESC.RPM (docs/how_to/px4.md)"
+    "RCOU is written at 10 Hz whatever LOG_BITMASK says, so set its bit 0 (fast attitude), which fills RATE, or let "
+    "the speed controllers tell their speeds: bidirectional DShot, SERVO_BLH_BDMASK 15, fills ESC (docs/how_to/px4.md)"
 )
 _CLASSES = {
     2: "hexacopter", 3: "octocopter", 4: "octocopter", 5: "Y6", 6: "helicopter", 7: "tricopter", 8: "single copter",
@@ -24,6 +25,12 @@ _CLASSES = {
 }  # fmt: skip
 """FRAME_CLASS that are no quadrotors."""
 _FILTERS = ("XKF1", "NKF1", "EKF1")  # of the newest estimator first
+_HEIGHTS = (
+    ("SIM2.PD", -1.0),
+    *((f"{name}.PD", -1.0) for name in _FILTERS),
+    ("CTUN.Alt", 1.0),
+    ("BARO.Alt", 1.0),
+)
 
 
 def propose(log: Log, kind: str | None) -> Proposal | None:
@@ -37,37 +44,17 @@ def propose(log: Log, kind: str | None) -> Proposal | None:
         return None
     missing: dict[str, str] = {}
     notes: list[str] = []
-    columns = _state(log, missing, notes) | _inputs(log, notes) | battery(log, missing)
-    wanted = choose(log, [vector("RATE", ("RDes", "PDes", "YDes"), "the rate controller", AXES, "deg/s")])
-    force = choose(log, [vector("IMU", ("AccX", "AccY", "AccZ"), "the accelerometer", AXES, "m/s²")])
-    for name, choice in (("body_rate_command", wanted), ("specific_force", force)):
-        columns |= choice.columns([f"{name}_{axis}" for axis in "xyz"]) if choice is not None else {}
-    notes.append(order(log))
-    height = height_of(
-        log,
-        [
-            ("SIM2.PD", -1.0),
-            *((f"{name}.PD", -1.0) for name in _FILTERS),
-            ("CTUN.Alt", 1.0),
-            ("BARO.Alt", 1.0),
-        ],
-    )
+    height = height_of(log, _HEIGHTS)
     windows = crash_free(log, flights(said(log), height))
+    columns = _state(log, missing, notes) | _inputs(log, windows, notes) | battery(log, missing)
+    columns |= _sensed(log)
+    notes.append(order(log))
     fast = rated(log, columns, HOW)
     refusal = (
-        (f"is a log of a vehicle that flies, not of a {kind}" if kind not in (None, "quadrotor") else "")
+        wrong_kind(kind)
         or _not_a_quadrotor(log)
-        or (
-            ""
-            if windows
-            else f"nothing flies in it: the height changes by {rise(height):.2f} m only; log a flight"
-        )
-        or (
-            f"is logged too slowly to show physics: {told(fast.refused)}, where {SLOWEST:.0f} Hz are the least; "
-            + (MOTORS if set(fast.refused) & {"RCOU", "ESC"} else HOW)
-            if fast.refused
-            else ""
-        )
+        or ("" if windows else no_flight(height))
+        or _slow(fast.refused)
     )
     missing |= fast.missing
     for column in lacking("quadrotor", set(fast.columns)):
@@ -102,6 +89,22 @@ def _state(log: Log, missing: dict[str, str], notes: list[str]) -> dict[str, Pro
         else "The state is the on-board estimator's: its delays and its smoothing are in it."
     )
     return columns
+
+
+def _sensed(log: Log) -> dict[str, Proposed]:
+    """Return what helps, but is not needed: specific force, and the commanded body rate."""
+    columns: dict[str, Proposed] = {}
+    wanted = choose(log, [vector("RATE", ("RDes", "PDes", "YDes"), "the rate controller", AXES, "deg/s")])
+    force = choose(log, [vector("IMU", ("AccX", "AccY", "AccZ"), "the accelerometer", AXES, "m/s²")])
+    for name, choice in (("body_rate_command", wanted), ("specific_force", force)):
+        if choice is not None:
+            columns |= choice.columns([f"{name}_{axis}" for axis in "xyz"])
+    return columns
+
+
+def _slow(rates: Mapping[str, float]) -> str:
+    """Return why the physics cannot be seen at the rates of a log; empty where it can."""
+    return too_slow(rates, MOTORS if set(rates) & {"RCOU", "ESC"} else HOW) if rates else ""
 
 
 def _estimator(log: Log, group: str) -> Choice | None:
@@ -141,9 +144,9 @@ def _how(group: str) -> str:
     return HOW
 
 
-def _inputs(log: Log, notes: list[str]) -> dict[str, Proposed]:
+def _inputs(log: Log, windows: Sequence[Span], notes: list[str]) -> dict[str, Proposed]:
     columns: dict[str, Proposed] = {}
-    for name, choice in (("motor_command", commands(log, notes)), ("motor_speed", speeds(log))):
+    for name, choice in (("motor_command", commands(log, windows, notes)), ("motor_speed", speeds(log))):
         if choice is not None:
             columns |= choice.columns([f"{name}_{rotor}" for rotor in range(1, 5)])
     return columns

@@ -1,22 +1,34 @@
 """The motors and the battery of ArduPilot: commands, speeds, their order, and their range."""
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from simgap.logs.layouts.airframes import ARDUPILOT, X, order_note
 from simgap.logs.layouts.choices import Choice, choose, middle, number, rate_of
-from simgap.logs.log import Log
+from simgap.logs.layouts.rates import SLOWEST
+from simgap.logs.log import Log, Signal, Span
 from simgap.logs.proposal import Proposed
+from simgap.logs.readers.dataflash_mixer import PREFIX, agreement
 
 _ROTORS = range(4)
 _MOTOR_1 = 33  # SERVO_FUNCTION of motor 1
 _CHANNELS = 32
 _DEFAULT = (1000.0, 2000.0)  # µs; MOT_PWM_MIN and MOT_PWM_MAX where nothing else is set
 _WHOLE_VOLTS = 100.0  # V; more has no such vehicle, so that more is hundredths, as before 2016
+_AGREEMENT = 0.98  # R²; an error of a seventh of how much the pulses vary
 _NO_BATTERY = 1.0  # V; without a monitor it is 0
 
 
-def commands(log: Log, notes: list[str]) -> Choice | None:
-    """Return where the commands of the motors are, from 0 to 1."""
+def commands(log: Log, windows: Sequence[Span], notes: list[str]) -> Choice | None:
+    """Return where the commands of the motors are, from 0 to 1.
+
+    Args:
+        log: as it was read.
+        windows: the flights, in which pulses of the rate controller must agree with those that were logged.
+        notes: to which what a person should know is added.
+    """
     channels = _channels(log)
     choices = [
         Choice([f"RCOU.{prefix}{channel}" for channel in channels], "") for prefix in ("C", "Ch", "Chan")
@@ -24,6 +36,8 @@ def commands(log: Log, notes: list[str]) -> Choice | None:
     found = choose(log, choices)
     if found is None:
         return None
+    if rate_of(log, found.signals[0]) < SLOWEST:
+        found = _computed(log, found, windows, notes)
     (low, high), known = _range(log)
     if not known:
         notes.append("The range of the pulses is not in the log: 1000 to 2000 µs is taken for 0 to 1.")
@@ -36,6 +50,31 @@ def commands(log: Log, notes: list[str]) -> Choice | None:
         unit="1",
         held=True,
     )
+
+
+def _computed(log: Log, logged: Choice, windows: Sequence[Span], notes: list[str]) -> Choice:
+    """Return the same pulses at the rate of the rate controller, where they agree; else the logged ones."""
+    names = [PREFIX + name.removeprefix("RCOU.") for name in logged.signals]
+    if not windows or not all(name in log.signals for name in names):
+        return logged
+    worst = min(
+        agreement(told, log.signals[name], _inside(told, windows))
+        for told, name in zip(map(log.signals.__getitem__, logged.signals), names, strict=True)
+    )
+    if worst < _AGREEMENT:
+        return logged
+    notes.append(
+        f"RCOU at {rate_of(log, logged.signals[0]):.0f} Hz is too slow. The pulses are computed of what the rate "
+        f"controller gave the mixer (RATE); they agree with RCOU to R² {worst:.3f}, of samples that were not fitted."
+    )
+    return Choice(names, logged.reason)
+
+
+def _inside(signal: Signal, windows: Sequence[Span]) -> NDArray[np.bool_]:
+    inside = np.zeros(len(signal.time), dtype=bool)
+    for window in windows:
+        inside |= (signal.time >= window.begin) & (signal.time <= window.end)
+    return inside
 
 
 def _channels(log: Log) -> list[int]:

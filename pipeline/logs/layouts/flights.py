@@ -95,10 +95,3 @@ def height_of(log: Log, names: Iterable[tuple[str, float]]) -> Signal | None:
             signal = log.signals[name]
             return Signal(name, signal.time, factor * signal.values, signal.unit)
     return None
-
-
-def rise(height: Signal | None) -> float:
-    """Return how far the height changes, m; 0 where it is not known."""
-    if height is None or not np.isfinite(height.values).any():
-        return 0.0
-    return float(np.nanmax(height.values) - np.nanmin(height.values))

@@ -15,10 +15,11 @@ from simgap.logs.layouts.choices import (
     moves,
     vector,
 )
-from simgap.logs.layouts.flights import Stretch, flights, height_of, rise, states_at, stretches
+from simgap.logs.layouts.flights import Stretch, flights, height_of, states_at, stretches
 from simgap.logs.layouts.px4_motors import battery, commands, order, speeds
 from simgap.logs.layouts.px4_vehicle import not_a_quadrotor
-from simgap.logs.layouts.rates import SLOWEST, rated, told
+from simgap.logs.layouts.rates import rated
+from simgap.logs.layouts.refusals import no_flight, too_slow, wrong_kind
 from simgap.logs.log import Log, Signal
 from simgap.logs.proposal import Proposal, Proposed, lacking
 
@@ -53,7 +54,7 @@ def propose(log: Log, kind: str | None) -> Proposal | None:
     windows = flights(_said(log), height)
     fast = rated(log, columns, HOW)
     refusal = (
-        (f"is a log of a vehicle that flies, not of a {kind}" if kind not in (None, "quadrotor") else "")
+        wrong_kind(kind)
         or not_a_quadrotor(log)
         or ("" if windows else _no_flight(log, height))
         or _slow(log, fast.refused)
@@ -154,7 +155,7 @@ def _sensed(log: Log) -> dict[str, Proposed]:
 
 
 def _said(log: Log) -> list[Stretch]:
-    """Return when the vehicle says that it is armed and not landed."""
+    """Return when the vehicle says that it is armed and not landed; all of the log where it says neither."""
     flags = [
         (signal, missing, value)
         for name, missing, value in (
@@ -164,34 +165,37 @@ def _said(log: Log) -> list[Stretch]:
         )
         if (signal := log.signals.get(name)) is not None and len(signal.time)
     ]
+    begin, end = _extent(log)
+    if not flags:
+        return [Stretch(begin, end)]
     times = np.unique(np.concatenate([np.empty(0), *(signal.time for signal, _, _ in flags)]))
     flying = np.ones(len(times), dtype=bool)
     for signal, missing, value in flags:
         flying &= states_at(times, signal, missing) == value
-    return stretches(times, flying, _end(log))
+    return stretches(times, flying, end)
 
 
-def _end(log: Log) -> float:
+def _extent(log: Log) -> tuple[float, float]:
+    """Return the first and last time of what is always logged."""
     names = ("vehicle_local_position.z", "vehicle_attitude.q[0]", "sensor_combined.gyro_rad[0]")
-    return max((float(log.signals[name].time[-1]) for name in names if name in log.signals), default=0.0)
+    times = [log.signals[name].time for name in names if name in log.signals]
+    known = [time for time in times if len(time)]
+    return min((float(time[0]) for time in known), default=0.0), max(
+        (float(time[-1]) for time in known), default=0.0
+    )
 
 
 def _no_flight(log: Log, height: Signal | None) -> str:
-    armed = any(
-        name in log.signals and np.any(log.signals[name].values == value)
+    flags = [
+        log.signals[name].values == value
         for name, value in (("actuator_armed.armed", 1), ("vehicle_status.arming_state", _ARMED))
-    )
-    if not armed:
-        return "nothing flies in it: the vehicle is never armed; log a flight"
-    return f"nothing flies in it: the height changes by {rise(height):.2f} m only; log a flight"
+        if name in log.signals
+    ]
+    armed = not flags or any(np.any(flag) for flag in flags)
+    return no_flight(height) if armed else "nothing flies in it: the vehicle is never armed; log a flight"
 
 
 def _slow(log: Log, rates: Mapping[str, float]) -> str:
     """Return why the physics cannot be seen at the rates of a log; empty where it can."""
-    if not rates:
-        return ""
-    profile = f" (SDLOG_PROFILE {log.facts['SDLOG_PROFILE']})" if "SDLOG_PROFILE" in log.facts else ""
-    return (
-        f"is logged too slowly to show physics{profile}: {told(rates)}, "
-        f"where {SLOWEST:.0f} Hz are the least and 100 Hz are good; {HOW}"
-    )
+    profile = f" (SDLOG_PROFILE is {log.facts['SDLOG_PROFILE']})" if "SDLOG_PROFILE" in log.facts else ""
+    return too_slow(rates, HOW + profile) if rates else ""

@@ -63,6 +63,7 @@ def read(path: Path) -> Log:
 
     The clock is that of the vehicle, s since it was switched on. `ATT.quaternion.w` to `z` are computed of the angles
     of ATT: the attitude scalar first, from the body (forward, right, down) to the world (north, east, down).
+    `RATE.RCOU.C1` and so on are the pulses of RCOU at the rate of RATE; see `simgap.logs.readers.dataflash_mixer`.
 
     Raises:
         InputError: when the file is damaged, or no DataFlash log.
@@ -75,12 +76,15 @@ def read(path: Path) -> Log:
     messages = {
         message.name: message for message in _messages(data, starts, kinds, layouts) if len(message.rows)
     }
+    signals = signals_of(messages, declared_units(messages))
+    if not signals:
+        raise InputError("holds no records that can be read", str(path), "copy it from the vehicle again")
     lost = len(data) - int(sum(len(message.rows) * message.rows.itemsize for message in messages.values()))
     remarks = (f"{lost} bytes belong to no record and are left out.",) if lost else ()
     return Log(
         "ArduPilot DataFlash",
         str(path),
-        signals_of(messages, declared_units(messages)),
+        signals,
         facts=facts_of(messages),
         remarks=remarks,
     )

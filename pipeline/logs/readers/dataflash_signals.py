@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simgap.logs.log import Signal
+from simgap.logs.readers.dataflash_mixer import pulses
 from simgap.logs.records import Records, RecordSignals
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def signals_of(messages: "Mapping[str, Message]", units: Mapping[str, Mapping[st
             for column in rows.dtype.names or ():
                 if column not in _OWN_CLOCKS and rows.dtype[column].kind in "iuf":
                     fields[f"{prefix}.{column}"] = (records, column)
-    return RecordSignals(fields, dict(_quaternion(fields)))
+    return RecordSignals(fields, dict(_quaternion(fields)) | dict(pulses(fields)))
 
 
 def _instances(

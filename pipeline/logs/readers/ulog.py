@@ -66,6 +66,8 @@ def read(path: Path) -> Log:
         for entry in topic.field_data:
             if entry.type_str != "char" and not entry.field_name.startswith(("timestamp", "_padding")):
                 fields[f"{prefix}.{entry.field_name}"] = (records, entry.field_name)
+    if not fields:
+        raise InputError("holds no records that can be read", str(path), _REMEDY)
     return Log(
         "PX4 ULog", str(path), RecordSignals(fields), facts=_facts(ulog), remarks=_remarks(parts, left_out)
     )

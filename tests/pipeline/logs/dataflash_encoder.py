@@ -1,31 +1,23 @@
 """Writes DataFlash logs: FMT records, units and counters of instances, records in the order of their times."""
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-_CODES = {
-    "Q": "Q",
-    "I": "I",
-    "f": "f",
-    "B": "B",
-    "h": "h",
-    "H": "H",
-    "c": "h",
-    "C": "H",
-    "L": "i",
-    "N": "16s",
-    "Z": "64s",
-    "b": "b",
-    "n": "4s",
-    "d": "d",
-}
+Columns = Mapping[str, Sequence[Any]]
+
+_CODES = {letter: letter for letter in "QIfBhHbd"} | {
+    "c": "h", "C": "H", "L": "i", "n": "4s", "N": "16s", "Z": "64s",
+}  # fmt: skip
 _SCALED = {"c": 100, "C": 100, "L": 1e7}
+_FIRST = 140  # type of the first message
+_LABELS = {"#": b"instance", "k": b"deg/s", "o": b"m/s/s", "v": b"V", "-": b""}
 
 
 def dataflash(
-    messages: Mapping[str, tuple[str, Mapping[str, Sequence]]],
+    messages: Mapping[str, tuple[str, Columns]],
     parameters: Mapping[str, float] | None = None,
     texts: Sequence[str] = ("ArduCopter V4.5.0 (00000000)", "Frame: QUAD/X"),
     units: Mapping[str, str] | None = None,
@@ -38,70 +30,65 @@ def dataflash(
         texts: for the pilot.
         units: message to a letter for each column; `#` counts instances, k is deg/s, o m/s/s, - nothing.
     """
-    everything: dict[str, tuple[str, Mapping[str, Sequence]]] = {}
-    if texts:
-        everything["MSG"] = ("QZ", {"TimeUS": [0] * len(texts), "Message": [text.encode() for text in texts]})
-    if parameters:
-        names = [name.encode() for name in parameters]
-        everything["PARM"] = (
-            "QNf",
-            {"TimeUS": [0] * len(names), "Name": names, "Value": list(parameters.values())},
-        )
+    everything = _told(parameters or {}, texts) | (_UNIT if units else {})
     if units:
-        labels = {"#": b"instance", "k": b"deg/s", "o": b"m/s/s", "v": b"V", "-": b""}
-        everything["UNIT"] = (
-            "QbZ",
-            {"TimeUS": [0] * len(labels), "Id": [ord(key) for key in labels], "Label": list(labels.values())},
-        )
-        kinds = {name: 140 + number for number, name in enumerate([*everything, "FMTU", *messages])}
-        everything["FMTU"] = (
-            "QBNN",
-            {
-                "TimeUS": [0] * len(units),
-                "FmtType": [kinds[name] for name in units],
-                "UnitIds": [text.encode() for text in units.values()],
-                "MultIds": [b"-" * len(text) for text in units.values()],
-            },
-        )
+        names = [*everything, "FMTU", *messages]
+        everything["FMTU"] = _declared(units, {name: _FIRST + place for place, name in enumerate(names)})
     everything |= messages
-    head, records = [_format(128, "FMT", "BBnNZ", ["Type", "Length", "Name", "Format", "Columns"])], []
-    for number, (name, (letters, columns)) in enumerate(everything.items()):
-        kind = 140 + number
+    head = [_format(128, "FMT", "BBnNZ", ["Type", "Length", "Name", "Format", "Columns"])]
+    records: list[tuple[float, bytes]] = []
+    for kind, (name, (letters, columns)) in enumerate(everything.items(), _FIRST):
         head.append(_format(kind, name, letters, list(columns)))
-        packer = struct.Struct("<" + "".join(_CODES[letter] for letter in letters))
-        scales = [_SCALED.get(letter) for letter in letters]
-        for row in zip(*columns.values(), strict=True):
-            values = [
-                _stored(value, letter, scale)
-                for value, letter, scale in zip(row, letters, scales, strict=True)
-            ]
-            time = float(row[0]) * (1000 if next(iter(columns)) == "TimeMS" else 1)
-            records.append((time, bytes([0xA3, 0x95, kind]) + packer.pack(*values)))
+        records += _records(kind, letters, columns)
     records.sort(key=lambda record: record[0])
     return b"".join([*head, *(record for _, record in records)])
 
 
-def _stored(value, letter: str, scale: float | None):
+def _told(parameters: Mapping[str, float], texts: Sequence[str]) -> dict[str, tuple[str, Columns]]:
+    told: dict[str, tuple[str, Columns]] = {}
+    if texts:
+        told["MSG"] = ("QZ", {"TimeUS": [0] * len(texts), "Message": [text.encode() for text in texts]})
+    if parameters:
+        names = [name.encode() for name in parameters]
+        told["PARM"] = ("QNf", {"TimeUS": [0] * len(names), "Name": names, "Value": [*parameters.values()]})
+    return told
+
+
+_UNIT: dict[str, tuple[str, Columns]] = {
+    "UNIT": (
+        "QbZ",
+        {"TimeUS": [0] * len(_LABELS), "Id": [ord(key) for key in _LABELS], "Label": [*_LABELS.values()]},
+    )
+}
+
+
+def _declared(units: Mapping[str, str], kinds: Mapping[str, int]) -> tuple[str, Columns]:
+    return "QBNN", {
+        "TimeUS": [0] * len(units),
+        "FmtType": [kinds[name] for name in units],
+        "UnitIds": [letters.encode() for letters in units.values()],
+        "MultIds": [b"-" * len(letters) for letters in units.values()],
+    }
+
+
+def _records(kind: int, letters: str, columns: Columns) -> Iterator[tuple[float, bytes]]:
+    packer = struct.Struct("<" + "".join(_CODES[letter] for letter in letters))
+    to_us = 1000 if next(iter(columns)) == "TimeMS" else 1
+    for row in zip(*columns.values(), strict=True):
+        values = [_stored(value, letter) for value, letter in zip(row, letters, strict=True)]
+        yield float(row[0]) * to_us, bytes([0xA3, 0x95, kind]) + packer.pack(*values)
+
+
+def _stored(value: Any, letter: str) -> Any:
     if letter in "NZn":
         return value
-    if letter in "fd":
-        return float(value)
-    return round(float(value) * (scale or 1))
+    return float(value) if letter in "fd" else round(float(value) * _SCALED.get(letter, 1))
 
 
 def _format(kind: int, name: str, letters: str, columns: list[str]) -> bytes:
     length = 3 + struct.calcsize("<" + "".join(_CODES[letter] for letter in letters))
-    return struct.pack(
-        "<BBBBB4s16s64s",
-        0xA3,
-        0x95,
-        128,
-        kind,
-        length,
-        name.encode(),
-        letters.encode(),
-        ",".join(columns).encode(),
-    )
+    texts = (name.encode(), letters.encode(), ",".join(columns).encode())
+    return struct.pack("<BBBBB4s16s64s", 0xA3, 0x95, 128, kind, length, *texts)
 
 
 def instances(*numbered: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -12,6 +12,7 @@ from simgap.logs.formats import read_log
 from simgap.logs.layouts.airframes import ARDUPILOT, directions
 from simgap.logs.opening import open_recording
 from simgap.logs.proposal import Proposal, propose
+from simgap.logs.readers.dataflash_mixer import nearest
 from tests.pipeline.logs import vehicle
 from tests.pipeline.logs.dataflash_encoder import dataflash, instances
 from tests.pipeline.logs.test_px4 import X_PLACES
@@ -24,41 +25,44 @@ TO_RPM = 30 / np.pi
 
 def flown(**changed: tuple | None) -> dict[str, tuple]:
     """Return the messages of a flight as Copter 4.5 writes them; a change replaces or (None) removes one."""
-    time = vehicle.stamps()
+    time, slow = vehicle.stamps(), {"TimeUS": vehicle.stamps()[::10]}
     state = {
         name: vehicle.ned(f"{column}_{axis}")
         for column, names in (("position", ("PN", "PE", "PD")), ("velocity", ("VN", "VE", "VD")))
         for name, axis in zip(names, "xyz", strict=True)
     }
-    inertial = {"TimeUS": time} | {
+    quaternion = {f"Q{part}": vehicle.ned(f"attitude_{axis}") for part, axis in enumerate("wxyz", 1)}
+    messages = {
+        "XKF1": ("QBffffff", instances({"TimeUS": time} | state)),
+        "XKQ": ("QBffff", instances({"TimeUS": time} | quaternion)),
+        "IMU": ("QBffffff", instances(*inertial())),
+        "ESC": ("QBf", instances(*turning())),
+        "RCOU": ("QHHHH", slow | {f"C{rotor}": np.full(len(slow["TimeUS"]), 1500) for rotor in range(1, 5)}),
+        "BAT": ("QBf", instances(slow | {"Volt": vehicle.padded("battery_voltage", 16.0)[::10]})),
+        "EV": ("QB", {"TimeUS": [time[0], *switched()], "Id": [10, 28, 18]}),
+    }
+    return {name: value for name, value in (messages | changed).items() if value is not None}
+
+
+def inertial() -> tuple[dict[str, np.ndarray], ...]:
+    """Return what two inertial units measure; the second is not to be used."""
+    first = {"TimeUS": vehicle.stamps()} | {
         f"{name}{axis.upper()}": vehicle.ned(f"{column}_{axis}")
         for name, column in (("Gyr", "body_rate"), ("Acc", "specific_force"))
         for axis in "xyz"
     }
-    second = inertial | {"AccX": inertial["AccX"] + 1}
-    speeds = [
-        {"TimeUS": time, "RPM": TO_RPM * vehicle.padded(f"motor_speed_{rotor}", 100.0)}
-        for rotor in range(1, 5)
-    ]
-    quaternion = {f"Q{part}": vehicle.ned(f"attitude_{axis}") for part, axis in enumerate("wxyz", 1)}
-    events = vehicle.airborne().astype(int)
-    times = time[np.flatnonzero(np.diff(events)) + 1]
-    messages = {
-        "XKF1": ("QBffffff", instances({"TimeUS": time} | state)),
-        "XKQ": ("QBffff", instances({"TimeUS": time} | quaternion)),
-        "IMU": ("QBffffff", instances(inertial, second)),
-        "ESC": ("QBf", instances(*speeds)),
-        "RCOU": (
-            "QHHHH",
-            {"TimeUS": time[::10]} | {f"C{rotor}": np.full(len(time[::10]), 1500) for rotor in range(1, 5)},
-        ),
-        "BAT": (
-            "QBf",
-            instances({"TimeUS": time[::10], "Volt": vehicle.padded("battery_voltage", 16.0)[::10]}),
-        ),
-        "EV": ("QB", {"TimeUS": [time[0], *times], "Id": [10, 28, 18]}),
-    }
-    return {name: value for name, value in (messages | changed).items() if value is not None}
+    return first, first | {"AccX": first["AccX"] + 1}
+
+
+def turning() -> list[dict[str, np.ndarray]]:
+    """Return the speeds of the motors, turns per minute."""
+    speeds = [vehicle.padded(f"motor_speed_{rotor}", 100.0) for rotor in range(1, 5)]
+    return [{"TimeUS": vehicle.stamps(), "RPM": TO_RPM * speed} for speed in speeds]
+
+
+def switched() -> np.ndarray:
+    """Return when the vehicle says that it takes off and that it has landed, µs."""
+    return vehicle.stamps()[np.flatnonzero(np.diff(vehicle.airborne().astype(int))) + 1]
 
 
 UNITS = {"XKF1": "-#------", "XKQ": "-#----", "IMU": "-#------", "ESC": "-#-", "BAT": "-#v"}
@@ -120,6 +124,39 @@ def test_pulses_of_old_firmware(tmp_path: Path) -> None:
     np.testing.assert_allclose(frame["motor_command_2"], vehicle.flight()["motor_command_2"], atol=1e-3)
 
 
+MIX = np.array([[-1, 1, 1, 1], [1, -1, 1, 1], [1, 1, -1, 1], [-1, -1, -1, 1]])
+"""Of roll, pitch, yaw and throttle to the motors of an X."""
+
+
+def controlled(unmixed: float = 0.0) -> dict[str, tuple]:
+    """Return the outputs of the rate controller, and the pulses every fifth time, part of which it does not decide."""
+    time = vehicle.stamps()
+    pulses = 1000 + 1000 * np.stack(
+        [vehicle.padded(f"motor_command_{rotor}", 0.1) for rotor in range(1, 5)], 1
+    )
+    outputs = pulses @ np.linalg.inv(MIX).T / 1000
+    other = unmixed * np.random.default_rng(0).normal(size=pulses.shape)
+    rate = {"TimeUS": time} | dict(zip(("ROut", "POut", "YOut", "AOut"), outputs.T, strict=True))
+    slow = {"TimeUS": time[::5] - 100} | {
+        f"C{rotor}": (pulses + other)[::5, rotor - 1] for rotor in range(1, 5)
+    }
+    return {"RATE": ("Qffff", rate), "RCOU": ("QHHHH", slow)}
+
+
+def test_slow_pulses_are_computed_of_what_the_mixer_was_given(tmp_path: Path) -> None:
+    path = written(tmp_path, flown(ESC=None, **controlled()))
+    assert "RCOU at 20 Hz is too slow" in " ".join(proposed(path).notes)
+    frame = open_recording(path, "quadrotor").frame
+    for rotor in range(1, 5):
+        command = vehicle.flight()[f"motor_command_{rotor}"]
+        np.testing.assert_allclose(frame[f"motor_command_{rotor}"], command, atol=2e-3)
+
+
+def test_pulses_that_the_mixer_does_not_explain_are_not_computed(tmp_path: Path) -> None:
+    found = proposed(written(tmp_path, flown(ESC=None, **controlled(unmixed=50.0))))
+    assert "RCOU at 20 Hz" in found.refusal
+
+
 def test_motors_at_ten_hertz_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"RCOU at 10 Hz.*SERVO_BLH_BDMASK"):
         open_recording(written(tmp_path, flown(ESC=None)), "quadrotor")
@@ -166,7 +203,6 @@ def test_every_frame_can_turn_about_each_axis(rotors: tuple) -> None:
     ("file", "said"),
     [
         ("dataflash_erle_devs/copter_20141215_16.BIN", "RCOU at 10 Hz"),
-        ("dataflash_erle_devs/erlebrain2_first_flight.BIN", "RCOU at 10 Hz"),
         ("dataflash_erle_devs/rover_20140825_61.BIN", "of a rover (ArduRover v2.46beta2"),
         ("dataflash_modern_SITL/00000001.BIN", "nothing flies in it"),
         ("dataflash_modern_SITL/00000002.BIN", "nothing flies in it"),
@@ -176,6 +212,22 @@ def test_the_real_logs_are_refused_for_what_they_are(shared_data: Path, file: st
     with pytest.raises(InputError) as raised:
         open_recording(shared_data / "raw" / file, "quadrotor")
     assert said in str(raised.value)
+
+
+def test_the_pulses_of_a_real_flight_are_what_its_mixer_was_given(shared_data: Path) -> None:
+    """Of a copter of 2015 without GPS, two flights of 45 and 50 s."""
+    log = read_log(shared_data / "raw/dataflash_erle_devs/erlebrain2_first_flight.BIN")
+    found = propose(log, "quadrotor")
+    assert len(found.windows) == 2
+    assert "RCOU at 10 Hz is too slow" in " ".join(found.notes)
+    assert "no horizontal position" in found.missing["position_x"]
+    flying = found.windows[0]
+    for rotor in range(1, 5):
+        told, computed = log.signals[f"RCOU.Ch{rotor}"], log.signals[f"RATE.RCOU.Ch{rotor}"]
+        inside = (told.time > flying.begin) & (told.time < flying.end)
+        error = told.values[inside] - nearest(computed, told.time[inside])
+        assert np.median(np.abs(error)) < 2.0  # µs, of pulses that vary by 30
+        assert np.std(told.values[inside]) > 30.0
 
 
 def test_a_real_flight_is_one_motion(shared_data: Path) -> None:

@@ -196,6 +196,13 @@ def test_a_vehicle_that_stays_on_the_ground_is_refused(tmp_path: Path) -> None:
         open_recording(written(tmp_path, topics | {"actuator_armed": never}), "quadrotor")
 
 
+def test_a_log_that_does_not_tell_when_it_flies_is_cut_by_its_height(tmp_path: Path) -> None:
+    recording = open_recording(
+        written(tmp_path, flown(vehicle_land_detected=None, actuator_armed=None)), "quadrotor"
+    )
+    assert len(recording.frame) == len(vehicle.flight())
+
+
 def test_a_thrust_is_no_speed(tmp_path: Path) -> None:
     found = proposed(written(tmp_path, flown(), {"THR_MDL_FAC": 0.3}))
     assert not found.is_sure
