@@ -49,7 +49,8 @@ class RecordSignals(Mapping[str, Signal]):
         if name in self._derived:
             return self._derived[name]()
         records, column = self._fields[name]
-        values = records.rows[column].astype("float64")
+        with np.errstate(invalid="ignore"):  # a signalling NaN is a missing value like any other
+            values = records.rows[column].astype("float64")
         scale = records.scales.get(column, 1.0)
         return Signal(
             name,

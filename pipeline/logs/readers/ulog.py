@@ -125,8 +125,11 @@ def _parsed(header: bytes, parts: _Parts, path: Path) -> Any:
     from pyulog import ULog
 
     numbers = set(parts.first)
-    kept = [_plain(kind, message) for kind, message in within_bounds(parts.others, numbers)]
-    text = io.BytesIO(header + b"".join(kept) + b"".join(parts.first.values()))
+    kept = list(within_bounds(parts.others, numbers))
+    if ord("A") not in (kind for kind, _ in kept):
+        raise InputError("holds no records that can be read", str(path), _REMEDY)
+    plain = [_plain(kind, message) for kind, message in kept]
+    text = io.BytesIO(header + b"".join(plain) + b"".join(parts.first.values()))
     try:
         with contextlib.redirect_stdout(io.StringIO()):  # it prints its warnings
             return ULog(text)

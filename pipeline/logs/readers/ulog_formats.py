@@ -1,6 +1,7 @@
-"""What a ULog may define: formats that contain themselves, or more than a record can hold, are left out.
+"""What of a ULog is safe to be read: no unknown messages, no formats that contain themselves or have no end.
 
-A few bytes of a damaged or ill-meant file can define a format of any size.
+A few bytes of a damaged or ill-meant file can define a format of any size, and pyulog 1.3 goes round and round on a
+message that it does not know if its length is beyond the end of the file.
 """
 
 import struct
@@ -12,11 +13,14 @@ _MOST_FIELDS = (
 _TOO_MANY = _MOST_FIELDS + 1
 _DEEPEST = 8  # formats in formats; those of PX4 are two deep
 
+_KNOWN = frozenset(map(ord, "ABCFILMPQ"))  # types of messages that pyulog knows, without records
+_FLAGS = ord("B")  # which must come first
+
 _Formats = dict[str, list[tuple[str, int]]]
 
 
 def within_bounds(messages: list[tuple[int, bytes]], numbers: set[int]) -> Iterator[tuple[int, bytes]]:
-    """Yield the messages without formats that are too large, and without subscriptions that have no records.
+    """Yield the known messages, without formats that are too large, and without subscriptions that have no records.
 
     Args:
         messages: type and bytes, with the three of the header.
@@ -26,7 +30,9 @@ def within_bounds(messages: list[tuple[int, bytes]], numbers: set[int]) -> Itera
     counted: dict[str, int] = {}
     subscribed: set[int] = set()
     defining = True
-    for kind, message in messages:
+    for place, (kind, message) in enumerate(messages):
+        if kind not in _KNOWN or (kind == _FLAGS and place):
+            continue
         defining = defining and chr(kind) not in "ACL"
         if kind == ord("F") and not (defining and _fits(_format(message)[0], formats, counted)):
             continue

@@ -153,3 +153,13 @@ def test_the_real_files_are_read_as_pyulog_reads_them(shared_data: Path) -> None
                     np.testing.assert_array_equal(log.signals[f"{prefix}.{field}"].values, values)
                     compared += 1
         assert compared == len(log.signals) > 200
+
+
+def test_an_unknown_message_is_left_out(tmp_path: Path) -> None:
+    """Longer than 10,000 bytes: pyulog alone would look for its end for ever."""
+    place = CONTENT.index(b"\x10char[3] sys_name") - 3
+    strange = message("Z", bytes(20_000))
+    signals = read(written(tmp_path, CONTENT[:place] + strange + CONTENT[place:])).signals
+    np.testing.assert_array_equal(signals["motion.count"].values, np.arange(60))
+    with pytest.raises(InputError, match="holds no records"):
+        read(written(tmp_path, CONTENT[:59] + struct.pack("<HB", 60_000, ord("Z")) + bytes(30)))
