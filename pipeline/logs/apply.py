@@ -11,9 +11,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from simgap.errors import InputError
-from simgap.logs.common_times import base_times, values_at
+from simgap.logs.common_times import base_times, in_order, values_at
 from simgap.logs.log import Log, Signal, Span
 from simgap.logs.mapping import Mapping, Source
+from simgap.logs.quaternions import without_jumps
 from simgap.logs.ratio import with_ratios
 from simgap.logs.table_clock import with_clock
 from simgap.recordings.cleaning.channels import ANGLES
@@ -46,6 +47,7 @@ def recording_of(log: Log, mapping: Mapping, platform: AbstractMapping[str, Any]
     columns = {
         column: _converted(log, source, expected[column], column) for column, source in sources.items()
     }
+    columns = without_jumps(columns)
     spans = mapping.windows or log.spans or (_whole(columns, log),)
     frames = [frame for span in spans if (frame := _run(columns, span, mapping)) is not None]
     if not frames:
@@ -91,7 +93,7 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
         known = np.isfinite(values)
         values[known] = np.unwrap(values[known])  # between π and −π lies no angle to interpolate
     held = signal.held if source.held is None else source.held
-    return replace(signal, values=values, unit=expected, held=held)
+    return in_order(replace(signal, values=values, unit=expected, held=held))
 
 
 def _to_contract(values: NDArray[np.float64], unit: str, expected: str, where: str) -> NDArray[np.float64]:
@@ -117,15 +119,19 @@ def _run(columns: dict[str, Signal], span: Span, mapping: Mapping) -> pd.DataFra
     times = times[times >= span.begin]  # a held value may be from before
     if len(times) < _FEWEST:
         return None
+    if mapping.windows:  # the log goes on around them
+        within = {name: _within(signal, span, beside=True) for name, signal in columns.items()}
     values = {name: values_at(signal, times, signal.held) for name, signal in within.items()}
     return pd.DataFrame({"run": span.name, "t": times - times[0], **values})
 
 
-def _within(signal: Signal, span: Span) -> Signal:
-    """Cut a signal to a run; what is held keeps the last value from before."""
+def _within(signal: Signal, span: Span, beside: bool = False) -> Signal:
+    """Cut a signal to a run, with or without a sample on each side; what is held keeps the last value from before."""
     inside = (signal.time >= span.begin) & (signal.time <= span.end)
-    if signal.held and (before := np.flatnonzero(signal.time < span.begin)).size:
+    if (signal.held or beside) and (before := np.flatnonzero(signal.time < span.begin)).size:
         inside[before[-1]] = True
+    if beside and (after := np.flatnonzero(signal.time > span.end)).size:
+        inside[after[0]] = True
     return replace(signal, time=signal.time[inside], values=signal.values[inside])
 
 

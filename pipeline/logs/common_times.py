@@ -1,6 +1,7 @@
 """Signals with times of their own at common times: held, averaged or interpolated, never over a gap."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,14 @@ def _changes(times: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     union = np.unique(np.concatenate(times))
     apart = np.diff(union) > _CYCLE * min(step_of(time) for time in times)
     return union[np.append(apart, True)]
+
+
+def in_order(signal: Signal) -> Signal:
+    """Return a signal with increasing times; of samples at the same time, the first."""
+    if bool(np.all(np.diff(signal.time) > 0)):
+        return signal
+    _, kept = np.unique(signal.time, return_index=True)
+    return replace(signal, time=signal.time[kept], values=signal.values[kept])
 
 
 def step_of(time: NDArray[np.float64]) -> float:

@@ -36,6 +36,8 @@ def _is_sysid(path: Path, head: bytes) -> bool:
 FORMATS: tuple[Format, ...] = (
     Format("WPILOG", "wpilog", lambda path, head: head.startswith(b"WPILOG")),
     Format("SysId JSON", "sysid_json", _is_sysid),
+    Format("PX4 ULog", "ulog", lambda path, head: head.startswith(b"ULog\x01\x12\x35")),
+    Format("ArduPilot DataFlash", "dataflash", lambda path, head: head.startswith(b"\xa3\x95")),
     Format("Parquet", "table", lambda path, head: head.startswith(b"PAR1")),
     Format("CSV", "table", lambda path, head: path.suffix.lower() in (".csv", ".txt")),
 )
