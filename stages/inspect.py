@@ -2,45 +2,65 @@
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from simgap.runner.command import report_mistakes
 
 
+if TYPE_CHECKING:
+    from simgap.logs.log import Log
+    from simgap.logs.proposal import Proposal
+
+
 def inspect(path: Path, kind: str | None = None, output: Path | None = None, every: bool = False) -> None:
     """Show what is in a log and what a diagnosis would make of it, and write a mapping that can be corrected."""
-    from simgap.errors import InputError
-    from simgap.logs.apply import recording_of
     from simgap.logs.formats import read_log
     from simgap.logs.listing import log_lines
     from simgap.logs.proposal import propose
     from simgap.logs.proposal_file import write_proposal
-    from simgap.logs.ratio import without_ratios
 
     log = read_log(path)
     proposal = propose(log, kind)
-    print(*log_lines(log, proposal, every), sep="\n")
-    print()
+    print(*log_lines(log, proposal, every), "", sep="\n")
     if proposal.refusal:
         print(f"No diagnosis: {proposal.refusal}.")
         return
-    written = write_proposal(log, proposal, output or Path(f"{path.name}.mapping.yaml"))
     if not proposal.is_sure:
-        print(
-            f"wrote {written}: correct it, then simgap diagnose platform=NAME recording={path} mapping={written}"
-        )
-        return
+        print(f"No diagnosis yet: {_doubt(proposal)}.")
+        ending = f"correct it, then simgap diagnose platform=NAME recording={path} mapping="
+    else:
+        print(*_prospect(log, proposal), sep="\n")
+        ending = f"no need to give it, if it is right: simgap diagnose platform=NAME recording={path}"
+    written = write_proposal(log, proposal, output or Path(f"{path.name}.mapping.yaml"))
+    print(f"wrote {written}: {ending}{written if ending.endswith('=') else ''}")
+
+
+def _doubt(proposal: "Proposal") -> str:
+    """Say why a proposal is not enough."""
+    from simgap.logs.proposal import lacking
+
+    if proposal.kind is None:
+        return "no kind of machine fits"
+    lost = lacking(proposal.kind, set(proposal.columns))
+    return f"no signal for {', '.join(lost[:4])} was found" if lost else "not every column is sure"
+
+
+def _prospect(log: "Log", proposal: "Proposal") -> Iterator[str]:
+    """Yield what a diagnosis would get: runs, samples, and doubts."""
+    from simgap.errors import InputError
+    from simgap.logs.apply import recording_of
+    from simgap.logs.ratio import without_ratios
+
     try:
         recording = recording_of(log, without_ratios(proposal.mapping()))
     except InputError as error:
-        print(f"No diagnosis: {error}.")
-    else:
-        seconds = recording.frame.groupby("run", sort=False)["t"].agg(lambda t: t.iloc[-1] - t.iloc[0]).sum()
-        print(f"{len(recording.runs)} runs, {len(recording.frame)} samples, {seconds:.1f} s")
-        print(*recording.warnings, sep="\n")
-        print(f"simgap diagnose platform=NAME recording={path}")
-    print(f"wrote {written}")
+        yield f"No diagnosis: {error}."
+        return
+    seconds = recording.frame.groupby("run", sort=False)["t"].agg(lambda t: t.iloc[-1] - t.iloc[0]).sum()
+    yield f"{len(recording.runs)} runs, {len(recording.frame)} samples, {seconds:.1f} s"
+    yield from recording.warnings
 
 
 def main(argv: list[str] | None = None) -> NoReturn:

@@ -9,6 +9,7 @@ from simgap.logs.log import Log, Signal
 from simgap.logs.proposal import SURE, Proposal, lacking
 
 _SHOWN = 40  # signals that are listed unless all are asked for: a screen
+_FACTS = 8  # facts that are listed likewise
 _GAP = 10.0  # times the usual step, from which on a gap is counted
 _NAME = 48  # characters of a name that fit beside the figures
 
@@ -22,7 +23,10 @@ def log_lines(log: Log, proposal: Proposal, every: bool = False) -> Iterator[str
         every: whether to list all signals.
     """
     yield f"{log.path}: {log.format}, {len(log.signals)} signals"
-    yield from (f"{name}: {value}" for name, value in log.facts.items())
+    facts = [f"{name}: {value}" for name, value in log.facts.items()]
+    yield from facts if every else facts[:_FACTS]
+    if not every and len(facts) > _FACTS:
+        yield f"and {len(facts) - _FACTS} more facts: --all lists them"
     yield ""
     yield from _signal_lines(log, proposal, every)
     yield from _run_lines(log, proposal)
