@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NoReturn
 
 from simgap.runner.command import report_mistakes
 
-
 if TYPE_CHECKING:
     from simgap.logs.log import Log
     from simgap.logs.proposal import Proposal
