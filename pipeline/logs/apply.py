@@ -33,6 +33,7 @@ def recording_of(log: Log, mapping: Mapping) -> Recording:
     Raises:
         InputError: when a signal is missing, a unit does not fit, or no run has samples of all columns.
     """
+    rate = None if log.tabular and "t" not in mapping.columns else mapping.rate
     log, remarks = with_clock(log, mapping)
     sources = {name: source for name, source in mapping.columns.items() if name not in ("t", "run")}
     sliding = _is_sliding(log, sources)
@@ -41,10 +42,10 @@ def recording_of(log: Log, mapping: Mapping) -> Recording:
         column: _converted(log, source, expected[column], column) for column, source in sources.items()
     }
     spans = mapping.windows or log.spans or (_whole(columns, log),)
-    frames = [frame for span in spans if (frame := _run(columns, span, mapping)) is not None]
+    frames = [frame for span in spans if (frame := _run(columns, span, mapping, rate)) is not None]
     if not frames:
         raise InputError("no run has samples of all columns", log.path, "correct the mapping, or its runs")
-    remarks = [*log.remarks, *remarks, *_left_out(spans, frames)]
+    remarks = [*log.remarks, *remarks, *_left_out(spans, frames), *_integrated(sources)]
     frame = pd.concat(frames, ignore_index=True)
     return recording_from_frame(frame, mapping.kind, sliding=sliding, warnings=remarks, where=log.path)
 
@@ -80,7 +81,10 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
         values = values * values_at(factor, signal.time, held=factor.held)
     unit = source.unit or signal.unit
     if unit is not None:
-        values = _to_contract(values, unit, expected, f"{log.path}, column {column!r}")
+        needed = f"{expected}/s" if source.integrate else expected
+        values = _to_contract(values, unit, needed, f"{log.path}, column {column!r}")
+    if source.integrate:
+        values = _integral(signal.time, values)
     held = signal.held if source.held is None else source.held
     return replace(signal, values=values, unit=expected, held=held)
 
@@ -94,6 +98,15 @@ def _to_contract(values: NDArray[np.float64], unit: str, expected: str, where: s
     return values * found[1] + found[2]
 
 
+def _integral(time: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the integral by trapezoids, NaN where the rate is unknown."""
+    known = np.isfinite(rate)
+    steps = 0.5 * (rate[known][1:] + rate[known][:-1]) * np.diff(time[known])
+    values = np.full(len(rate), np.nan)
+    values[known] = np.concatenate([[0.0], np.cumsum(steps)])[: known.sum()]
+    return values
+
+
 def _whole(columns: dict[str, Signal], log: Log) -> Span:
     times = [signal.time for signal in columns.values() if len(signal.time)]
     if not times:
@@ -101,13 +114,16 @@ def _whole(columns: dict[str, Signal], log: Log) -> Span:
     return Span("run", float(min(time.min() for time in times)), float(max(time.max() for time in times)))
 
 
-def _run(columns: dict[str, Signal], span: Span, mapping: Mapping) -> pd.DataFrame | None:
+def _run(columns: dict[str, Signal], span: Span, mapping: Mapping, rate: float | None) -> pd.DataFrame | None:
     """Return the samples of one run; None where it has too few."""
     within = {name: _within(signal, span) for name, signal in columns.items()}
-    times = base_times(within, mapping.kind, mapping.rate)
+    times = base_times(within, mapping.kind, rate)
     if len(times) < _FEWEST:
         return None
     values = {name: values_at(signal, times, signal.held) for name, signal in within.items()}
+    for name, source in mapping.columns.items():
+        if source.integrate and np.isfinite(values[name]).any():
+            values[name] -= values[name][np.isfinite(values[name])][0]
     return pd.DataFrame({"run": span.name, "t": times - times[0], **values})
 
 
@@ -117,6 +133,12 @@ def _within(signal: Signal, span: Span) -> Signal:
     if signal.held and (before := np.flatnonzero(signal.time < span.begin)).size:
         inside[before[-1]] = True
     return replace(signal, time=signal.time[inside], values=signal.values[inside])
+
+
+def _integrated(sources: dict[str, Source]) -> Iterator[str]:
+    for column, source in sources.items():
+        if source.integrate:
+            yield f"Column {column!r} was integrated from {source.signal!r}, from zero in each run."
 
 
 def _left_out(spans: tuple[Span, ...], frames: list[pd.DataFrame]) -> Iterator[str]:

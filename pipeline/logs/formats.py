@@ -7,6 +7,7 @@ from pathlib import Path
 
 from simgap.errors import InputError
 from simgap.logs.log import Log
+from simgap.recordings.storage import WORKBOOKS, is_text_table
 
 _HEAD = 512  # bytes that are looked at
 
@@ -26,9 +27,15 @@ class Format:
     matches: Callable[[Path, bytes], bool]
 
 
+def _ends(path: Path, *endings: str) -> bool:
+    return path.name.lower().endswith(endings)
+
+
 FORMATS: tuple[Format, ...] = (
     Format("Parquet", "table", lambda path, head: head.startswith(b"PAR1")),
-    Format("CSV", "table", lambda path, head: path.suffix.lower() in (".csv", ".txt")),
+    Format("numpy archive", "arrays", lambda path, head: _ends(path, ".npz")),
+    Format("JSON table", "json_table", lambda path, head: _ends(path, ".json", ".jsonl", ".ndjson")),
+    Format("CSV", "table", lambda path, head: is_text_table(path) or _ends(path, *WORKBOOKS)),
 )
 """Every format, the more specific ones first; tables, which anything else may be, last."""
 

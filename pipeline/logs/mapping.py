@@ -13,7 +13,7 @@ from simgap.logs.log import Span
 from simgap.recordings.contract import KINDS, channel_units
 from simgap.recordings.units import KNOWN, conversion
 
-_ENTRY_KEYS = ("from", "unit", "scale", "sign", "offset", "missing", "held", "times")
+_ENTRY_KEYS = ("from", "unit", "scale", "sign", "offset", "missing", "held", "times", "integrate")
 _GENERAL_KEYS = ("kind", "runs", "rate")
 
 
@@ -30,6 +30,8 @@ class Source:
         missing: a code that stands for no value.
         held: whether a value holds until the next one; None where the log says it.
         times: a second signal that multiplies this one: the supply voltage of a duty cycle.
+        integrate: whether the column is the integral of the signal over time, from zero in each run: a position that
+            was not recorded, of a velocity. `unit` is that of the signal.
     """
 
     signal: str
@@ -40,6 +42,7 @@ class Source:
     missing: float | None = None
     held: bool | None = None
     times: str | None = None
+    integrate: bool = False
 
 
 @dataclass(frozen=True)
@@ -135,11 +138,12 @@ def _source(column: str, entry: Any, where: str) -> Source:
             near = difflib.get_close_matches(str(key), _ENTRY_KEYS, n=1)
             remedy = f"did you mean {near[0]!r}?" if near else f"use {', '.join(_ENTRY_KEYS)}"
             raise InputError(f"unknown key {key!r}", place, remedy)
-    sign, held = entry.get("sign", 1), entry.get("held")
+    sign, held, integrate = entry.get("sign", 1), entry.get("held"), entry.get("integrate", False)
     if sign not in (1, -1) or isinstance(sign, bool):
         raise InputError(f"sign is {sign!r}", place, "give 1 or -1")
-    if held is not None and not isinstance(held, bool):
-        raise InputError(f"held is {held!r}", place, "give true or false")
+    for key, value in (("held", held), ("integrate", integrate)):
+        if value is not None and not isinstance(value, bool):
+            raise InputError(f"{key} is {value!r}", place, "give true or false")
     return Source(
         signal=entry["from"],
         unit=None if entry.get("unit") is None else str(entry["unit"]),
@@ -149,6 +153,7 @@ def _source(column: str, entry: Any, where: str) -> Source:
         missing=None if entry.get("missing") is None else _number(entry["missing"], f"{place}, missing"),
         held=held,
         times=None if entry.get("times") is None else str(entry["times"]),
+        integrate=bool(integrate),
     )
 
 
@@ -164,8 +169,9 @@ def _check_column(
     found = conversion(source.unit)
     if found is None:
         raise InputError(f"unknown unit {source.unit!r}", place, f"use one of {', '.join(KNOWN)}")
-    if found[0] != units[column]:
-        raise InputError(f"unit {source.unit!r} does not fit", place, f"a unit of {units[column]} is needed")
+    needed = f"{units[column]}/s" if source.integrate else units[column]
+    if found[0] != needed:
+        raise InputError(f"unit {source.unit!r} does not fit", place, f"a unit of {needed} is needed")
 
 
 def _base(source: Source | None) -> str | None:

@@ -14,6 +14,15 @@ _ALIASES = {
     "°/s": "deg/s", "dps": "deg/s",
     "µs": "us", "μs": "us", "RPM": "rpm", "rev/min": "rpm", "rotations": "rev", "revolutions": "rev",
     "%": "percent", "mNm": "mN·m", "rotations/s": "rev/s", "rps": "rev/s",
+    "rad/sec": "rad/s", "radians/s": "rad/s", "radians/sec": "rad/s", "rad s-1": "rad/s", "rad/s^1": "rad/s",
+    "deg/sec": "deg/s", "degrees/s": "deg/s", "degrees/sec": "deg/s", "turns": "rev", "turn": "rev",
+    "turns/s": "rev/s", "rotations/sec": "rev/s", "rotation": "rev", "revolution": "rev", "rev/sec": "rev/s",
+    "m/sec": "m/s", "metres": "m", "meters": "m", "meter": "m", "metre": "m", "meters/s": "m/s",
+    "volts": "V", "Volts": "V", "Volt": "V", "amps": "A", "Amps": "A", "amp": "A", "amperes": "A",
+    "second": "s", "secs": "s", "Seconds": "s", "msec": "ms", "milliseconds": "ms", "millis": "ms",
+    "usec": "us", "microseconds": "us", "micros": "us", "nsec": "ns", "nanoseconds": "ns", "nanos": "ns",
+    "N-m": "N·m", "N⋅m": "N·m", "newton": "N", "newtons": "N", "Newton": "N", "Celsius": "°C", "ºC": "°C", "°c": "°C",
+    "rads": "rad", "Rad": "rad", "Deg": "deg", "ratio": "1",
 }  # fmt: skip
 
 _CONVERSIONS: dict[str, tuple[str, float, float]] = {
