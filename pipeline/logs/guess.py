@@ -12,7 +12,7 @@ from simgap.logs.proposal import Proposal, lacking
 from simgap.logs.table_clock import with_clock
 
 _NOTHING = "no signal is known by its name or behaviour as one of a joint, quadrotor or swerve drive"
-_RATE_WORDS = frozenset("hz rate fs frequency fps".split())
+_RATE_WORDS = frozenset(("hz", "rate", "fs", "frequency", "fps"))
 _TIME_ADVICE = (
     "log a time with every sample, or give rate: HERTZ in the mapping where all samples are equally far apart"
 )

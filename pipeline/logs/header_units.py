@@ -21,16 +21,9 @@ _ENDINGS = {
     "micros": "us", "ns": "ns", "nsec": "ns", "nanos": "ns",
     "mm": "mm", "cm": "cm", "meters": "m", "metres": "m",
     "volt": "V", "volts": "V", "mv": "mV", "amp": "A", "amps": "A", "ma": "mA",
-    "nm": "N·m", "n_m": "N·m", "mnm": "mN·m", "newtons": "N",
+    "nm": "N·m", "n_m": "N·m", "n m": "N·m", "mnm": "mN·m", "newtons": "N",
     "celsius": "°C", "degc": "°C", "percent": "percent", "pct": "percent", "g": "g",
 }  # fmt: skip
-_SHORT = {
-    "s": "s",
-    "v": "V",
-    "a": "A",
-    "n": "N",
-    "m": "m",
-}  # units of one letter: names mean other things by them
 _AMBIGUOUS = ("g", "rot")  # a gain or a gravity, a rotation of a vector: only by brackets
 
 
@@ -44,7 +37,7 @@ def unit_in(name: str) -> str | None:
         word = bracketed[1]
         known = next((form for form in (word, word.lower()) if conversion(form) is not None), None)
         return known or (word.lower() if word.lower() in RAW else None)
-    lowered = name.strip().lower()
+    lowered = _parted(name).lower()
     return next(
         (unit for ending, unit in _LONGEST if re.search(rf"(?:^|[_\-. /]){re.escape(ending)}$", lowered)),
         None,
@@ -56,17 +49,22 @@ def quantity_words(name: str) -> str:
     bracketed = _BRACKETED.search(name)
     if bracketed and (conversion(bracketed[1]) is not None or bracketed[1].lower() in RAW):
         return name[: bracketed.start()]
-    lowered = name.strip().lower()
-    for ending, _ in _LONGEST:
-        found = re.search(rf"[_\-. /]{re.escape(ending)}$", lowered)
-        if found:
-            return name.strip()[: found.start()]
-    return name
+    found = _ending(name)
+    return name if found is None else found[0]
 
 
-def unit_of_letter(name: str) -> str | None:
-    """Return the unit that a last word of one letter may mean, as in "vbat_V"; None where it has none."""
-    return _SHORT.get(re.split(r"[_\-. /]", name.strip())[-1].lower())
+def _ending(name: str) -> tuple[str, str] | None:
+    """Return a name without its last word, and the unit that this word means; None where it means none."""
+    for form in (name.strip(), _parted(name)):
+        for ending, unit in _LONGEST:
+            if found := re.search(rf"(?:^|[_\-. /]){re.escape(ending)}$", form.lower()):
+                return form[: found.start()], unit
+    return None
+
+
+def _parted(name: str) -> str:
+    """Return a name with its words apart: "VelocityRadPerSec" is Velocity_Rad_Per_Sec."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip())
 
 
 _LONGEST = sorted(

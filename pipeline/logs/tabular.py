@@ -115,11 +115,12 @@ def _times(cells: object, first: str) -> NDArray[np.float64] | None:
     if not first[:2].isdigit() or first.count(":") < 1:
         return None
     texts = pd.Series(cells.to_numpy(zero_copy_only=False))  # type: ignore[attr-defined]
+    stamps: pd.Series
     if first.count("-") >= 2 or first.count("/") >= 2:
         stamps = pd.to_datetime(texts, errors="coerce", format="ISO8601", utc=True)
     else:
         clock = texts.where(texts.isna() | (texts.str.count(":") > 1), "00:" + texts.astype(str))
-        stamps = pd.to_timedelta(clock, errors="coerce")
+        stamps = pd.Series(pd.to_timedelta(clock, errors="coerce"))
     return _seconds(stamps) if stamps.notna().mean() > _MOSTLY else None
 
 
@@ -144,5 +145,5 @@ def _from_lists(cells: object, name: str) -> Iterator[tuple[str, NDArray[np.floa
 def _shared(column: pd.Series) -> NDArray[np.object_]:
     """Return text as objects, each different one once."""
     codes, unique = pd.factorize(column)
-    known = np.append(np.asarray(unique, dtype=object), None)
+    known = np.array([*unique, None], dtype=object)
     return np.asarray(known[codes])

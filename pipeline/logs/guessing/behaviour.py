@@ -1,4 +1,5 @@
-"""Signals whose names say nothing, known by what they do: one follows a target, one is the derivative of another."""
+"""Signals whose names say nothing, known by what they do: one follows a target or stands alone beside it, one is the
+derivative of another."""
 
 import itertools
 
@@ -34,6 +35,8 @@ def by_behaviour(log: Log, said: dict[str, Said]) -> dict[str, Said]:
     for target, name in itertools.product(targets, free):
         if _correlation(log.signals[target], log.signals[name]) > _FOLLOWS:
             return said | {name: _as(said[name], "position")}
+    if len(targets) == 1 and len(free) == 1:
+        return said | {free[0]: _as(said[free[0]], "position")}
     for first, second in itertools.permutations(free[:_MOST], 2):
         slope = slope_of(log.signals[first], log.signals[second])
         if slope is not None and abs(slope.correlation) > _DERIVATIVE:

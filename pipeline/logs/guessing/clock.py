@@ -11,14 +11,18 @@ from simgap.logs.mapping import Source
 from simgap.logs.proposal import Proposed
 from simgap.recordings.units import conversion
 
-_TIME_WORDS = frozenset(
-    "t time timestamp timestamps stamp timestep elapsed clock seconds secs sec millis micros milliseconds "
-    "microseconds nanoseconds msec usec nsec ms us ns s datetime date header".split()
-)
-_INDEX_WORDS = frozenset(
-    "index idx i n row sample samples frame seq sequence counter count id number no nr".split()
-)
-_RUN_WORDS = frozenset("run runs trial trials episode test experiment flight session segment".split())
+_TIME_WORDS = frozenset((
+    "t", "time", "zeit", "timestamp", "timestamps", "stamp", "timestep", "elapsed", "clock", "seconds", "secs",
+    "sec", "millis", "micros", "milliseconds", "microseconds", "nanoseconds", "msec", "usec", "nsec", "ms",
+    "us", "ns", "s", "datetime", "date", "header",
+))  # fmt: skip
+_INDEX_WORDS = frozenset((
+    "index", "idx", "i", "n", "row", "sample", "samples", "frame", "seq", "sequence", "counter", "count",
+    "id", "number", "no", "nr",
+))  # fmt: skip
+_RUN_WORDS = frozenset((
+    "run", "runs", "trial", "trials", "episode", "test", "experiment", "flight", "session", "segment",
+))  # fmt: skip
 _SLOWEST, _FASTEST = 1.0, 1e4  # Hz: below, nothing of a motor is seen; above, no robot logs
 _UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _EPOCH = (1e9, 3e9)  # s since 1970: from 2001 to 2065
@@ -57,7 +61,8 @@ def _time(signal: Signal) -> Proposed | None:
     rising = float((steps > 0).mean())
     words = set(words_of(signal.name))
     named = bool(words & _TIME_WORDS) and not words & _INDEX_WORDS
-    declared = conversion(signal.unit)[0] == "s" if signal.unit and conversion(signal.unit) else False
+    unit_of = conversion(signal.unit) if signal.unit else None
+    declared = unit_of is not None and unit_of[0] == "s"
     if float((steps >= 0).mean()) < _RISING - (0.04 if named else 0.0) or not (steps > 0).any():
         return None
     if not named and not declared and (rising < _RISING or not _is_regular(steps)):

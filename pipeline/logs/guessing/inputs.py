@@ -6,6 +6,7 @@ import numpy as np
 
 from simgap.logs.guessing.motion import moves, range_of, wrap_of
 from simgap.logs.guessing.parts import Named, Part, choices
+from simgap.logs.guessing.words import said_by
 from simgap.logs.log import Log, Signal
 from simgap.logs.mapping import Source
 from simgap.logs.proposal import SURE, Proposed
@@ -46,29 +47,31 @@ def inputs_of(log: Log, named: list[Named], part: Part, unit: str, position: Sig
     """
     columns: dict[str, Proposed] = {}
     seen: dict[str, str] = {}
+    near = frozenset(said_by(position.name).words) if position is not None else frozenset()
+    sliding = (conversion(unit) or ("rad", 1.0, 0.0))[0] == "m"
     supply = supply_of(log, named, part)
     for commanded in (False, True):
-        for each in choices(named, "effort", commanded, part):
-            _keep_best(columns, "effort", _effort(log.signals[each.name], each))
-        for each in choices(named, "voltage", commanded, part):
+        for each in choices(named, "effort", commanded, part, near):
+            _keep_best(columns, "effort", _effort(log.signals[each.name], each, "N" if sliding else "N·m"))
+        for each in choices(named, "voltage", commanded, part, near):
             if supply is None or each.name != supply.source.signal:
                 _keep_best(columns, "voltage", _voltage(log.signals[each.name], each))
-    duty = [each for commanded in (False, True) for each in choices(named, "duty", commanded, part)]
+    duty = [each for commanded in (False, True) for each in choices(named, "duty", commanded, part, near)]
     if duty and "voltage" not in columns:
         seen["duty"] = duty[0].name
         if supply is not None:
             _keep_best(columns, "voltage", _duty(log.signals[duty[0].name], duty[0], supply))
-    targets = choices(named, "position", True, part)
-    seen |= {"target": each.name for each in choices(named, "velocity", True, part)[:1]}
-    if targets:
-        seen["target"] = targets[0].name
-        if "position_command" in COLUMNS["joint"] and position is not None:
-            found = _target(log.signals[targets[0].name], targets[0], unit, position)
-            _keep_best(columns, "position_command", found)
+    targets = choices(named, "position", True, part, near)
+    wanted = targets or choices(named, "velocity", True, part, near)
+    if wanted:
+        seen["target"] = wanted[0].name
+    if targets and "position_command" in COLUMNS["joint"] and position is not None:
+        found = _target(log.signals[targets[0].name], targets[0], unit, position)
+        _keep_best(columns, "position_command", found)
     driven = dict(columns)
     if driven:
         driven |= _beside(log, named, part, supply)
-    seen |= {each.said.quantity: each.name for each in choices(named, "current", False, part)[:1]}
+    seen |= {each.said.quantity: each.name for each in choices(named, "current", False, part, near)[:1]}
     return Driven(driven, _notes(log, driven), seen)
 
 
@@ -85,7 +88,10 @@ def advice_for_input(log: Log, driven: Driven) -> str:
         per = "N·m per unit" if raw else "torque constant times gear ratio"
         return f"{name!r} is a current: give effort: {{from: {name!r}, unit: N·m, scale: {per}}}, or log the torque"
     if "target" in driven.seen:
-        return f"{driven.seen['target']!r} is a target: log the controller's output, too: its torque, or its duty and supply"
+        return (
+            f"{driven.seen['target']!r} is a target: log the controller's output, too: its torque, or its duty "
+            "and the supply voltage"
+        )
     return "log what the controller gives to the motor: its voltage (duty times supply), or its torque or current"
 
 
@@ -94,7 +100,7 @@ def _keep_best(columns: dict[str, Proposed], name: str, found: Proposed | None) 
         columns[name] = found
 
 
-def _effort(signal: Signal, named: Named) -> Proposed | None:
+def _effort(signal: Signal, named: Named, usual: str) -> Proposed | None:
     found = conversion(signal.unit) if signal.unit else None
     factor = 0.85 if named.said.commanded else 1.0
     if signal.unit and (found is None or found[0] not in ("N·m", "N")):
@@ -110,7 +116,7 @@ def _effort(signal: Signal, named: Named) -> Proposed | None:
         why = f"jumps by {width:.6g}: a number of {int(np.log2(width))} bits without sign, no torque in N·m"
         return Proposed(Source(signal.name), 0.2, why)
     sure = (_RATED if "tau" in named.said.words else 0.8) * named.said.score * factor
-    return Proposed(Source(signal.name, "N·m"), round(sure, 2), f"{what}; N·m is taken, no unit is said")
+    return Proposed(Source(signal.name, usual), round(sure, 2), f"{what}; {usual} is taken, no unit is said")
 
 
 def _voltage(signal: Signal, named: Named) -> Proposed | None:

@@ -52,9 +52,8 @@ def slope_of(position: Signal, velocity: Signal) -> Slope | None:
     best: Slope | None = None
     pieces = [_piece(position, velocity, part) for part in _parts(len(position.time))]
     for lag in _LAGS:
-        changes, integrals = (
-            np.concatenate([_difference(piece[which], piece[2], lag) for piece in pieces]) for which in (0, 1)
-        )
+        changes = np.concatenate([_difference(values, stretch, lag) for values, _, stretch in pieces])
+        integrals = np.concatenate([_difference(areas, stretch, lag) for _, areas, stretch in pieces])
         found = _fit(changes, integrals)
         if found is not None and (best is None or abs(found.correlation) > abs(best.correlation)):
             best = found

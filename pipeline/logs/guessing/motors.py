@@ -9,10 +9,11 @@ from simgap.logs.mapping import Source
 from simgap.logs.proposal import Proposed
 from simgap.recordings.units import conversion
 
-_WORDS = frozenset(
-    "m motor motors rotor rotors esc pwm rpm erpm thrust throttle actuator out output u".split()
-)
-_SPEED_WORDS = frozenset("rpm speed omega velocity".split())
+_WORDS = frozenset((
+    "m", "motor", "motors", "rotor", "rotors", "esc", "pwm", "rpm", "erpm", "thrust", "throttle",
+    "actuator", "out", "output", "u",
+))  # fmt: skip
+_SPEED_WORDS = frozenset(("rpm", "speed", "omega", "velocity"))
 _PULSE = (900.0, 2100.0)  # µs, of servo pulses
 _SIXTEEN_BITS = 65535.0
 

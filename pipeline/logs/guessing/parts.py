@@ -38,10 +38,24 @@ def named_signals(said: Mapping[str, Said]) -> list[Named]:
     return found
 
 
-def choices(named: list[Named], quantity: str, commanded: bool, part: Part) -> list[Named]:
-    """Return the signals of a quantity that may be of a part, the likeliest first; those of no part serve all."""
+def choices(
+    named: list[Named], quantity: str, commanded: bool, part: Part, near: frozenset[str] = frozenset()
+) -> list[Named]:
+    """Return the signals of a quantity that may be of a part, the likeliest first; those of no part serve all.
+
+    Args:
+        named: signals with what their names say.
+        quantity: that is looked for.
+        commanded: whether the commanded one.
+        part: of the machine.
+        near: words of a name that is of the part for sure; a part that these words name is the same.
+    """
     fitting = [each for each in named if each.said.quantity == quantity and each.said.commanded == commanded]
-    own = [each for each in fitting if each.part == part] or [each for each in fitting if not each.part]
+    own = (
+        [each for each in fitting if each.part == part]
+        or [each for each in fitting if each.part and near.issuperset(each.part)]
+        or [each for each in fitting if not each.part]
+    )
     return sorted(own, key=lambda each: (-is_preferred(each.said), -each.said.score, len(each.name)))
 
 

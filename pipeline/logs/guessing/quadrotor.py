@@ -17,8 +17,10 @@ from simgap.logs.mapping import Source
 from simgap.logs.proposal import Proposal, Proposed, lacking
 from simgap.recordings.units import conversion
 
-_RATE_WORDS = frozenset("w gyro gyr omega rate rates bodyrate angvel angular rotation p".split())
-_POSITION_WORDS = frozenset("p pos position loc location".split())
+_RATE_WORDS = frozenset((
+    "w", "gyro", "gyr", "omega", "rate", "rates", "bodyrate", "angvel", "angular", "rotation", "p",
+))  # fmt: skip
+_POSITION_WORDS = frozenset(("p", "pos", "position", "loc", "location"))
 _CLEAR = 0.95  # correlation from which on one vector is the derivative of the other on every axis
 _SEEN = 0.8  # correlation from which on they belong together, if samples were lost
 _ROUGH = 0.3  # of a factor, where samples were lost; degrees are 57 times away

@@ -12,7 +12,7 @@ from simgap.logs.log import Log, Signal
 from simgap.logs.mapping import Source
 from simgap.logs.proposal import Proposed
 
-_WORDS = frozenset("a acc accel acceleration accelerometer specific force linear".split())
+_WORDS = frozenset(("a", "acc", "accel", "acceleration", "accelerometer", "specific", "force", "linear"))
 _GRAVITY = 9.81  # m/s², the contract's
 _UNITS = {
     "m/s²": (9.0, 10.6, 1.0),

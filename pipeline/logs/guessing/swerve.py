@@ -13,11 +13,14 @@ _MODULES = (
     ("3", ("bl", "rl", "lb", "lr", "backleft", "rearleft"), ("back", "left")),
     ("4", ("br", "rr", "rb", "backright", "rearright"), ("back", "right")),
 )
-_DRIVE = frozenset("drive driving wheel".split())
-_STEER = frozenset("steer steering turn turning azimuth rotation angle swivel".split())
+_DRIVE = frozenset(("drive", "driving", "wheel"))
+_STEER = frozenset(("steer", "steering", "turn", "turning", "azimuth", "rotation", "angle", "swivel"))
 _FEWEST = 8  # of the 20 required columns; fewer may be any four motors
 _ORDER = "Modules are taken as front left, front right, back left, back right: module_positions need the same order."
-_SPEED = "the drive velocity is in m/s: give {from, unit: rad/s, scale: gear ratio over wheel radius}, or log the motor's"
+_SPEED = (
+    "the drive velocity is in m/s: give {from, unit: rad/s, scale: gear ratio over wheel radius}, "
+    "or log the motor's"
+)
 
 
 def propose_swerve(log: Log, said: dict[str, Said]) -> Proposal | None:

@@ -1,4 +1,4 @@
-"""The units of a position and its velocity, from what their names say and from one being the derivative of the other."""
+"""The units of a position and its velocity: from their names, and from one being the derivative of the other."""
 
 from dataclasses import dataclass
 
@@ -12,6 +12,9 @@ _SPEEDS = ("m/s", "mm/s", "cm/s")
 _TOLERANCE = 0.02  # of a ratio of units; 6 (deg and rpm) and 2π (rad and rev/s) are 5 % apart
 _ROUGH = 0.15  # of a ratio of units where a filter or lost samples damp one of the two
 _CLEAR = 0.97  # correlation from which on one is the derivative of the other
+_SWINGS = 1.0, 12.6
+"""Range in rad, one to two turns' worth, in which names in the notation of robotics mean rad: below they may be turns,
+and above degrees; an arm seldom turns once."""
 SEEN = 0.8  # correlation from which on they belong together
 
 
@@ -72,15 +75,10 @@ def fit_units(
         return Fitted(*fitting[0], sign, 0.98 * penalty, told)
     if len(fitting) == 1:
         return Fitted(*fitting[0], sign, 0.95 * penalty, told)
-    if is_si and ("rad", "rad/s") in fitting and swing < _TURNS:
+    if is_si and ("rad", "rad/s") in fitting and _SWINGS[0] < swing < _SWINGS[1]:
         return Fitted("rad", "rad/s", sign, 0.92 * penalty, told)
-    chosen = ("deg", "deg/s") if swing > _TURNS and ("deg", "deg/s") in fitting else fitting[0]
+    chosen = ("deg", "deg/s") if swing > _SWINGS[1] and ("deg", "deg/s") in fitting else fitting[0]
     return Fitted(*chosen, sign, 0.65 * penalty, f"{told}, or in another unit of both: none is said")
-
-
-_TURNS = (
-    4 * 3.141592653589793
-)  # rad: two turns; an arm swings over less, and a wheel is not told from degrees
 
 
 def _pairs(position: str | None, velocity: str | None) -> list[tuple[str, str]]:

@@ -8,7 +8,9 @@ from simgap.logs.guessing.words import words_of
 
 _AXES = {"xyz": "xyz", "wxyz": "wxyz", "1234": "1234", "0123": "0123"}
 _HOLE = "*"
-_ESTIMATED = frozenset("est estimate estimated estimator ekf kalman state stateestimate".split())
+_ESTIMATED = frozenset((
+    "est", "estimate", "estimated", "estimator", "ekf", "kalman", "state", "stateestimate",
+))  # fmt: skip
 
 
 @dataclass(frozen=True)

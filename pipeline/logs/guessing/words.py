@@ -4,20 +4,22 @@ import re
 from dataclasses import dataclass
 
 from simgap.logs.header_units import quantity_words, unit_in
+from simgap.recordings.units import conversion
 
 _WORDS: dict[str, tuple[str, ...]] = {
     "battery": ("battery", "batt", "bat", "vbat", "vbatt", "supply", "vbus", "vcc", "vin", "vdd"),
     "temperature": ("temperature", "temp", "temps", "celsius"),
     "velocity": (
         "velocity", "velocities", "vel", "speed", "speeds", "spd", "omega", "qd", "dq", "qdot", "rate", "rpm",
-        "thetadot", "dtheta", "angvel", "posdot", "dpos",
+        "thetadot", "dtheta", "angvel", "posdot", "dpos", "drehzahl", "geschwindigkeit",
     ),
     "duty": ("duty", "dutycycle", "pwm", "throttle", "percentoutput"),
-    "voltage": ("voltage", "voltages", "volts", "volt", "u"),
-    "effort": ("effort", "efforts", "torque", "torques", "tau", "trq", "force", "load"),
-    "current": ("current", "currents", "curr", "cur", "amps", "ampere", "iq"),
+    "voltage": ("voltage", "voltages", "volts", "volt", "u", "spannung"),
+    "effort": ("effort", "efforts", "torque", "torques", "tau", "trq", "force", "load", "drehmoment"),
+    "current": ("current", "currents", "curr", "cur", "amps", "ampere", "iq", "strom"),
     "position": (
-        "position", "positions", "pos", "angle", "angles", "ang", "theta", "q", "phi", "encoder", "enc", "rotation",
+        "position", "positions", "pos", "angle", "angles", "ang", "theta", "q", "phi", "encoder", "enc",
+        "rotation", "winkel",
     ),
 }  # fmt: skip
 """Quantity to its names, in the order in which they decide where a name has several."""
@@ -32,21 +34,34 @@ _WEAK = {
     "rotation": 0.8,
     "cur": 0.8,
 }
-COMMANDED = frozenset(
-    "cmd command commanded commands target targets setpoint setpoints sp goal ref reference desired des action "
-    "actions demand requested".split()
-)
-_OTHER = frozenset(
-    "error err std stddev cov covariance variance min max limit lim integral ff feedforward acc accel acceleration "
-    "accelerations jerk qdd ddq status flag flags mode count hz fps latency id kp kd ki gain bandwidth kbps transfer "
-    "residual ee tcp tool pose cartesian quat quaternion".split()
-)
-_SAME = frozenset(
-    "actual measured meas measurement present state states est estimate estimated feedback fb joint joints motor "
-    "axis servo data value raw real sensor input output applied angular angle shaft bus the of in per is".split()
-)
-_PREFERRED = frozenset("actual measured meas measurement present".split())
+COMMANDED = frozenset((
+    "cmd", "command", "commanded", "commands", "target", "targets", "setpoint", "setpoints", "sp", "goal",
+    "ref", "reference", "desired", "des", "action", "actions", "demand", "requested",
+))  # fmt: skip
+_OTHER = frozenset((
+    "error", "err", "std", "stddev", "cov", "covariance", "variance", "min", "max", "limit", "lim",
+    "integral", "ff", "feedforward", "acc", "accel", "acceleration", "accelerations", "jerk", "qdd", "ddq",
+    "status", "flag", "flags", "mode", "count", "hz", "fps", "latency", "id", "kp", "kd", "ki", "gain",
+    "bandwidth", "kbps", "transfer", "residual", "ee", "tcp", "tool", "pose", "cartesian", "quat",
+    "quaternion",
+))  # fmt: skip
+_SAME = frozenset((
+    "actual", "measured", "meas", "measurement", "present", "state", "states", "est", "estimate",
+    "estimated", "feedback", "fb", "joint", "joints", "motor", "axis", "servo", "data", "value", "raw",
+    "real", "sensor", "input", "output", "applied", "angular", "angle", "shaft", "bus", "the", "of", "in",
+    "per", "is",
+))  # fmt: skip
+_PREFERRED = frozenset(("actual", "measured", "meas", "measurement", "present"))
 _DOT = frozenset(("dot", "d", "derivative"))
+_OF_UNIT = {
+    "V": "voltage",
+    "N·m": "effort",
+    "A": "current",
+    "°C": "temperature",
+    "rad/s": "velocity",
+    "rad": "position",
+}
+_SCORE_OF_UNIT = 0.8  # of a name that says nothing but a unit
 _SHORTEST_PART = 4  # letters of a word that is looked for inside of a longer one
 
 
@@ -84,6 +99,10 @@ def said_by(name: str) -> Said:
     if unit_in(name) == "rpm" and not any(word in _WORDS["velocity"] for word in words):
         words = (*words, "rpm")
     quantity, score, used = _quantity(words)
+    if not quantity:
+        quantity, score, used = _quantity(words_of(name))  # "AppliedVolts": its unit is all that is said
+    if not quantity:
+        quantity, score = _by_unit(unit_in(name))
     commanded = bool(COMMANDED & set(words))
     if commanded and not quantity:
         quantity, score = "position", 0.6  # a target without a word of its own is mostly a position
@@ -103,6 +122,8 @@ def _quantity(words: tuple[str, ...]) -> tuple[str, float, set[str]]:
     for quantity, names in _WORDS.items():
         if used := set(words) & set(names):
             found[quantity] = used
+    if {"applied", "output"} <= set(words) or {"percent", "output"} <= set(words):
+        found.setdefault("duty", {"output"})
     if not found:
         found = _inside(words)
     if "position" in found and "velocity" not in found and _DOT & set(words):
@@ -114,6 +135,11 @@ def _quantity(words: tuple[str, ...]) -> tuple[str, float, set[str]]:
     quantity = next(name for name in _WORDS if name in found)
     used = set().union(*found.values())
     return quantity, max(_WEAK.get(word, 1.0) for word in found[quantity]), used
+
+
+def _by_unit(unit: str | None) -> tuple[str, float]:
+    found = conversion(unit) if unit else None
+    return (_OF_UNIT[found[0]], _SCORE_OF_UNIT) if found and found[0] in _OF_UNIT else ("", 0.0)
 
 
 def _inside(words: tuple[str, ...]) -> dict[str, set[str]]:
