@@ -24,6 +24,7 @@ _ENDINGS = {
     "nm": "N·m", "n_m": "N·m", "n m": "N·m", "mnm": "mN·m", "newtons": "N",
     "celsius": "°C", "degc": "°C", "percent": "percent", "pct": "percent", "g": "g",
 }  # fmt: skip
+_SPEED = re.compile("vel|speed")  # of which "_ms" is metres per second
 _AMBIGUOUS = ("g", "rot")  # a gain or a gravity, a rotation of a vector: only by brackets
 
 
@@ -37,17 +38,18 @@ def unit_in(name: str) -> str | None:
         word = bracketed[1]
         known = next((form for form in (word, word.lower()) if conversion(form) is not None), None)
         return known or (word.lower() if word.lower() in RAW else None)
-    lowered = _parted(name).lower()
-    return next(
-        (unit for ending, unit in _LONGEST if re.search(rf"(?:^|[_\-. /]){re.escape(ending)}$", lowered)),
-        None,
-    )
+    found = _ending(name)
+    return found[1] if found else None
 
 
 def quantity_words(name: str) -> str:
     """Return a name without the unit that it carries."""
     bracketed = _BRACKETED.search(name)
-    if bracketed and (conversion(bracketed[1]) is not None or bracketed[1].lower() in RAW):
+    if (
+        bracketed
+        and not bracketed[1].isdigit()
+        and (conversion(bracketed[1]) is not None or bracketed[1].lower() in RAW)
+    ):
         return name[: bracketed.start()]
     found = _ending(name)
     return name if found is None else found[0]
@@ -58,7 +60,8 @@ def _ending(name: str) -> tuple[str, str] | None:
     for form in (name.strip(), _parted(name)):
         for ending, unit in _LONGEST:
             if found := re.search(rf"(?:^|[_\-. /]){re.escape(ending)}$", form.lower()):
-                return form[: found.start()], unit
+                rest = form[: found.start()]
+                return rest, "m/s" if unit == "ms" and _SPEED.search(rest.lower()) else unit
     return None
 
 

@@ -75,7 +75,19 @@ def _table(content: Any) -> tuple[dict[str, Sequence[Any]], dict[str, str]] | No
 
 
 def _of_runs(content: list[Any]) -> dict[str, Sequence[Any]] | None:
-    """Return a list of dictionaries of lists as one table with a column `run`; None where it is none."""
+    """Return a list of dictionaries of lists as one table with a column `run`; None where it is none.
+
+    Lists that are as short in every entry are the joints of a record.
+    """
+    lengths = {
+        len(v)
+        for entry in content
+        if isinstance(entry, Mapping)
+        for v in entry.values()
+        if isinstance(v, list)
+    }
+    if len(lengths) == 1 and max(lengths) <= _WIDEST:
+        return None
     columns: dict[str, list[Any]] = {"run": []}
     for number, entry in enumerate(content, 1):
         if not isinstance(entry, Mapping):

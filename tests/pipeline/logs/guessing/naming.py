@@ -17,13 +17,25 @@ EFFORTS = ("torque", "tau", "effort", "tau_measured", "jointTorque", "measured t
 VOLTAGES = ("voltage", "motor_voltage", "appliedVolts", "volts", "input voltage", "motor/voltage")
 TIMES = ("t", "time", "timestamp", "Time", "time_stamp", "elapsed time", "clock")
 BATTERIES = ("vbat", "battery_voltage", "battery", "supply voltage", "busVoltage", "VBus")
-OTHERS = ("error", "loop_hz", "index", "acceleration", "position_target", "velocity_command", "temp", "kp", "comment")
+OTHERS = (
+    "error",
+    "loop_hz",
+    "index",
+    "acceleration",
+    "position_target",
+    "velocity_command",
+    "temp",
+    "kp",
+    "comment",
+)
 
 ANGLES = {"rad": 1.0, "deg": np.pi / 180, "rev": 2 * np.pi}
 RATES = {"rad/s": 1.0, "deg/s": np.pi / 180, "rpm": 2 * np.pi / 60, "rev/s": 2 * np.pi}
 CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-SUFFIXES = {"rad": "_rad", "deg": "_deg", "rev": "_rev", "rad/s": "_rad_s", "deg/s": "_deg_s", "rpm": "_rpm", "rev/s": "_rps",
-            "s": "_sec", "ms": "_ms", "us": "_us", "ns": "_ns", "N·m": "_nm", "V": "_volts"}  # fmt: skip
+SUFFIXES = {
+    "rad": "_rad", "deg": "_deg", "rev": "_rev", "rad/s": "_rad_s", "deg/s": "_deg_s", "rpm": "_rpm", "rev/s": "_rps",
+    "s": "_sec", "ms": "_ms", "us": "_us", "ns": "_ns", "N·m": "_nm", "V": "_volts",
+}  # fmt: skip
 BRACKETS = ("{} [{}]", "{} ({})", "{}[{}]", "{} {{{}}}")
 
 
@@ -77,7 +89,11 @@ def motion(rng: np.random.Generator, samples: int) -> tuple[np.ndarray, np.ndarr
     phases = rng.uniform(0, 6, 3)
     position = (sizes * np.sin(turns * time[:, None] + phases)).sum(axis=1)
     velocity = (sizes * turns * np.cos(turns * time[:, None] + phases)).sum(axis=1)
-    return time, position + 1e-4 * rng.standard_normal(samples), velocity + 1e-2 * rng.standard_normal(samples)
+    return (
+        time,
+        position + 1e-4 * rng.standard_normal(samples),
+        velocity + 1e-2 * rng.standard_normal(samples),
+    )
 
 
 def titled(rng: np.random.Generator, name: str, unit: str, style: int) -> str:
