@@ -20,6 +20,8 @@ _TIME_ADVICE = (
 
 def guess(log: Log, kind: str | None) -> Proposal:
     """Propose a mapping of a log of no known layout; see `simgap.logs.proposal.propose`."""
+    if not any(len(signal.time) for signal in log.signals.values()):
+        return Proposal(kind, {}, refusal="holds no numbers: record it again, or give another file")
     clock = clock_of(log) if log.tabular else Clock(None, None)
     timed = _timed(log, clock)
     used = {found.source.signal for found in (clock.time, clock.run) if found is not None}

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from simgap.errors import InputError
 from simgap.logs.header_units import unit_in
 from simgap.logs.log import Log, Signal
+from simgap.logs.long_table import long_signals
 
 _DENSE = 0.75  # share of rows with a value; a column below has rows of its own, or is written on change only
 _MOSTLY = 0.5  # share of numbers from which a column with words in it is one of numbers
+_STAMPS = (("secs", "nsecs"), ("sec", "nanosec"), ("sec", "nsec"))
 _WIDEST = 64  # numbers in one cell; a robot has fewer joints
 
 
@@ -26,7 +28,9 @@ def log_of_table(
 ) -> Log:
     """Return a table as a log: each column is a signal at the rows where it has values.
 
-    A column of dates becomes seconds since its first; one of lists, as "[0.1, 0.2]", becomes name[0], name[1].
+    A column of dates becomes seconds since its first; one of lists, as "[0.1, 0.2]", becomes name[0], name[1]. A table
+    whose rows are a time, a name and a value has one signal a name. Seconds and nanoseconds in two columns, as ROS
+    writes them, become one.
 
     Args:
         frame: the columns.
@@ -45,6 +49,9 @@ def log_of_table(
     signals: dict[str, Signal] = {}
     texts: dict[str, NDArray[np.object_]] = {}
     said = list(remarks)
+    long = long_signals(frame)
+    if long is not None:
+        frame, signals = frame[[long[0]]], {signal.name: signal for signal in long[1]}
     for column in frame.columns:
         title = str(column)
         found = list(_numbers(frame[column], title, said))
@@ -53,6 +60,7 @@ def log_of_table(
         for own, values, unit in found:
             declared = (units or {}).get(title)
             signals[own] = _signal(own, rows, values, unit or declared or unit_in(title))
+    _join_stamps(signals)
     return Log(name, str(path), signals, facts=facts or {}, remarks=tuple(said), texts=texts, tabular=True)
 
 
@@ -61,6 +69,21 @@ def _signal(name: str, rows: NDArray[np.float64], values: NDArray[np.float64], u
     if known.mean() >= _DENSE:
         return Signal(name, rows, values, unit)
     return Signal(name, rows[known], values[known], unit)
+
+
+def _join_stamps(signals: dict[str, Signal]) -> None:
+    """Add the sum of two columns that hold the seconds and the nanoseconds of one stamp."""
+    for name in list(signals):
+        for ending, fraction in _STAMPS:
+            stem = name[: -len(ending)]
+            other = signals.get(stem + fraction)
+            if not name.endswith(ending) or other is None or len(other.time) != len(signals[name].time):
+                continue
+            own = stem.strip("._/ ") or "stamp"
+            if own not in signals:
+                seconds = signals[name]
+                since = seconds.values - seconds.values[0] if len(seconds.values) else seconds.values
+                signals[own] = Signal(own, seconds.time, since + 1e-9 * other.values, "s")
 
 
 def _numbers(

@@ -22,7 +22,7 @@ _ALIASES = {
     "second": "s", "secs": "s", "Seconds": "s", "msec": "ms", "milliseconds": "ms", "millis": "ms",
     "usec": "us", "microseconds": "us", "micros": "us", "nsec": "ns", "nanoseconds": "ns", "nanos": "ns",
     "N-m": "N·m", "N⋅m": "N·m", "newton": "N", "newtons": "N", "Newton": "N", "Celsius": "°C", "ºC": "°C", "°c": "°C",
-    "U/min": "rpm", "1/min": "rpm", "r/min": "rpm", "rads": "rad", "Rad": "rad", "Deg": "deg", "ratio": "1",
+    "U/min": "rpm", "1/min": "rpm", "r/min": "rpm", "rads": "rad", "ratio": "1",
 }  # fmt: skip
 
 _CONVERSIONS: dict[str, tuple[str, float, float]] = {

@@ -27,6 +27,7 @@ _SLOWEST, _FASTEST = 1.0, 1e4  # Hz: below, nothing of a motor is seen; above, n
 _UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _EPOCH = (1e9, 3e9)  # s since 1970: from 2001 to 2065
 _RISING = 0.99  # share of steps that go forward
+_COARSE = 0.5  # share of rows with a new time; whole seconds that stay the same are half of a stamp
 _MOST_RUNS = 2000  # different names; more are no names of runs
 _FEWEST_ROWS = 5  # of a run, on average
 
@@ -71,6 +72,8 @@ def _time(signal: Signal) -> Proposed | None:
         return None  # a counter of rows
     unit, sure, why = _unit(signal, values, steps, declared)
     confidence = sure * (1.0 if named and declared else 0.97 if named or declared else 0.6)
+    if _UNITS.get(unit) == 1.0 and rising < _COARSE and bool(np.all(values == np.round(values))):
+        confidence, why = 0.4, "whole seconds only"
     exact = words and words <= _TIME_WORDS
     return Proposed(Source(signal.name, unit), round(min(confidence + (0.01 if exact else 0.0), 1.0), 2), why)
 

@@ -1,10 +1,10 @@
 """Archives of numpy arrays (.npz): arrays of one length are the columns of a table."""
 
-import io
 import zipfile
 import zlib
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -68,7 +68,7 @@ def _arrays(archive: zipfile.ZipFile) -> tuple[dict[str, NDArray[np.generic]], l
     return arrays, left_out
 
 
-def _array(file: io.BufferedIOBase, size: int) -> NDArray[np.generic] | None:
+def _array(file: Any, size: int) -> NDArray[np.generic] | None:
     """Return an array whose header promises no more than there is; None for one of objects."""
     version = np.lib.format.read_magic(file)
     header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0

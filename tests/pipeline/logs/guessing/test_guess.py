@@ -165,3 +165,10 @@ def test_signals_without_names_are_known_by_their_behaviour(moving: dict) -> Non
     columns = proposed(frame).columns
     assert (columns["position"].source.signal, columns["velocity"].source.signal) == ("b", "a")
     assert columns["position"].confidence < SURE
+
+
+def test_of_whole_seconds_and_a_full_stamp_the_stamp_is_the_time(moving: dict) -> None:
+    stamp = 1.7e9 + moving["t"]
+    frame = pd.DataFrame({"header.stamp.sec": np.floor(stamp), "header.stamp.nanosec": np.round(1e9 * (stamp % 1)),
+                          "pos_rad": moving["p"], "vel_rad_s": moving["v"], "torque_nm": moving["e"]})  # fmt: skip
+    assert proposed(frame).columns["t"].source.signal == "header.stamp"

@@ -94,3 +94,22 @@ def test_a_sparse_table_of_three_topics(tmp_path: Path) -> None:
     np.testing.assert_allclose(frame["voltage"][:last], 1.0)
     np.testing.assert_allclose(frame["voltage"][last + 1 :], 2.0)
     assert frame["voltage"][last] == pytest.approx(1 + (time[last] + 0.02 - 1.256) / 0.02, abs=0.02)
+
+
+def test_a_long_table_of_names_and_values(tmp_path: Path) -> None:
+    rows = "".join(f'{k / 50},"/arm/positionRad",{k}\n{k / 50},"/arm/enabled",true\n' for k in range(4))
+    log = log_of(tmp_path, f"Timestamp,Key,Value\n{rows}9,/arm/name,elbow\n")
+    np.testing.assert_array_equal(log.signals["/arm/positionRad"].values, range(4))
+    np.testing.assert_array_equal(log.signals["/arm/positionRad"].time, [0, 2, 4, 6])
+    np.testing.assert_array_equal(log.signals["/arm/enabled"].values, 1)
+    assert set(log.signals) == {"Timestamp", "/arm/positionRad", "/arm/enabled"}
+
+
+def test_seconds_and_nanoseconds_are_one_time(tmp_path: Path) -> None:
+    log = log_of(tmp_path, "h.stamp.sec,h.stamp.nanosec,q\n1700000000,900000000,1\n1700000001,150000000,2\n")
+    np.testing.assert_allclose(log.signals["h.stamp"].values, [0.9, 1.15])
+
+
+def test_a_header_behind_a_sign_of_comment(tmp_path: Path) -> None:
+    log = log_of(tmp_path, "%time,field.q\n1700000000000000000,1\n1700000000020000000,2\n")
+    np.testing.assert_array_equal(log.signals["field.q"].values, [1, 2])
