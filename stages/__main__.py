@@ -4,9 +4,11 @@ import importlib
 import sys
 from typing import NoReturn
 
-from simgap.runner.project import commands, described, nearest
+from simgap.runner.project import commands, described, file_of, nearest
 
 ORDER = (
+    "inspect",
+    "import",
     "reproduce",
     "stages",
     "configure",
@@ -45,7 +47,8 @@ usage: simgap COMMAND [key=value ...]      simgap COMMAND --help      simgap --v
 {commands}
 
 A recording of your own:
-  simgap diagnose [--config-dir DIR] platform=NAME recording=PATH output=DIR
+  simgap inspect PATH
+  simgap diagnose [--config-dir DIR] platform=NAME recording=PATH [mapping=FILE] output=DIR
 """
 
 
@@ -75,8 +78,8 @@ def main(argv: list[str] | None = None) -> NoReturn:
     from simgap.runner import Stage
     from simgap.runner import command as command_line
 
-    module = importlib.import_module(f"simgap.stages.{name}")
-    command = getattr(module, name)
+    module = importlib.import_module(f"simgap.stages.{file_of(name)}")
+    command = getattr(module, file_of(name))
     if isinstance(command, Stage):
         command_line.main(command, arguments[1:])
     sys.exit(module.main(arguments[1:]))

@@ -12,6 +12,7 @@ class CleanStage(StageConfig):
     """The configuration of cleaning."""
 
     recording: str | None = None
+    mapping: str | None = None
     dataset: Dataset = field(default_factory=Dataset)
     clean: Cleaning = field(default_factory=Cleaning)
 
@@ -19,10 +20,11 @@ class CleanStage(StageConfig):
 @stage(CleanStage)
 def clean(config: CleanStage, run: StageRun) -> None:
     """Clean a recording: resample, fill short gaps, remove unusable parts, split runs; report every change."""
-    from simgap.recordings.recording import read_recording, write_recording
+    from simgap.logs.opening import open_recording
+    from simgap.recordings.recording import write_recording
 
     path = run.input(config.recording or config.artifact("record", "recording.parquet"))
-    recording = read_recording(path)
+    recording = open_recording(path, mapping=run.input(config.mapping) if config.mapping else None)
 
     from simgap.recordings.cleaning import clean_with_coverage, summary
     from simgap.recordings.cleaning.figure import coverage_figure

@@ -21,6 +21,7 @@ class DiagnoseStage(StageConfig):
     """The configuration of the diagnosis."""
 
     recording: str | None = None
+    mapping: str | None = None
     platform: dict[str, Any] = field(default_factory=dict)
     dataset: Dataset = field(default_factory=Dataset)
     clean: Cleaning = field(default_factory=Cleaning)
@@ -68,9 +69,9 @@ def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
     path = run.input(config.recording or "")
     kind = platform_from_config(config.platform).kind
 
-    from simgap.recordings.recording import read_recording  # with pandas: after the platform has been checked
+    from simgap.logs.opening import open_recording  # with pandas: after the platform has been checked
 
-    recording = read_recording(path, kind)
+    recording = open_recording(path, kind, run.input(config.mapping) if config.mapping else None)
     return recording, nominal_simulator(recording, config.platform, config.simulator, str(path))
 
 

@@ -13,6 +13,7 @@ from simgap.runner import StageConfig, StageRun, stage
 class RecordStage(StageConfig):
     """The configuration of recording."""
 
+    mapping: str | None = None
     platform: dict[str, Any] = field(default_factory=dict)
     dataset: Dataset = field(default_factory=Dataset)
     record: dict[str, Any] = field(default_factory=dict)
@@ -21,11 +22,11 @@ class RecordStage(StageConfig):
 @stage(RecordStage)
 def record(config: RecordStage, run: StageRun) -> None:
     """Get the recording: import a dataset, or run a simulated plant and seal its answer key."""
-    from simgap.recordings.load import load_dataset
+    from simgap.logs.load import load_dataset
     from simgap.recordings.recording import write_recording
 
     concealed = config.dataset.source == "reality"
-    recording = _made(config, run) if concealed else load_dataset(config.dataset)
+    recording = _made(config, run) if concealed else load_dataset(config.dataset, config.mapping)
     for warning in recording.warnings:
         run.warn(warning)
     write_recording(recording, run.output / "recording.parquet")

@@ -41,19 +41,21 @@ def diagnose(
     *,
     settings: Mapping[str, Any] | None = None,
     units: Mapping[str, str] | None = None,
+    mapping: str | Path | None = None,
 ) -> Answer:
     """Say which physics the simulator of a machine lacks, by a recording of the machine.
 
     It does what `simgap diagnose` does, on one thread. It writes nothing: `Answer.save` and `Answer.report` do.
 
     Args:
-        recording: the path of a Parquet or CSV file, a data frame or a mapping of columns; see `load_recording`.
+        recording: the path of a log, a data frame or a mapping of columns; see `load_recording`.
         platform: what is known of the machine: the path of a YAML file, a mapping of its keys, a `Quadrotor`, `Swerve`
             or `Joint` of `simgap.platforms`, or the name of a platform that the package brings.
         settings: what differs from the configuration in conf/, nested as there, for example
             `{"gap": {"effects": ["coulomb_friction"]}, "dataset": {"split": {"holdout": ["run_7"]}}}`. The keys
             are `dataset.split`, `clean`, `simulator`, `gap` and `seed`, which draws runs that are held out by chance.
         units: the units of the columns of a data frame or mapping, where they are not the contract's.
+        mapping: path of a YAML file that says which signal of a log is which column; `simgap inspect` proposes one.
 
     Returns:
         The answer, which holds the diagnosed simulator.
@@ -65,7 +67,7 @@ def diagnose(
     known = platform_config(platform)
     from simgap.platforms import platform_from_config
 
-    read = load_recording(recording, platform_from_config(known).kind, units)
+    read = load_recording(recording, platform_from_config(known).kind, units, mapping)
     name = Path(recording).name if isinstance(recording, str | Path) else "recording"
     nominal = nominal_simulator(read, known, chosen.simulator, name)
     found = diagnosed(read, nominal, chosen.gap, chosen.clean, chosen.dataset.split, chosen.seed)

@@ -22,16 +22,21 @@ _YAML = (".yaml", ".yml")
 
 
 def load_recording(
-    recording: "RecordingLike", kind: str | None = None, units: Mapping[str, str] | None = None
+    recording: "RecordingLike",
+    kind: str | None = None,
+    units: Mapping[str, str] | None = None,
+    mapping: str | Path | None = None,
 ) -> "Recording":
     """Read a recording and check it, without changing it.
 
     Args:
-        recording: the path of a Parquet or CSV file, a data frame or a mapping of columns; each has `run`, `t` in
-            seconds and the columns that docs/contract.md lists for its kind, one value per sample, in SI units.
+        recording: the path of a log of any format that docs/contract.md lists, a data frame or a mapping of columns;
+            a table has `run`, `t` in seconds and the columns that docs/contract.md lists for its kind, one value per
+            sample, in SI units.
         kind: `quadrotor`, `swerve` or `joint`; inferred from the columns where it is None and no file says it.
         units: the unit of each column of a data frame or mapping that has another one than the contract's, for example
             `{"position": "deg"}`. A joint with `{"position": "m"}` slides. A file declares its own units.
+        mapping: path of a YAML file that says which signal of a log is which column; `simgap inspect` proposes one.
 
     Returns:
         The samples in the contract's units, with a sentence for each doubt in `warnings`.
@@ -39,14 +44,17 @@ def load_recording(
     Raises:
         InputError: when the recording cannot be used; the line names file, run, row and column.
     """
-    from simgap.recordings.recording import Recording, read_recording, recording_from_table
+    from simgap.logs.opening import open_recording
+    from simgap.recordings.recording import Recording, recording_from_table
 
     if isinstance(recording, Recording):
         return recording
     if isinstance(recording, str | Path):
         if units:
             raise InputError("a file declares its own units", "units", "give units with a data frame")
-        return read_recording(Path(recording).expanduser(), kind)
+        return open_recording(Path(recording).expanduser(), kind, Path(mapping) if mapping else None)
+    if mapping:
+        raise InputError("a mapping is of a file", "mapping", "rename the columns of the data frame")
     return recording_from_table(_table(recording, units or {}), kind)
 
 

@@ -8,7 +8,7 @@ from simgap.logs.log import Log
 from simgap.logs.mapping import read_mapping
 from simgap.logs.proposal import Proposal, lacking, propose
 from simgap.logs.proposal_file import write_proposal
-from simgap.recordings.contract import KINDS
+from simgap.recordings.contract import COLUMNS, INDEX_COLUMNS, KINDS
 from simgap.recordings.recording import Recording, recording_from_table
 from simgap.recordings.storage import header_of, read_table
 
@@ -32,7 +32,7 @@ def open_recording(path: Path, kind: str | None = None, mapping: Path | None = N
     if mapping is not None:
         chosen = read_mapping(mapping)
         return recording_of(read_log(path), chosen)
-    if format_of(path).name in ("Parquet", "CSV") and _is_recording(path, kind):
+    if format_of(path).name in ("Parquet", "CSV") and _is_recording(path):
         from simgap.logs.sparse import recording_of_sparse
 
         table = read_table(path)
@@ -43,10 +43,11 @@ def open_recording(path: Path, kind: str | None = None, mapping: Path | None = N
     return recording_of(log, proposal.mapping())
 
 
-def _is_recording(path: Path, kind: str | None) -> bool:
-    """Whether a table has the contract's columns: `t`, and those that a kind requires."""
+def _is_recording(path: Path) -> bool:
+    """Whether a table is meant as a recording: it has what a kind requires, or no column but the contract's."""
     present = set(header_of(path))
-    return "t" in present and any(not lacking(each, present) for each in ([kind] if kind else KINDS))
+    known = any(present <= {*INDEX_COLUMNS, *COLUMNS[kind]} for kind in KINDS)
+    return "t" in present and (known or any(not lacking(kind, present) for kind in KINDS))
 
 
 def _require(log: Log, proposal: Proposal, path: Path) -> None:

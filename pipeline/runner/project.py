@@ -2,6 +2,7 @@
 
 import ast
 import difflib
+import keyword
 import re
 from collections.abc import Iterable
 from dataclasses import fields
@@ -12,8 +13,14 @@ from simgap.runner.config import StageConfig
 
 def commands() -> dict[str, str]:
     """Return the first line of documentation of every command, by name: one per file of `stages/`."""
-    names = sorted(path.stem for path in STAGES.glob("*.py") if not path.stem.startswith("_"))
+    files = sorted(path.stem for path in STAGES.glob("*.py") if not path.stem.startswith("_"))
+    names = [file.removesuffix("_") for file in files]
     return {name: _documentation(_parse(name), name).partition("\n")[0] for name in names}
+
+
+def file_of(name: str) -> str:
+    """Return the name of a command's file and function: its own, with `_` behind a word that Python reserves."""
+    return f"{name}_" if keyword.iskeyword(name) else name
 
 
 def described(name: str) -> tuple[str, list[str]] | None:
@@ -41,12 +48,13 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def _parse(name: str) -> ast.Module:
-    return ast.parse((STAGES / f"{name}.py").read_text(encoding="utf-8"))
+    return ast.parse((STAGES / f"{file_of(name)}.py").read_text(encoding="utf-8"))
 
 
 def _function(module: ast.Module, name: str) -> ast.FunctionDef | None:
     return next(
-        (node for node in module.body if isinstance(node, ast.FunctionDef) and node.name == name), None
+        (node for node in module.body if isinstance(node, ast.FunctionDef) and node.name == file_of(name)),
+        None,
     )
 
 

@@ -12,10 +12,10 @@ import pytest
 
 from simgap.artifacts import PROJECT_ROOT
 from simgap.artifacts.project import STAGES
-from simgap.runner.project import commands, described
+from simgap.runner.project import commands, described, file_of
 from simgap.stages.__main__ import ORDER, main
 
-NO_STAGES = {"reproduce", "results", "effects", "stages"}
+NO_STAGES = {"import", "inspect", "reproduce", "results", "effects", "stages"}
 
 
 def simgap(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
@@ -47,7 +47,7 @@ def test_the_version_is_that_of_the_project(capsys: pytest.CaptureFixture[str]) 
 
 def test_help_names_the_stages_in_their_order() -> None:
     assert set(commands()) <= set(ORDER)
-    assert {path.stem for path in STAGES.glob("[a-z]*.py")} == set(commands())
+    assert {path.stem for path in STAGES.glob("[a-z]*.py")} == {*map(file_of, commands())}
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,17 @@ def upstream_modules() -> dict[str, list[str]]:
 
 
 def test_every_stage_is_in_it_for_every_branch() -> None:
-    beside = {"reproduce", "profile", "prove", "calibrate", "results", "effects", "stages"}
+    beside = {
+        "inspect",
+        "import",
+        "reproduce",
+        "profile",
+        "prove",
+        "calibrate",
+        "results",
+        "effects",
+        "stages",
+    }
     assert set(STAGES) == set(commands()) - beside
     assert {entry["foreach"] for entry in PIPELINE["stages"].values()} == {"${branches}"}
     assert sorted(BRANCHES) == sorted(path.stem for path in (CONFIGURATION / "branch").glob("*.yaml"))

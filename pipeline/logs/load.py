@@ -5,17 +5,19 @@ import glob
 from pathlib import Path
 
 from simgap.errors import InputError
+from simgap.logs.opening import open_recording
 from simgap.recordings.dataset import Dataset
 from simgap.recordings.importers import importer
-from simgap.recordings.recording import Recording, read_recording
+from simgap.recordings.recording import Recording
 from simgap.recordings.registry import fetch, published
 
 
-def load_dataset(dataset: Dataset) -> Recording:
+def load_dataset(dataset: Dataset, mapping: str | None = None) -> Recording:
     """Load a published dataset or a user's own.
 
     Args:
         dataset: its configuration; `source` is published or file.
+        mapping: path of a mapping of a log of one's own; None where the log needs none.
 
     Raises:
         InputError: when it cannot be had or cannot be used.
@@ -42,7 +44,7 @@ def load_dataset(dataset: Dataset) -> Recording:
             "dataset.files",
             "give one recording, or dataset.importer=table",
         )
-    return read_recording(paths[0])
+    return open_recording(paths[0], mapping=Path(mapping) if mapping else None)
 
 
 def _own_files(dataset: Dataset) -> list[Path]:

@@ -6,9 +6,9 @@ import pytest
 import yaml
 
 from simgap.errors import InputError
+from simgap.logs.load import load_dataset
 from simgap.recordings import write_recording
 from simgap.recordings.dataset import Dataset
-from simgap.recordings.load import load_dataset
 from simgap.recordings.recording import recording_from_frame
 from simgap.recordings.split import Split, runs_of, split_runs
 

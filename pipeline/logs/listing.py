@@ -1,0 +1,83 @@
+"""What a log holds, as lines that a person reads."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from simgap.logs.common_times import step_of
+from simgap.logs.log import Log, Signal
+from simgap.logs.proposal import SURE, Proposal, lacking
+
+_SHOWN = 40  # signals that are listed unless all are asked for: a screen
+_GAP = 10.0  # times the usual step, from which on a gap is counted
+_NAME = 48  # characters of a name that fit beside the figures
+
+
+def log_lines(log: Log, proposal: Proposal, every: bool = False) -> Iterator[str]:
+    """Yield what is in a log, and what was made of it.
+
+    Args:
+        log: as it was read.
+        proposal: of it.
+        every: whether to list all signals.
+    """
+    yield f"{log.path}: {log.format}, {len(log.signals)} signals"
+    yield from (f"{name}: {value}" for name, value in log.facts.items())
+    yield ""
+    yield from _signal_lines(log, proposal, every)
+    yield from _run_lines(log, proposal)
+    yield ""
+    yield from _column_lines(proposal)
+    remarks = [*log.remarks, *proposal.notes]
+    yield from (["", *remarks] if remarks else [])
+
+
+def _signal_lines(log: Log, proposal: Proposal, every: bool) -> Iterator[str]:
+    used = dict.fromkeys(entry.source.signal for entry in proposal.columns.values())
+    names = [
+        *(name for name in used if name in log.signals),
+        *(name for name in log.signals if name not in used),
+    ]
+    shown = names if every else names[:_SHOWN]
+    wide = min(max([len(name) for name in shown], default=6), _NAME)
+    clock = "row" if log.tabular else "Hz"
+    yield f"{'signal':{wide}}  {'samples':>8}  {clock:>7}  {'unit':>7}  {'from':>10}  {'to':>10}  gaps"
+    yield from (_signal_line(log.signals[name], wide, log.tabular) for name in shown)
+    yield from (f"{name} holds text" for name in log.texts)
+    if len(names) > len(shown):
+        yield f"and {len(names) - len(shown)} more: --all lists them"
+
+
+def _signal_line(signal: Signal, wide: int, tabular: bool) -> str:
+    known = signal.values[np.isfinite(signal.values)]
+    low, high = (f"{known.min():.5g}", f"{known.max():.5g}") if len(known) else ("-", "-")
+    step = step_of(signal.time)
+    rate = "" if tabular or not np.isfinite(step) or step <= 0 else f"{1 / step:.4g}"
+    gaps = int((np.diff(signal.time) > _GAP * step).sum()) if np.isfinite(step) and not tabular else 0
+    name = signal.name if len(signal.name) <= wide else f"…{signal.name[1 - wide :]}"
+    return f"{name:{wide}}  {len(known):8d}  {rate:>7}  {signal.unit or '':>7}  {low:>10}  {high:>10}  {gaps or ''}"
+
+
+def _run_lines(log: Log, proposal: Proposal) -> Iterator[str]:
+    spans = proposal.windows or log.spans
+    if spans:
+        yield ""
+        yield f"{len(spans)} run{'s' if len(spans) > 1 else ''}:"
+        yield from (f"  {span.name}: {span.begin:.2f} to {span.end:.2f} s" for span in spans[:_SHOWN])
+        if len(spans) > _SHOWN:
+            yield f"  and {len(spans) - _SHOWN} more"
+
+
+def _column_lines(proposal: Proposal) -> Iterator[str]:
+    if proposal.kind is None:
+        yield "No kind of machine fits: give --kind quadrotor, swerve or joint, or write a mapping."
+        return
+    yield f"as a {proposal.kind}:"
+    for column, entry in proposal.columns.items():
+        doubt = "" if entry.confidence >= SURE else "  please check"
+        unit = f" [{entry.source.unit}]" if entry.source.unit else ""
+        yield f"  {column:20} {entry.source.signal}{unit}  {entry.confidence:.2f}: {entry.reason}{doubt}"
+    lost = lacking(proposal.kind, set(proposal.columns))
+    for column in dict.fromkeys([*lost, *proposal.missing]):
+        needed = "needed" if column in lost else "better with it"
+        yield f"  {column:20} missing ({needed}). {proposal.missing.get(column, '')}".rstrip()

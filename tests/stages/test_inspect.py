@@ -1,0 +1,63 @@
+"""A log as a person brings it: shown, mapped by a file that can be corrected, and written as a recording."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from simgap.recordings.recording import read_recording
+from simgap.stages.import_ import main as import_log
+from simgap.stages.inspect import main as inspect_log
+
+
+@pytest.fixture
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Write a table with names of its own, degrees and milliseconds."""
+    monkeypatch.chdir(tmp_path)
+    t = np.arange(300) / 100
+    columns = np.stack([1000 * t, np.rad2deg(np.sin(t)), np.rad2deg(np.cos(t)), 0 * t + 6], -1)
+    np.savetxt("log.csv", columns, delimiter=",", header="A,B,C,D", comments="")
+    return Path("log.csv")
+
+
+MAPPING = """\
+kind: joint
+t: {from: A, unit: ms}
+position: {from: B, unit: deg}
+velocity: {from: C, unit: deg/s}
+voltage: D
+"""
+
+
+def test_a_log_is_shown_and_a_mapping_written(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        inspect_log([str(log), "--kind", "joint"])
+    shown = capsys.readouterr().out
+    assert not ended.value.code
+    assert all(f"\n{name} " in shown for name in "ABCD")
+    assert Path("log.csv.mapping.yaml").read_text().count("kind: joint") == 1
+
+
+def test_a_written_mapping_is_never_overwritten(log: Path) -> None:
+    for _ in range(2):
+        with pytest.raises(SystemExit):
+            inspect_log([str(log), "--kind", "joint"])
+    assert {path.name for path in Path().glob("*.yaml")} == {"log.csv.mapping.yaml", "log.csv.mapping-2.yaml"}
+
+
+def test_a_mapped_log_is_written_as_a_recording(log: Path) -> None:
+    Path("mine.yaml").write_text(MAPPING)
+    with pytest.raises(SystemExit) as ended:
+        import_log([str(log), "--map", "mine.yaml", "-o", "recording.parquet"])
+    assert not ended.value.code
+    frame = read_recording("recording.parquet").frame
+    np.testing.assert_allclose(frame["position"], np.sin(frame["t"]))
+    np.testing.assert_allclose(frame["velocity"], np.cos(frame["t"]))
+
+
+@pytest.mark.parametrize("command", [inspect_log, lambda given: import_log([*given, "-o", "r.parquet"])])
+def test_what_is_not_there_is_one_line(command, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        command(["nothing.ulg"])
+    assert ended.value.code == 2
+    assert "does not exist" in capsys.readouterr().err
