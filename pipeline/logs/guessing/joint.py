@@ -18,6 +18,7 @@ from simgap.recordings.units import conversion
 
 _NOTATION = frozenset(("q", "qd", "dq", "qdot", "tau", "theta", "omega"))
 _FOUND = 0.97  # correlation from which on another signal is taken for the derivative
+_COMPARED = 12  # velocities that are compared with each position
 _LISTED = 6  # joints that are named in a note
 _RIVAL = 0.85  # factor where a second signal fits a name as well
 _ADVICE = {
@@ -119,9 +120,8 @@ def _by_derivative(
 ) -> tuple[Named, Slope] | None:
     """Return another velocity whose integral the position follows, and the slope; None where there is none."""
     best: tuple[Named, Slope] | None = None
-    for each in named:
-        if each.said.quantity != "velocity" or each is found:
-            continue
+    others = [each for each in named if each.said.quantity == "velocity" and each is not found]
+    for each in others if len(others) <= _COMPARED else ():
         slope = slope_of(position, log.signals[each.name])
         if slope is not None and slope.correlation > max(_FOUND, best[1].correlation if best else 0.0):
             best = (each, slope)
@@ -140,13 +140,15 @@ def _columns(log: Log, motion: _Motion) -> dict[str, Proposed]:
         score = motion.position.said.score if units.sure < SURE else 1.0
         sure = units.sure * score * (rivalry if units.sure < 0.95 else 1.0)
         columns["position"] = Proposed(
-            Source(motion.position.name, units.position), round(sure, 2), _reason(log, motion)
+            Source(motion.position.name, units.position),
+            round(sure, 2),
+            _reason(log, motion, motion.position),
         )
     if motion.velocity:
         score = motion.velocity.said.score if units.sure < SURE else 1.0
         sure = units.sure * score * (rivalry if units.sure < 0.95 else 1.0)
         source = Source(motion.velocity.name, units.velocity, sign=units.sign)
-        columns["velocity"] = Proposed(source, round(sure, 2), units.reason)
+        columns["velocity"] = Proposed(source, round(sure, 2), _reason(log, motion, motion.velocity))
         if not motion.position and "position" in REQUIRED["joint"]:
             whole = Source(motion.velocity.name, units.velocity, integrate=True)
             why = "no position is there: the integral of the velocity, right for a wheel, not for an arm"
@@ -154,9 +156,8 @@ def _columns(log: Log, motion: _Motion) -> dict[str, Proposed]:
     return columns
 
 
-def _reason(log: Log, motion: _Motion) -> str:
-    assert motion.position is not None
-    width = wrap_of(log.signals[motion.position.name])
+def _reason(log: Log, motion: _Motion, named: Named) -> str:
+    width = wrap_of(log.signals[named.name])
     return motion.units.reason + (f"; it wraps at {width:.6g}" if width else "")
 
 

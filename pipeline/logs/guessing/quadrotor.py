@@ -1,6 +1,8 @@
 """A quadrotor in a log of no known layout: by vectors in its names, and by what they are of each other."""
 
+import itertools
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +23,8 @@ _RATE_WORDS = frozenset((
     "w", "gyro", "gyr", "omega", "rate", "rates", "bodyrate", "angvel", "angular", "rotation", "p",
 ))  # fmt: skip
 _POSITION_WORDS = frozenset(("p", "pos", "position", "loc", "location"))
+_VELOCITY_WORDS = frozenset(("v", "vel", "velocity", "speed"))
+_COMPARED = 8  # vectors of each sort, of which all pairs are compared
 _CLEAR = 0.95  # correlation from which on one vector is the derivative of the other on every axis
 _SEEN = 0.8  # correlation from which on they belong together, if samples were lost
 _ROUGH = 0.3  # of a factor, where samples were lost; degrees are 57 times away
@@ -54,22 +58,35 @@ def propose_quadrotor(log: Log, said: dict[str, Said]) -> Proposal | None:
     if not motors or (attitude is None and pair is None):
         return None
     columns |= (pair or {}) | motors
-    force, said_of_force = specific_force(log, triples, columns)
-    columns |= force
+    measured = specific_force(log, triples, columns)
+    if measured.down:
+        columns = _turned_over(columns)
+    columns |= measured.columns
     battery = supply_of(log, named_signals(said), ())
     if battery is not None:
         columns["battery_voltage"] = battery
     lost = lacking("quadrotor", set(columns))
     missing = {name: advice for name in lost if (advice := _advice(name))}
     return Proposal(
-        "quadrotor", columns, missing, notes=(*_NOTES, *said_of_force), refusal=_refusal(log, columns)
+        "quadrotor", columns, missing, notes=(*_NOTES, *measured.notes), refusal=_refusal(log, columns)
     )
 
 
 _NOTES = (
     "The motors are taken in the order of the log: rotor_positions of the platform have to be in the same order.",
-    "World z is taken as up, body x as forward and y as left, where signs did not say otherwise.",
+    "World z is taken as up, body x as forward and y as left, where the accelerometer does not say otherwise.",
 )
+
+
+def _turned_over(columns: dict[str, Proposed]) -> dict[str, Proposed]:
+    """Return columns of frames with z down in those of the contract: y and z change their signs."""
+    turned = {}
+    for name, found in columns.items():
+        if name.startswith(("position", "velocity", "attitude", "body_rate")) and name[-1] in "yz":
+            source = replace(found.source, sign=-found.source.sign)
+            found = replace(found, source=source, reason=f"{found.reason}; z points down in the log")
+        turned[name] = found
+    return turned
 
 
 def _advice(column: str) -> str:
@@ -91,8 +108,9 @@ def _attitude(log: Log, vectors: list[Vector], triples: list[Vector]) -> dict[st
         parts = _signals(log, quaternion)
         if not is_quaternion(parts):
             continue
-        for rates in triples:
-            if rates.names == quaternion.names[1:] or not rates.words & _RATE_WORDS:
+        near = sorted((each for each in triples if each.words & _RATE_WORDS), key=_plain)[:_COMPARED]
+        for rates in near:
+            if rates.names == quaternion.names[1:]:
                 continue
             turn = turn_of(parts, _signals(log, rates))
             if turn is not None and turn.correlation > _SEEN:
@@ -144,11 +162,12 @@ def _rate(signal: Signal, factor: float, clear: bool) -> Proposed:
 def _position_and_velocity(log: Log, triples: list[Vector]) -> dict[str, Proposed] | None:
     """Propose the two vectors of which one is the derivative of the other, the plainest names first."""
     found: list[tuple[tuple[bool, int], Vector, Vector, list[Slope]]] = []
-    for position in (each for each in triples if not each.letters or each.letters in _POSITION_WORDS):
-        for velocity in triples:
-            words = velocity.words
-            if velocity is position or not (words & {"v", "vel", "velocity", "speed"}):
-                continue
+    places = [each for each in triples if not each.letters or each.letters in _POSITION_WORDS]
+    speeds = [each for each in triples if each.words & _VELOCITY_WORDS]
+    for position, velocity in itertools.product(
+        sorted(places, key=_plain)[:_COMPARED], sorted(speeds, key=_plain)[:_COMPARED]
+    ):
+        if velocity is not position:
             slopes = _slopes(_signals(log, position), _signals(log, velocity))
             if slopes and all(slope.correlation > _CLEAR for slope in slopes):
                 found.append((max(_plain(position), _plain(velocity)), position, velocity, slopes))

@@ -65,7 +65,10 @@ def fit_units(
     fitting = [pair for pair in pairs if abs(_ratio(*pair) / abs(slope.factor) - 1.0) < _TOLERANCE]
     against = ", but with the other sign" if sign < 0 else ""
     if not fitting:
-        reason = f"its change is {abs(slope.factor):.4g} times the integral of the velocity{against}"
+        reason = (
+            f"its change is {abs(slope.factor):.4g} times the integral of the velocity{against}: "
+            "no units explain that; correct the scale of one of them"
+        )
         nearest = min(pairs, key=lambda pair: abs(_ratio(*pair) / abs(slope.factor) - 1.0))
         near = abs(_ratio(*nearest) / abs(slope.factor) - 1.0) < _ROUGH
         return Fitted(*nearest, sign, 0.75, reason) if near else Fitted(*pairs[0], sign, 0.4, reason)

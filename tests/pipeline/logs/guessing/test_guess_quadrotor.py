@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from scipy.spatial.transform import Rotation
 
+from simgap.logs.apply import recording_of
 from simgap.logs.guess import guess
 from simgap.logs.proposal import SURE, Proposal
 from simgap.logs.tabular import log_of_table
@@ -78,6 +79,28 @@ def test_an_accelerometer_in_g_and_one_in_axes_of_the_world(flight: dict) -> Non
     proposal = proposed(table(flight, a=flight["f"]))
     assert "specific_force_x" not in proposal.columns
     assert "axes of the world" in " ".join(proposal.notes)
+
+
+def test_a_log_with_z_down_is_turned_into_the_frames_of_the_contract(flight: dict) -> None:
+    """North, east, down and forward, right, down, as of a flight controller: a hover has its force up all the same."""
+    down = np.array([1.0, -1.0, -1.0])
+    frame = table(
+        flight, p=flight["p"] * down, v=flight["v"] * down, w=flight["w"] * down, a=flight["a"] * down,
+        q=flight["q"] * [1, 1, -1, -1],
+    )  # fmt: skip
+    log = log_of_table(frame, Path("log.csv"), "table")
+    recording = recording_of(log, guess(log, None).mapping())
+    for column, values in (
+        ("position", flight["p"]),
+        ("velocity", flight["v"]),
+        ("body_rate", flight["w"]),
+        ("specific_force", flight["a"]),
+    ):
+        found = recording.frame[[f"{column}_{axis}" for axis in "xyz"]].to_numpy()
+        np.testing.assert_allclose(found, values, atol=1e-9)
+    found = recording.frame[[f"attitude_{axis}" for axis in "wxyz"]].to_numpy()
+    np.testing.assert_allclose(found, flight["q"], atol=1e-9)
+    assert recording.frame["specific_force_z"].median() == pytest.approx(9.81, abs=1.0)
 
 
 def test_pulses_and_numbers_of_sixteen_bits_are_commands_from_0_to_1(flight: dict) -> None:
