@@ -15,7 +15,7 @@ from simgap.logs.mapping import Mapping, Source
 from simgap.logs.table_clock import with_clock
 from simgap.recordings.contract import channel_units
 from simgap.recordings.recording import Recording, recording_from_frame
-from simgap.recordings.units import KNOWN, conversion
+from simgap.recordings.units import conversion, factor_and_offset
 
 _FEWEST = 2  # samples of a run
 
@@ -77,25 +77,17 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
         values = np.where(values == source.missing, np.nan, values)
     values = source.sign * source.scale * values + source.offset
     if source.times is not None:
-        factor = signal_of(log, source.times)
-        values = values * values_at(factor, signal.time, held=factor.held)
+        other = signal_of(log, source.times)
+        values = values * values_at(other, signal.time, held=other.held)
     unit = source.unit or signal.unit
     if unit is not None:
         needed = f"{expected}/s" if source.integrate else expected
-        values = _to_contract(values, unit, needed, f"{log.path}, column {column!r}")
+        factor, added = factor_and_offset(unit, needed, f"{log.path}, column {column!r}")
+        values = values * factor + added
     if source.integrate:
         values = _integral(signal.time, values)
     held = signal.held if source.held is None else source.held
     return replace(signal, values=values, unit=expected, held=held)
-
-
-def _to_contract(values: NDArray[np.float64], unit: str, expected: str, where: str) -> NDArray[np.float64]:
-    found = conversion(unit)
-    if found is None:
-        raise InputError(f"unknown unit {unit!r}", where, f"give one in the mapping: {', '.join(KNOWN)}")
-    if found[0] != expected:
-        raise InputError(f"unit {unit!r} does not fit", where, f"a unit of {expected} is needed")
-    return values * found[1] + found[2]
 
 
 def _integral(time: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from typing import Any
 from simgap.errors import InputError
 from simgap.logs.log import Span
 from simgap.recordings.contract import KINDS, channel_units
-from simgap.recordings.units import KNOWN, conversion
+from simgap.recordings.units import conversion, factor_and_offset
 
 _ENTRY_KEYS = ("from", "unit", "scale", "sign", "offset", "missing", "held", "times", "integrate")
 _GENERAL_KEYS = ("kind", "runs", "rate")
@@ -166,12 +166,7 @@ def _check_column(
         raise InputError(f"unknown column {column!r} for a {kind}", place, remedy)
     if source.unit is None:
         return
-    found = conversion(source.unit)
-    if found is None:
-        raise InputError(f"unknown unit {source.unit!r}", place, f"use one of {', '.join(KNOWN)}")
-    needed = f"{units[column]}/s" if source.integrate else units[column]
-    if found[0] != needed:
-        raise InputError(f"unit {source.unit!r} does not fit", place, f"a unit of {needed} is needed")
+    factor_and_offset(source.unit, f"{units[column]}/s" if source.integrate else units[column], place)
 
 
 def _base(source: Source | None) -> str | None:

@@ -2,6 +2,8 @@
 
 import math
 
+from simgap.errors import InputError
+
 _STANDARD_GRAVITY = 9.80665  # m/s², the g in which accelerometers are scaled
 
 _ALIASES = {
@@ -58,3 +60,22 @@ def conversion(unit: str) -> tuple[str, float, float] | None:
     """Return (contract unit, factor, offset): contract value = factor · value + offset; None if unknown."""
     name = _ALIASES.get(unit.strip(), unit.strip())
     return (name, 1.0, 0.0) if name in _BASE else _CONVERSIONS.get(name)
+
+
+def factor_and_offset(unit: str, expected: str, where: str) -> tuple[float, float]:
+    """Return (factor, offset) of a declared unit: contract value = factor · value + offset.
+
+    Args:
+        unit: as it is declared.
+        expected: unit of the contract that it has to be one of.
+        where: what to name in an error.
+
+    Raises:
+        InputError: when the unit is unknown, or one of another quantity.
+    """
+    found = conversion(unit)
+    if found is None:
+        raise InputError(f"unknown unit {unit!r}", where, f"use one of {', '.join(KNOWN)}")
+    if found[0] != expected:
+        raise InputError(f"unit {unit!r} does not fit", where, f"a unit of {expected} is needed")
+    return found[1], found[2]
