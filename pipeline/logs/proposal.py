@@ -77,9 +77,8 @@ def propose(log: Log, kind: str | None = None) -> Proposal:
         found: Proposal | None = importlib.import_module(f"simgap.logs.layouts.{layout}").propose(log, kind)
         if found is not None:
             return found
-    from simgap.logs.guess import guess
-
-    return guess(log, kind)
+    guessed: Proposal = importlib.import_module("simgap.logs.guess").guess(log, kind)
+    return guessed
 
 
 def lacking(kind: str, columns: set[str]) -> list[str]:
