@@ -1,11 +1,8 @@
 """Tables as text: CSV as people export it, read into columns."""
 
-import gzip
 import io
 import re
 import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,11 +14,9 @@ import pyarrow.csv as arrow_csv
 
 from simgap.errors import InputError
 from simgap.recordings.dialect import NO_VALUE, Dialect, dialect_of
+from simgap.recordings.packed import opened
 
 _HEAD = 1 << 18  # bytes in which the names of the columns have to stand
-_GZIP = b"\x1f\x8b"
-_SMALL = 1 << 26  # bytes of unpacked text that fit anywhere
-_DENSEST = 100  # times that numbers as text shrink at most; deflate alone reaches 1032 on one repeated byte
 _RETRIES = (
     8  # columns that turn out to be text behind the first rows, before all others are taken for text, too
 )
@@ -77,7 +72,7 @@ def text_dialect(path: Path) -> Dialect:
         InputError: when it is no text, or has no row of names.
     """
     try:
-        with _opened(path, str(path)) as file:
+        with opened(path, str(path)) as file:
             head = file.read(_HEAD)
             complete = not file.read(1)
     except (OSError, EOFError, zlib.error) as error:
@@ -95,36 +90,6 @@ def _refuse_duplicates(names: tuple[str, ...], where: str) -> None:
         if name and name in seen:
             raise InputError("appears twice in the file", f"{where}, column {name!r}", "keep one of them")
         seen.add(name)
-
-
-@contextmanager
-def _opened(path: Path, where: str) -> Iterator[io.BufferedIOBase]:
-    with path.open("rb") as raw:
-        packed = raw.read(len(_GZIP)) == _GZIP
-        raw.seek(0)
-        if not packed:
-            yield raw
-            return
-        limit = max(_SMALL, _DENSEST * path.stat().st_size)
-        with gzip.GzipFile(fileobj=raw) as unpacked:
-            yield _Limited(unpacked, limit, where)
-
-
-class _Limited(io.BufferedIOBase):
-    """A stream that ends in an error behind so many bytes."""
-
-    def __init__(self, stream: io.BufferedIOBase, limit: int, where: str) -> None:
-        self._stream, self._left, self._where = stream, limit, where
-
-    def readable(self) -> bool:
-        return True
-
-    def read(self, size: int | None = -1, /) -> bytes:
-        content = self._stream.read(self._left + 1 if size is None or size < 0 else size)
-        self._left -= len(content)
-        if self._left < 0:
-            raise InputError("unpacks to more than any table", self._where, "unpack it, and look what it is")
-        return content
 
 
 class _ShortRows:
@@ -190,7 +155,7 @@ def _columns(path: Path, dialect: Dialect, short: _ShortRows) -> pa.Table:
 def _parsed(
     path: Path, dialect: Dialect, names: list[str], types: dict[str, Any], short: _ShortRows
 ) -> pa.Table:
-    with _opened(path, str(path)) as file:
+    with opened(path, str(path)) as file:
         return arrow_csv.read_csv(
             _from(file, dialect),
             read_options=arrow_csv.ReadOptions(

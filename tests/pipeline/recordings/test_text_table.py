@@ -76,7 +76,7 @@ def test_western_code_page_and_gzip(tmp_path: Path) -> None:
 def test_what_unpacks_to_far_more_than_a_table_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("simgap.recordings.text_table._SMALL", 1 << 10)
+    monkeypatch.setattr("simgap.recordings.packed._SMALL", 1 << 10)
     bomb = gzip.compress(b"t,x\n" + b"0,0\n" * (1 << 20), compresslevel=9)
     with pytest.raises(InputError, match="unpacks to more"):
         read(tmp_path, bomb, "log.csv.gz")
