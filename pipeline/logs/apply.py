@@ -20,7 +20,7 @@ from simgap.logs.table_clock import with_clock
 from simgap.recordings.cleaning.channels import ANGLES
 from simgap.recordings.contract import channel_units
 from simgap.recordings.recording import Recording, recording_from_frame
-from simgap.recordings.units import KNOWN, conversion
+from simgap.recordings.units import conversion, factor_and_offset
 
 _FEWEST = 2  # samples of a run
 
@@ -40,6 +40,7 @@ def recording_of(log: Log, mapping: Mapping, platform: AbstractMapping[str, Any]
         InputError: when a signal is missing, a unit does not fit, or no run has samples of all columns.
     """
     mapping = with_ratios(mapping, platform)
+    rate = None if log.tabular and "t" not in mapping.columns else mapping.rate
     log, remarks = with_clock(log, mapping)
     sources = {name: source for name, source in mapping.columns.items() if name not in ("t", "run")}
     sliding = _is_sliding(log, sources)
@@ -49,10 +50,10 @@ def recording_of(log: Log, mapping: Mapping, platform: AbstractMapping[str, Any]
     }
     columns = without_jumps(columns)
     spans = mapping.windows or log.spans or (_whole(columns, log),)
-    frames = [frame for span in spans if (frame := _run(columns, span, mapping)) is not None]
+    frames = [frame for span in spans if (frame := _run(columns, span, mapping, rate)) is not None]
     if not frames:
         raise InputError("no run has samples of all columns", log.path, "correct the mapping, or its runs")
-    remarks = [*log.remarks, *remarks, *_left_out(spans, frames)]
+    remarks = [*log.remarks, *remarks, *_left_out(spans, frames), *_integrated(sources)]
     frame = pd.concat(frames, ignore_index=True)
     return recording_from_frame(frame, mapping.kind, sliding=sliding, warnings=remarks, where=log.path)
 
@@ -84,11 +85,15 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
         values = np.where(values == source.missing, np.nan, values)
     values = source.sign * source.scale * values + source.offset
     if source.times is not None:
-        factor = signal_of(log, source.times)
-        values = values * values_at(factor, signal.time, held=factor.held)
+        other = signal_of(log, source.times)
+        values = values * values_at(other, signal.time, held=other.held)
     unit = source.unit or signal.unit
     if unit is not None:
-        values = _to_contract(values, unit, expected, f"{log.path}, column {column!r}")
+        needed = f"{expected}/s" if source.integrate else expected
+        factor, added = factor_and_offset(unit, needed, f"{log.path}, column {column!r}")
+        values = values * factor + added
+    if source.integrate:
+        values = _integral(signal.time, values)
     if column in ANGLES:
         known = np.isfinite(values)
         values[known] = np.unwrap(values[known])  # between π and −π lies no angle to interpolate
@@ -96,13 +101,13 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
     return in_order(replace(signal, values=values, unit=expected, held=held))
 
 
-def _to_contract(values: NDArray[np.float64], unit: str, expected: str, where: str) -> NDArray[np.float64]:
-    found = conversion(unit)
-    if found is None:
-        raise InputError(f"unknown unit {unit!r}", where, f"give one in the mapping: {', '.join(KNOWN)}")
-    if found[0] != expected:
-        raise InputError(f"unit {unit!r} does not fit", where, f"a unit of {expected} is needed")
-    return values * found[1] + found[2]
+def _integral(time: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the integral by trapezoids, NaN where the rate is unknown."""
+    known = np.isfinite(rate)
+    steps = 0.5 * (rate[known][1:] + rate[known][:-1]) * np.diff(time[known])
+    values = np.full(len(rate), np.nan)
+    values[known] = np.concatenate([[0.0], np.cumsum(steps)])[: known.sum()]
+    return values
 
 
 def _whole(columns: dict[str, Signal], log: Log) -> Span:
@@ -112,16 +117,19 @@ def _whole(columns: dict[str, Signal], log: Log) -> Span:
     return Span("run", float(min(time.min() for time in times)), float(max(time.max() for time in times)))
 
 
-def _run(columns: dict[str, Signal], span: Span, mapping: Mapping) -> pd.DataFrame | None:
+def _run(columns: dict[str, Signal], span: Span, mapping: Mapping, rate: float | None) -> pd.DataFrame | None:
     """Return the samples of one run; None where it has too few."""
     within = {name: _within(signal, span) for name, signal in columns.items()}
-    times = base_times(within, mapping.kind, mapping.rate)
+    times = base_times(within, mapping.kind, rate)
     times = times[times >= span.begin]  # a held value may be from before
     if len(times) < _FEWEST:
         return None
     if mapping.windows:  # the log goes on around them
         within = {name: _within(signal, span, beside=True) for name, signal in columns.items()}
     values = {name: values_at(signal, times, signal.held) for name, signal in within.items()}
+    for name, source in mapping.columns.items():
+        if source.integrate and np.isfinite(values[name]).any():
+            values[name] -= values[name][np.isfinite(values[name])][0]
     return pd.DataFrame({"run": span.name, "t": times - times[0], **values})
 
 
@@ -133,6 +141,12 @@ def _within(signal: Signal, span: Span, beside: bool = False) -> Signal:
     if beside and (after := np.flatnonzero(signal.time > span.end)).size:
         inside[after[0]] = True
     return replace(signal, time=signal.time[inside], values=signal.values[inside])
+
+
+def _integrated(sources: dict[str, Source]) -> Iterator[str]:
+    for column, source in sources.items():
+        if source.integrate:
+            yield f"Column {column!r} was integrated from {source.signal!r}, from zero in each run."
 
 
 def _left_out(spans: tuple[Span, ...], frames: list[pd.DataFrame]) -> Iterator[str]:

@@ -12,6 +12,7 @@ from simgap.recordings.contract import REQUIRED
 _GAP = (
     5.0  # steps of a signal or of the common times; longer gaps stay open, and cleaning counts their samples
 )
+_SAME_TIME = 1e-4  # of a step: times that are this close are the same, as in cleaning
 _AVERAGED = (
     2.0  # times the common rate; of faster signals, linear interpolation would alias what lies between
 )
@@ -81,9 +82,7 @@ def values_at(signal: Signal, times: NDArray[np.float64], held: bool) -> NDArray
     if not len(time):
         return np.full(len(times), np.nan)
     if held:
-        ahead = _CYCLE * step_of(times) if len(times) > 1 else 0.0
-        place = np.searchsorted(time, times + ahead, side="right") - 1
-        return np.where(place >= 0, values[np.maximum(place, 0)], np.nan)
+        return _held(time, values, times)
     step, common = step_of(time), step_of(times)
     found = (
         _averaged(time, values, times, common)
@@ -92,6 +91,27 @@ def values_at(signal: Signal, times: NDArray[np.float64], held: bool) -> NDArray
     )
     found[_in_gaps(time, times, _GAP * max(step, common))] = np.nan
     return found
+
+
+def _held(
+    time: NDArray[np.float64], values: NDArray[np.float64], times: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the value that holds at each time; where it changes before the next time, the mean until then.
+
+    So a command that comes between two samples has the impulse that it had.
+    """
+    from simgap.recordings.cleaning.resample import mean_of_held
+
+    step = step_of(times)
+    margin = _SAME_TIME * step if np.isfinite(step) else 0.0
+    place = np.searchsorted(time, times + margin, side="right") - 1
+    kept = np.where(place >= 0, values[np.maximum(place, 0)], np.nan)
+    if not np.isfinite(step):
+        return kept
+    first = np.searchsorted(time, times + margin, side="right")
+    changes = (np.searchsorted(time, times + step - margin, side="left") > first) & (place >= 0)
+    kept[changes] = mean_of_held(time, values[:, None], times[changes], step)[:, 0]
+    return kept
 
 
 def _known(signal: Signal) -> NDArray[np.float64]:

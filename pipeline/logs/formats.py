@@ -7,6 +7,7 @@ from pathlib import Path
 
 from simgap.errors import InputError
 from simgap.logs.log import Log
+from simgap.recordings.storage import WORKBOOKS, is_text_table
 
 _HEAD = 512  # bytes that are looked at
 
@@ -26,11 +27,15 @@ class Format:
     matches: Callable[[Path, bytes], bool]
 
 
+def _ends(path: Path, *endings: str) -> bool:
+    return path.name.lower().endswith(endings)
+
+
 _SYSID = (b'"slow-', b'"fast-', b'"sysid"')  # names of its tests, and its mark
 
 
 def _is_sysid(path: Path, head: bytes) -> bool:
-    return path.suffix.lower() == ".json" and any(name in head for name in _SYSID)
+    return _ends(path, ".json") and any(name in head for name in _SYSID)
 
 
 FORMATS: tuple[Format, ...] = (
@@ -39,7 +44,9 @@ FORMATS: tuple[Format, ...] = (
     Format("PX4 ULog", "ulog", lambda path, head: head.startswith(b"ULog\x01\x12\x35")),
     Format("ArduPilot DataFlash", "dataflash", lambda path, head: head.startswith(b"\xa3\x95")),
     Format("Parquet", "table", lambda path, head: head.startswith(b"PAR1")),
-    Format("CSV", "table", lambda path, head: path.suffix.lower() in (".csv", ".txt")),
+    Format("numpy archive", "arrays", lambda path, head: _ends(path, ".npz")),
+    Format("JSON table", "json_table", lambda path, head: _ends(path, ".json", ".jsonl", ".ndjson")),
+    Format("CSV", "table", lambda path, head: is_text_table(path) or _ends(path, *WORKBOOKS)),
 )
 """Every format, the more specific ones first; tables, which anything else may be, last."""
 

@@ -11,9 +11,9 @@ from simgap.artifacts.plain_yaml import read_yaml
 from simgap.errors import InputError
 from simgap.logs.log import Span
 from simgap.recordings.contract import KINDS, channel_units
-from simgap.recordings.units import KNOWN, conversion
+from simgap.recordings.units import conversion, factor_and_offset
 
-_ENTRY_KEYS = ("from", "unit", "scale", "sign", "offset", "missing", "held", "times", "ratio")
+_ENTRY_KEYS = ("from", "unit", "scale", "sign", "offset", "missing", "held", "times", "ratio", "integrate")
 _GENERAL_KEYS = ("kind", "runs", "rate")
 
 
@@ -31,6 +31,8 @@ class Source:
         held: whether a value holds until the next one; None where the log says it.
         times: a second signal that multiplies this one: the supply voltage of a duty cycle.
         ratio: numbers of the platform that multiply this signal, as `drive.gear_ratio / wheel_radius`.
+        integrate: whether the column is the integral of the signal over time, from zero in each run: a position that
+            was not recorded, of a velocity. `unit` is that of the signal.
     """
 
     signal: str
@@ -42,6 +44,7 @@ class Source:
     held: bool | None = None
     times: str | None = None
     ratio: str | None = None
+    integrate: bool = False
 
 
 @dataclass(frozen=True)
@@ -129,11 +132,12 @@ def _source(column: str, entry: Any, where: str) -> Source:
             near = difflib.get_close_matches(str(key), _ENTRY_KEYS, n=1)
             remedy = f"did you mean {near[0]!r}?" if near else f"use {', '.join(_ENTRY_KEYS)}"
             raise InputError(f"unknown key {key!r}", place, remedy)
-    sign, held = entry.get("sign", 1), entry.get("held")
+    sign, held, integrate = entry.get("sign", 1), entry.get("held"), entry.get("integrate", False)
     if sign not in (1, -1) or isinstance(sign, bool):
         raise InputError(f"sign is {sign!r}", place, "give 1 or -1")
-    if held is not None and not isinstance(held, bool):
-        raise InputError(f"held is {held!r}", place, "give true or false")
+    for key, value in (("held", held), ("integrate", integrate)):
+        if value is not None and not isinstance(value, bool):
+            raise InputError(f"{key} is {value!r}", place, "give true or false")
     return Source(
         signal=entry["from"],
         unit=None if entry.get("unit") is None else str(entry["unit"]),
@@ -144,6 +148,7 @@ def _source(column: str, entry: Any, where: str) -> Source:
         held=held,
         times=None if entry.get("times") is None else str(entry["times"]),
         ratio=None if entry.get("ratio") is None else str(entry["ratio"]),
+        integrate=bool(integrate),
     )
 
 
@@ -156,11 +161,7 @@ def _check_column(
         raise InputError(f"unknown column {column!r} for a {kind}", place, remedy)
     if source.unit is None:
         return
-    found = conversion(source.unit)
-    if found is None:
-        raise InputError(f"unknown unit {source.unit!r}", place, f"use one of {', '.join(KNOWN)}")
-    if found[0] != units[column]:
-        raise InputError(f"unit {source.unit!r} does not fit", place, f"a unit of {units[column]} is needed")
+    factor_and_offset(source.unit, f"{units[column]}/s" if source.integrate else units[column], place)
 
 
 def _base(source: Source | None) -> str | None:

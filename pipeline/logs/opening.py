@@ -11,8 +11,8 @@ from simgap.logs.mapping import read_mapping
 from simgap.logs.proposal import Proposal, lacking, propose
 from simgap.logs.proposal_file import write_proposal
 from simgap.recordings.contract import COLUMNS, INDEX_COLUMNS, KINDS
-from simgap.recordings.recording import Recording, read_recording
-from simgap.recordings.storage import header_of
+from simgap.recordings.recording import Recording, recording_from_table
+from simgap.recordings.storage import header_of, read_table
 
 
 def open_recording(
@@ -41,7 +41,10 @@ def open_recording(
         chosen = read_mapping(mapping)
         return recording_of(read_log(path), chosen, platform)
     if format_of(path).name in ("Parquet", "CSV") and _is_recording(path):
-        return read_recording(path, kind)
+        from simgap.logs.sparse import recording_of_sparse
+
+        table = read_table(path)
+        return recording_of_sparse(table, path, kind) or recording_from_table(table, kind, str(path))
     log = read_log(path)
     proposal = propose(log, kind)
     _require(log, proposal, path)

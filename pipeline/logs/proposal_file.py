@@ -24,7 +24,7 @@ def proposal_text(log: Log, proposal: Proposal) -> str:
     ]
     for column, proposed in proposal.columns.items():
         entry = yaml.safe_dump(
-            source_to_config(proposed.source), default_flow_style=True, width=10_000
+            source_to_config(proposed.source), default_flow_style=True, width=10_000, allow_unicode=True
         ).strip()
         lines.append(f"{column}: {entry}  # {proposed.confidence:.2f}: {_one_line(proposed.reason)}")
     lines += [f"# {column}: missing. {_one_line(advice)}" for column, advice in proposal.missing.items()]

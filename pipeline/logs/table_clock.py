@@ -11,6 +11,10 @@ from simgap.logs.log import Log, Signal, Span
 from simgap.logs.mapping import Mapping
 from simgap.recordings.units import conversion
 
+_TIME_REMEDY = (
+    "add t: {from: COLUMN, unit: s} to the mapping, or rate: HERTZ where all samples are as far apart"
+)
+_MOST_RESETS = 0.1  # of the rows; a column that goes back more often is no clock
 _PAUSE = 1.0  # s put between two runs on the common clock; any time above zero does
 
 
@@ -26,8 +30,8 @@ def with_clock(log: Log, mapping: Mapping) -> tuple[Log, list[str]]:
     if not log.tabular:
         return log, []
     seconds = _seconds(log, mapping)
-    names = _run_names(log, mapping, len(seconds))
-    parts, resets = _parts(seconds, names)
+    codes, names = _runs(log, mapping, len(seconds))
+    parts, resets = _parts(seconds, codes, names, log.path)
     clock, spans = np.full(len(seconds), np.nan), []
     begin = 0.0
     for name, rows in parts:
@@ -36,7 +40,8 @@ def with_clock(log: Log, mapping: Mapping) -> tuple[Log, list[str]]:
         spans.append(Span(name, begin, float(begin + times[-1])))
         begin += float(times[-1]) + _PAUSE
     order = np.concatenate([rows for _, rows in parts])
-    signals = {name: _on_clock(signal, clock, order) for name, signal in log.signals.items()}
+    ordered = clock[order]
+    signals = {name: _on_clock(signal, clock, order, ordered) for name, signal in log.signals.items()}
     remarks = [
         f"The clock was reset inside of run {name!r}: it starts anew, so it was split there."
         for name in resets
@@ -46,9 +51,11 @@ def with_clock(log: Log, mapping: Mapping) -> tuple[Log, list[str]]:
 
 def _seconds(log: Log, mapping: Mapping) -> NDArray[np.float64]:
     source = mapping.columns.get("t")
+    if source is None and mapping.rate is not None:
+        return np.arange(_rows(log)) / mapping.rate
     if source is None or source.signal not in log.signals:
         what = "no column of time is named" if source is None else f"there is no column {source.signal!r}"
-        raise InputError(what, log.path, "add it to the mapping, as t: {from: COLUMN, unit: s}")
+        raise InputError(what, log.path, _TIME_REMEDY)
     signal = log.signals[source.signal]
     unit = source.unit or signal.unit or "s"
     found = conversion(unit)
@@ -64,47 +71,57 @@ def _rows(log: Log) -> int:
     return max([*last, *(len(text) for text in log.texts.values())], default=0)
 
 
-def _run_names(log: Log, mapping: Mapping, rows: int) -> list[str]:
+def _runs(log: Log, mapping: Mapping, rows: int) -> tuple[NDArray[np.int64], list[str]]:
+    """Return the number of each row's run, −1 where it has none, and the names of the runs."""
     source = mapping.columns.get("run")
     if source is None:
-        return ["run"] * rows
+        return np.zeros(rows, dtype=np.int64), ["run"]
     if source.signal in log.texts:
-        return [str(value) for value in log.texts[source.signal]]
+        codes, unique = pd.factorize(log.texts[source.signal])
+        return codes, [str(value) for value in unique]
     if source.signal in log.signals:
         numbers = np.full(rows, np.nan)
         signal = log.signals[source.signal]
         numbers[signal.time.astype(int)] = signal.values
-        return [f"{number:g}" for number in pd.Series(numbers).ffill().bfill()]
+        codes, unique = pd.factorize(pd.Series(numbers).ffill().bfill().to_numpy())
+        return codes, [f"{number:g}" for number in unique]
     raise InputError(f"there is no column {source.signal!r}", log.path, "correct run in the mapping")
 
 
 def _parts(
-    seconds: NDArray[np.float64], names: list[str]
+    seconds: NDArray[np.float64], codes: NDArray[np.int64], names: list[str], where: str
 ) -> tuple[list[tuple[str, NDArray[np.int64]]], list[str]]:
     """Return the rows of each run with a known time, and the runs in which the clock goes back."""
-    parts, resets = [], []
-    codes, unique = pd.factorize(np.array(names, dtype=object))
-    for code, name in enumerate(unique):
-        rows = np.flatnonzero((codes == code) & np.isfinite(seconds))
-        if not len(rows):
-            continue
-        back = np.flatnonzero(np.diff(seconds[rows]) < 0) + 1
-        pieces = np.split(rows, back)
-        resets += [str(name)] if len(pieces) > 1 else []
-        parts += [
-            (f"{name}-{number}" if len(pieces) > 1 else str(name), piece)
-            for number, piece in enumerate(pieces, 1)
-        ]
-    if not parts:
-        raise InputError("no row has a time", "column 't'", "correct the mapping")
-    return parts, resets
+    usable = np.flatnonzero(np.isfinite(seconds) & (codes >= 0))
+    if not len(usable):
+        raise InputError("no row has a time", f"{where}, column 't'", "correct the mapping")
+    rows = usable[np.argsort(codes[usable], kind="stable")]
+    other = np.diff(codes[rows]) != 0
+    back = ~other & (np.diff(seconds[rows]) < 0)
+    if back.sum() > max(1.0, _MOST_RESETS * len(rows)):
+        raise InputError(f"goes back in {back.sum()} rows", f"{where}, column 't'", "name another column")
+    parts: list[tuple[str, NDArray[np.int64]]] = []
+    resets = {names[code] for code in codes[rows[1:][back]]}
+    numbers = dict.fromkeys(resets, 0)
+    for piece in np.split(rows, np.flatnonzero(other | back) + 1):
+        name = names[codes[piece[0]]]
+        if name in numbers:
+            numbers[name] += 1
+            name = f"{name}-{numbers[name]}"
+        parts.append((name, piece))
+    return parts, [name for name in names if name in resets]
 
 
-def _on_clock(signal: Signal, clock: NDArray[np.float64], order: NDArray[np.int64]) -> Signal:
+def _on_clock(
+    signal: Signal, clock: NDArray[np.float64], order: NDArray[np.int64], ordered: NDArray[np.float64]
+) -> Signal:
     """Return a signal of a table with its times on the common clock, in the order of the runs."""
-    values = np.full(len(clock), np.nan)
-    values[signal.time.astype(int)] = signal.values
-    present = np.zeros(len(clock), dtype=bool)
-    present[signal.time.astype(int)] = True
-    kept = order[present[order]]
-    return replace(signal, time=clock[kept], values=values[kept])
+    if len(signal.time) == len(clock):
+        return replace(signal, time=ordered, values=signal.values[order])
+    place = signal.time.astype(np.int64)
+    rank = np.full(len(clock), -1)
+    rank[order] = np.arange(len(order))
+    place_in_order = rank[place]
+    kept = np.flatnonzero(place_in_order >= 0)
+    kept = kept[np.argsort(place_in_order[kept])]
+    return replace(signal, time=clock[place[kept]], values=signal.values[kept])

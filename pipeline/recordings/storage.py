@@ -1,6 +1,5 @@
 """Tables with units on disk: Parquet, and CSV with the same header."""
 
-import csv
 import json
 import re
 from collections.abc import Mapping
@@ -14,8 +13,14 @@ import pyarrow.parquet as pq
 
 from simgap.errors import InputError
 from simgap.recordings.contract import WHOLE_NUMBERS
+from simgap.recordings.text_table import read_text_table, text_dialect
 
 _MAGIC = b"PAR1"
+TEXT_TABLES = (".csv", ".tsv", ".tab", ".txt", ".dat", ".asc")
+"""How the names of tables end that are written as text."""
+
+WORKBOOKS = (".xlsx", ".xls", ".xlsm", ".ods")
+"""How the names of workbooks end, which are not read: a sheet is saved as CSV."""
 _ROW_NUMBERS = re.compile(
     r"__index_level_\d+__"
 )  # what pandas adds, to Parquet by this name and to CSV without one
@@ -54,11 +59,19 @@ def read_table(path: Path) -> Table:
     magic = _first_bytes(path)
     if magic == _MAGIC:
         return _read_parquet(path)
-    if path.suffix.lower() in (".csv", ".txt"):
-        return _read_csv(path)
+    if path.suffix.lower() in WORKBOOKS:
+        raise InputError("is a workbook of a spreadsheet program", str(path), "save the sheet as CSV")
+    if is_text_table(path):
+        return _read_text(path)
     raise InputError(
         "is not a Parquet file", str(path), "give a Parquet file, or a CSV file whose name ends in .csv"
     )
+
+
+def is_text_table(path: Path) -> bool:
+    """Whether a file's name is that of a table of text, packed by gzip or not."""
+    name = path.name.lower().removesuffix(".gz")
+    return name.endswith(TEXT_TABLES)
 
 
 def header_of(path: Path) -> list[str]:
@@ -73,11 +86,7 @@ def header_of(path: Path) -> list[str]:
         except (pa.ArrowException, OSError, ValueError) as error:
             reason = str(error).splitlines()[0]
             raise InputError(f"is a damaged Parquet file ({reason})", str(path), "write it again") from None
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            return [name.strip() for name in next(csv.reader(file), [])]
-    except (UnicodeDecodeError, csv.Error):
-        raise InputError("is not a text file", str(path), "give CSV in UTF-8, or Parquet") from None
+    return list(text_dialect(path).names)
 
 
 def _first_bytes(path: Path) -> bytes:
@@ -126,30 +135,9 @@ def _decode(raw: Mapping[bytes, bytes], path: Path) -> dict[str, Any]:
     return metadata
 
 
-def _read_csv(path: Path) -> Table:
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            header = next(csv.reader(file), [])
-        if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
-            raise InputError(
-                "columns are not separated by commas", f"{path}, row of names", "separate them by commas"
-            )
-        names = [name.strip() for name in header]
-        _refuse_duplicates(names, path)
-        frame = pd.read_csv(
-            path, encoding="utf-8-sig", header=0, names=names, dtype={"run": str}, low_memory=False
-        )
-    except (UnicodeDecodeError, csv.Error):
-        raise InputError("is not a text file", str(path), "give CSV in UTF-8, or Parquet") from None
-    except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
-        reason = str(error).replace("Error tokenizing data. C error: ", "")
-        raise InputError(
-            f"is not a table ({reason})", str(path), "give every row the columns of the header"
-        ) from None
-    frame = frame.drop(columns=[name for name in frame.columns if not name])
-    if not isinstance(frame.index, pd.RangeIndex):
-        raise InputError("rows have more columns than the header", str(path), "name every column")
-    return Table(frame)
+def _read_text(path: Path) -> Table:
+    table = read_text_table(path)
+    return Table(table.frame, table.units, remarks=table.remarks)
 
 
 def _refuse_duplicates(names: list[str], path: Path) -> None:

@@ -2,6 +2,8 @@
 
 import math
 
+from simgap.errors import InputError
+
 _STANDARD_GRAVITY = 9.80665  # m/s², the g in which accelerometers are scaled
 
 _ALIASES = {
@@ -14,6 +16,15 @@ _ALIASES = {
     "°/s": "deg/s", "dps": "deg/s",
     "µs": "us", "μs": "us", "RPM": "rpm", "rev/min": "rpm", "rotations": "rev", "revolutions": "rev",
     "%": "percent", "mNm": "mN·m", "rotations/s": "rev/s", "rps": "rev/s",
+    "rad/sec": "rad/s", "radians/s": "rad/s", "radians/sec": "rad/s", "rad s-1": "rad/s", "rad/s^1": "rad/s",
+    "deg/sec": "deg/s", "degrees/s": "deg/s", "degrees/sec": "deg/s", "turns": "rev", "turn": "rev",
+    "turns/s": "rev/s", "rotations/sec": "rev/s", "rotation": "rev", "revolution": "rev", "rev/sec": "rev/s",
+    "m/sec": "m/s", "metres": "m", "meters": "m", "meter": "m", "metre": "m", "meters/s": "m/s",
+    "volts": "V", "Volts": "V", "Volt": "V", "amps": "A", "Amps": "A", "amp": "A", "amperes": "A",
+    "second": "s", "secs": "s", "Seconds": "s", "msec": "ms", "milliseconds": "ms", "millis": "ms",
+    "usec": "us", "microseconds": "us", "micros": "us", "nsec": "ns", "nanoseconds": "ns", "nanos": "ns",
+    "N-m": "N·m", "N⋅m": "N·m", "newton": "N", "newtons": "N", "Newton": "N", "Celsius": "°C", "ºC": "°C", "°c": "°C",
+    "U/min": "rpm", "1/min": "rpm", "r/min": "rpm", "rads": "rad", "ratio": "1",
 }  # fmt: skip
 
 _CONVERSIONS: dict[str, tuple[str, float, float]] = {
@@ -53,3 +64,22 @@ def conversion(unit: str) -> tuple[str, float, float] | None:
     """Return (contract unit, factor, offset): contract value = factor · value + offset; None if unknown."""
     name = _ALIASES.get(unit.strip(), unit.strip())
     return (name, 1.0, 0.0) if name in _BASE else _CONVERSIONS.get(name)
+
+
+def factor_and_offset(unit: str, expected: str, where: str) -> tuple[float, float]:
+    """Return (factor, offset) of a declared unit: contract value = factor · value + offset.
+
+    Args:
+        unit: as it is declared.
+        expected: unit of the contract that it has to be one of.
+        where: what to name in an error.
+
+    Raises:
+        InputError: when the unit is unknown, or one of another quantity.
+    """
+    found = conversion(unit)
+    if found is None:
+        raise InputError(f"unknown unit {unit!r}", where, f"use one of {', '.join(KNOWN)}")
+    if found[0] != expected:
+        raise InputError(f"unit {unit!r} does not fit", where, f"a unit of {expected} is needed")
+    return found[1], found[2]

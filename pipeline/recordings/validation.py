@@ -9,7 +9,7 @@ import pandas as pd
 from simgap.errors import InputError
 from simgap.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, WHOLE_NUMBERS, channel_units
 from simgap.recordings.numeric import location, to_numbers
-from simgap.recordings.units import KNOWN, conversion
+from simgap.recordings.units import conversion, factor_and_offset
 
 _QUATERNION = [f"attitude_{axis}" for axis in "wxyz"]
 _NORM_TOLERANCE = 0.1  # a logged quaternion is off by rounding; beyond this it is not a rotation
@@ -165,12 +165,7 @@ def _runs(series: pd.Series, where: str) -> pd.Series:
 def _convert(numbers: np.ndarray, declared: str | None, expected: str, where: str) -> np.ndarray:
     if declared is None:
         return numbers
-    found = conversion(declared)
-    if found is None:
-        raise InputError(f"unknown unit {declared!r}", where, f"use one of {', '.join(KNOWN)}")
-    unit, factor, offset = found
-    if unit != expected:
-        raise InputError(f"unit {declared!r} does not fit", where, f"give it in {expected}")
+    factor, offset = factor_and_offset(declared, expected, where)
     return numbers * factor + offset if (factor, offset) != (1.0, 0.0) else numbers
 
 

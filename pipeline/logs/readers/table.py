@@ -2,10 +2,8 @@
 
 from pathlib import Path
 
-import numpy as np
-import pandas as pd
-
-from simgap.logs.log import Log, Signal
+from simgap.logs.log import Log
+from simgap.logs.tabular import log_of_table
 from simgap.recordings.storage import read_table
 
 
@@ -16,12 +14,4 @@ def read(path: Path) -> Log:
         InputError: when the file is damaged, or no table.
     """
     table = read_table(path)
-    signals, texts = {}, {}
-    for name, column in table.frame.items():
-        if pd.api.types.is_numeric_dtype(column.dtype):
-            values = column.to_numpy(dtype="float64", na_value=np.nan)
-            rows = np.arange(len(values), dtype="float64")
-            signals[str(name)] = Signal(str(name), rows, values, table.units.get(str(name)))
-        else:
-            texts[str(name)] = column.to_numpy(dtype=object)
-    return Log("table", str(path), signals, remarks=table.remarks, texts=texts, tabular=True)
+    return log_of_table(table.frame, path, "table", table.units, remarks=table.remarks)

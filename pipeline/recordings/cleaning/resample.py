@@ -235,7 +235,7 @@ def _fill(
     new[between] = _between(run.kind, columns, values[left[between]], values[right[between]], share)
     if columns[0] in INPUTS[run.kind] and not grid.ticking:
         held = exact | between
-        new[held] = _mean_of_held(times, values, grid.time[held], result.time_step)
+        new[held] = mean_of_held(times, values, grid.time[held], result.time_step)
     result.values[:, places] = new
     distance = np.minimum(grid.time - times[left], times[right] - grid.time)
     _note_filled(run, result, grid, columns, between & (distance > _NEAR * run.time_step))
@@ -252,7 +252,7 @@ def _next_acts(share: np.ndarray, ahead: np.ndarray, own_step: float) -> np.ndar
     return ((share > 0.5) & (ahead <= _NEAR * own_step)).astype(np.float64)
 
 
-def _mean_of_held(times: np.ndarray, values: np.ndarray, starts: np.ndarray, time_step: float) -> np.ndarray:
+def mean_of_held(times: np.ndarray, values: np.ndarray, starts: np.ndarray, time_step: float) -> np.ndarray:
     """Return the mean over the step that follows each start of what is held from one time to the next.
 
     Where commands come at any time within a step, whichever of two acts for longer, its impulse alone would be wrong.

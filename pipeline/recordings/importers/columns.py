@@ -10,7 +10,7 @@ import pandas as pd
 from simgap.errors import InputError
 from simgap.recordings.contract import channel_units
 from simgap.recordings.numeric import to_numbers
-from simgap.recordings.units import KNOWN, conversion
+from simgap.recordings.units import factor_and_offset
 
 
 @dataclass(frozen=True)
@@ -83,13 +83,8 @@ def take(
 def _to_contract(values: np.ndarray, unit: str | None, expected: str, channel: str) -> np.ndarray:
     if unit is None:
         return values
-    found = conversion(unit)
-    where = f"dataset.options.columns.{channel}.unit"
-    if found is None:
-        raise InputError(f"unknown unit {unit!r}", where, f"use one of {', '.join(KNOWN)}")
-    if found[0] != expected:
-        raise InputError(f"unit {unit!r} does not fit", where, f"a unit of {expected} is needed")
-    return values * found[1] + found[2]
+    factor, added = factor_and_offset(unit, expected, f"dataset.options.columns.{channel}.unit")
+    return values * factor + added
 
 
 def check_options(options: Mapping[str, object], known: Iterable[str], importer: str) -> None:

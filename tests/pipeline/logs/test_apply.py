@@ -2,6 +2,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from simgap.errors import InputError
 from simgap.logs.apply import recording_of
@@ -105,3 +106,20 @@ def test_a_table_whose_clock_starts_anew_is_two_runs(tmp_path: Path) -> None:
     assert len(recording.runs) == 2
     assert any("clock" in warning for warning in recording.warnings)
     assert recording.frame["t"].max() == pytest.approx(0.98)
+
+
+def test_the_mappings_of_the_page_are_mappings() -> None:
+    page = Path("docs/how_to/own_log.md").read_text(encoding="utf-8")
+    blocks = [block.partition("```")[0] for block in page.split("```yaml\n")[1:]]
+    assert len(blocks) >= 3
+    for block in blocks:
+        content = yaml.safe_load(block)
+        mapping = mapping_from_config({"kind": "joint"} | content)
+        assert set(mapping.columns) == set(content) - {"kind"}
+
+
+def test_a_position_is_integrated_of_a_velocity_only() -> None:
+    with pytest.raises(InputError, match="a unit of rad/s is needed"):
+        mapping_from_config({"kind": "joint", "position": {"from": "p", "unit": "deg", "integrate": True}})
+    with pytest.raises(InputError, match="integrate is 1"):
+        mapping_from_config({"kind": "joint", "position": {"from": "p", "integrate": 1}})

@@ -83,10 +83,10 @@ def test_csv_that_is_no_text(tmp_path):
     refused(path, "not a text file")
 
 
-def test_csv_with_semicolons(tmp_path):
-    path = tmp_path / "european.csv"
-    path.write_text("run;t;position\na;0,1;2,5\n")
-    refused(path, "commas")
+def test_csv_without_names(tmp_path):
+    path = tmp_path / "bare.csv"
+    path.write_text("0,1,2\n0.1,1,2\n")
+    refused(path, "row of names")
 
 
 def test_csv_with_ragged_rows(tmp_path):
