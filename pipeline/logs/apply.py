@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from simgap.errors import InputError
-from simgap.logs.common_times import base_times, in_order, values_at
+from simgap.logs.common_times import base_times, commanded_at, in_order, values_at
 from simgap.logs.log import Log, Signal, Span
 from simgap.logs.mapping import Mapping, Source
 from simgap.logs.quaternions import without_jumps
@@ -126,7 +126,10 @@ def _run(columns: dict[str, Signal], span: Span, mapping: Mapping, rate: float |
         return None
     if mapping.windows:  # the log goes on around them
         within = {name: _within(signal, span, beside=True) for name, signal in columns.items()}
-    values = {name: values_at(signal, times, signal.held) for name, signal in within.items()}
+    values = {
+        name: commanded_at(signal, times) if signal.held else values_at(signal, times, held=False)
+        for name, signal in within.items()
+    }
     for name, source in mapping.columns.items():
         if source.integrate and np.isfinite(values[name]).any():
             values[name] -= values[name][np.isfinite(values[name])][0]

@@ -12,7 +12,6 @@ from simgap.recordings.contract import REQUIRED
 _GAP = (
     5.0  # steps of a signal or of the common times; longer gaps stay open, and cleaning counts their samples
 )
-_SAME_TIME = 1e-4  # of a step: times that are this close are the same, as in cleaning
 _AVERAGED = (
     2.0  # times the common rate; of faster signals, linear interpolation would alias what lies between
 )
@@ -82,7 +81,7 @@ def values_at(signal: Signal, times: NDArray[np.float64], held: bool) -> NDArray
     if not len(time):
         return np.full(len(times), np.nan)
     if held:
-        return _held(time, values, times)
+        return _last(time, values, times)
     step, common = step_of(time), step_of(times)
     found = (
         _averaged(time, values, times, common)
@@ -93,25 +92,39 @@ def values_at(signal: Signal, times: NDArray[np.float64], held: bool) -> NDArray
     return found
 
 
-def _held(
-    time: NDArray[np.float64], values: NDArray[np.float64], times: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the value that holds at each time; where it changes before the next time, the mean until then.
+def commanded_at(signal: Signal, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return what a held signal is from each time to the next; where it changes in between, the mean.
 
-    So a command that comes between two samples has the impulse that it had.
+    So a command that comes between two samples has the impulse that it had. A change close to a sample counts as of
+    that sample: a program writes the values of one cycle one after the other.
+
+    Args:
+        signal: with increasing times.
+        times: (n,), s, increasing.
     """
     from simgap.recordings.cleaning.resample import mean_of_held
 
+    known = np.isfinite(signal.values)
+    time, values = signal.time[known], signal.values[known]
     step = step_of(times)
-    margin = _SAME_TIME * step if np.isfinite(step) else 0.0
-    place = np.searchsorted(time, times + margin, side="right") - 1
-    kept = np.where(place >= 0, values[np.maximum(place, 0)], np.nan)
-    if not np.isfinite(step):
-        return kept
-    first = np.searchsorted(time, times + margin, side="right")
-    changes = (np.searchsorted(time, times + step - margin, side="left") > first) & (place >= 0)
+    if not len(time) or not np.isfinite(step):
+        return values_at(signal, times, held=True)
+    margin = _CYCLE * step
+    kept = _last(time, values, times + margin)
+    changes = np.searchsorted(time, times + step - margin) > np.searchsorted(
+        time, times + margin, side="right"
+    )
+    changes &= np.isfinite(kept) & (time[0] <= times)
     kept[changes] = mean_of_held(time, values[:, None], times[changes], step)[:, 0]
     return kept
+
+
+def _last(
+    time: NDArray[np.float64], values: NDArray[np.float64], times: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the last value before or at each time, NaN before the first."""
+    place = np.searchsorted(time, times, side="right") - 1
+    return np.where(place >= 0, values[np.maximum(place, 0)], np.nan)
 
 
 def _known(signal: Signal) -> NDArray[np.float64]:

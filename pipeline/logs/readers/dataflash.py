@@ -6,7 +6,6 @@ format is a table of letters, so it is read here, all records of a type at once.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from simgap.errors import InputError
 from simgap.logs.log import Log
 from simgap.logs.readers.dataflash_facts import declared_units, facts_of
+from simgap.logs.readers.dataflash_message import Message
 from simgap.logs.readers.dataflash_signals import signals_of
 from simgap.logs.readers.file_bytes import bytes_of
 
@@ -39,23 +39,6 @@ _LETTERS: dict[str, tuple[str, float]] = {
 
 _Layout = tuple[str, np.dtype[Any], dict[str, float]]
 """Name of a message, layout of its records, and scales of the fields that are stored as multiples."""
-
-
-@dataclass(frozen=True)
-class Message:
-    """The records of one type.
-
-    Attributes:
-        name: as ATT.
-        rows: one structured value a record, (n,).
-        scales: of the fields that are stored as multiples.
-        starts: places in the file, (n,).
-    """
-
-    name: str
-    rows: NDArray[Any]
-    scales: dict[str, float]
-    starts: NDArray[np.int64]
 
 
 def read(path: Path) -> Log:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from simgap.logs.readers.dataflash import Message
+    from simgap.logs.readers.dataflash_message import Message
 
 _PARAMETERS = ("FRAME", "MOT_", "LOG_BITMASK", "SERVO", "RC3_MIN", "RC3_MAX", "Q_ENABLE", "BRD_TYPE")
 _VEHICLES = ("Copter", "Plane", "Rover", "Sub", "Tracker", "Blimp")

@@ -12,7 +12,7 @@ from simgap.logs.readers.dataflash_mixer import pulses
 from simgap.logs.records import Records, RecordSignals
 
 if TYPE_CHECKING:
-    from simgap.logs.readers.dataflash import Message
+    from simgap.logs.readers.dataflash_message import Message
 
 _CLOCKS = (("T", 1000.0), ("TimeUS", 1.0), ("TimeMS", 1000.0))
 """Fields with the time, and their unit in µs. Old GPS records have the vehicle's in T, the satellites' in TimeMS."""
