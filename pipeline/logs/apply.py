@@ -9,9 +9,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from simgap.errors import InputError
-from simgap.logs.common_times import base_times, values_at
+from simgap.logs.common_times import base_times, in_order, values_at
 from simgap.logs.log import Log, Signal, Span
 from simgap.logs.mapping import Mapping, Source
+from simgap.logs.quaternions import without_jumps
 from simgap.logs.table_clock import with_clock
 from simgap.recordings.contract import channel_units
 from simgap.recordings.recording import Recording, recording_from_frame
@@ -40,6 +41,7 @@ def recording_of(log: Log, mapping: Mapping) -> Recording:
     columns = {
         column: _converted(log, source, expected[column], column) for column, source in sources.items()
     }
+    columns = without_jumps(columns)
     spans = mapping.windows or log.spans or (_whole(columns, log),)
     frames = [frame for span in spans if (frame := _run(columns, span, mapping)) is not None]
     if not frames:
@@ -82,7 +84,7 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
     if unit is not None:
         values = _to_contract(values, unit, expected, f"{log.path}, column {column!r}")
     held = signal.held if source.held is None else source.held
-    return replace(signal, values=values, unit=expected, held=held)
+    return in_order(replace(signal, values=values, unit=expected, held=held))
 
 
 def _to_contract(values: NDArray[np.float64], unit: str, expected: str, where: str) -> NDArray[np.float64]:
@@ -107,15 +109,19 @@ def _run(columns: dict[str, Signal], span: Span, mapping: Mapping) -> pd.DataFra
     times = base_times(within, mapping.kind, mapping.rate)
     if len(times) < _FEWEST:
         return None
+    if mapping.windows:  # the log goes on around them
+        within = {name: _within(signal, span, beside=True) for name, signal in columns.items()}
     values = {name: values_at(signal, times, signal.held) for name, signal in within.items()}
     return pd.DataFrame({"run": span.name, "t": times - times[0], **values})
 
 
-def _within(signal: Signal, span: Span) -> Signal:
-    """Cut a signal to a run; what is held keeps the last value from before."""
+def _within(signal: Signal, span: Span, beside: bool = False) -> Signal:
+    """Cut a signal to a run, with or without a sample on each side; what is held keeps the last value from before."""
     inside = (signal.time >= span.begin) & (signal.time <= span.end)
-    if signal.held and (before := np.flatnonzero(signal.time < span.begin)).size:
+    if (signal.held or beside) and (before := np.flatnonzero(signal.time < span.begin)).size:
         inside[before[-1]] = True
+    if beside and (after := np.flatnonzero(signal.time > span.end)).size:
+        inside[after[0]] = True
     return replace(signal, time=signal.time[inside], values=signal.values[inside])
 
 

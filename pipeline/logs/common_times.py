@@ -1,6 +1,7 @@
 """Signals with times of their own at common times: held, averaged or interpolated, never over a gap."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,14 @@ def base_times(signals: Mapping[str, Signal], kind: str, rate: float | None) -> 
     slowest = max(needed, key=lambda name: step_of(needed[name]))
     times = signals[slowest].time
     return times[(times >= begin) & (times <= end)]
+
+
+def in_order(signal: Signal) -> Signal:
+    """Return a signal with increasing times; of samples at the same time, the first."""
+    if bool(np.all(np.diff(signal.time) > 0)):
+        return signal
+    _, kept = np.unique(signal.time, return_index=True)
+    return replace(signal, time=signal.time[kept], values=signal.values[kept])
 
 
 def step_of(time: NDArray[np.float64]) -> float:

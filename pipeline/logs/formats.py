@@ -27,6 +27,8 @@ class Format:
 
 
 FORMATS: tuple[Format, ...] = (
+    Format("PX4 ULog", "ulog", lambda path, head: head.startswith(b"ULog\x01\x12\x35")),
+    Format("ArduPilot DataFlash", "dataflash", lambda path, head: head.startswith(b"\xa3\x95")),
     Format("Parquet", "table", lambda path, head: head.startswith(b"PAR1")),
     Format("CSV", "table", lambda path, head: path.suffix.lower() in (".csv", ".txt")),
 )

@@ -1,0 +1,182 @@
+"""ULog of PX4: https://docs.px4.io/main/en/dev_log/ulog_file_format.html.
+
+`pyulog` reads what is rare: definitions, parameters, and one record of each topic, which gives the layout of its
+records. It takes records one by one, though (some 0.6 million a second), and a log is little else than records; those
+are collected here.
+"""
+
+import contextlib
+import io
+import struct
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from simgap.errors import InputError
+from simgap.logs.log import Log
+from simgap.logs.readers.file_bytes import bytes_of
+from simgap.logs.readers.ulog_formats import within_bounds
+from simgap.logs.records import Records, RecordSignals
+
+MAGIC = b"ULog\x01\x12\x35"
+_SYNC = b"\x2f\x73\x13\x20\x25\x0c\xbb\x12"
+_HEADER = 16  # bytes before the first message
+_TYPES = {
+    "int8_t": "i1", "uint8_t": "u1", "int16_t": "<i2", "uint16_t": "<u2", "int32_t": "<i4", "uint32_t": "<u4",
+    "int64_t": "<i8", "uint64_t": "<u8", "float": "<f4", "double": "<f8", "bool": "i1", "char": "i1",
+}  # fmt: skip
+_FACTS = ("SYS_AUTOSTART", "MAV_TYPE", "CA_", "PWM_", "THR_MDL_FAC", "SDLOG_PROFILE")
+_REMEDY = "copy it from the vehicle again"
+
+
+@dataclass
+class _Parts:
+    """A file's messages: the records by message id, and all others."""
+
+    records: dict[int, bytearray] = field(default_factory=dict)
+    sizes: dict[int, int] = field(default_factory=dict)
+    first: dict[int, bytes] = field(default_factory=dict)
+    others: list[tuple[int, bytes]] = field(default_factory=list)
+    dropouts: list[int] = field(default_factory=list)
+    damaged: int = 0
+
+
+def read(path: Path) -> Log:
+    """Read a ULog; a signal is called `topic.field`, and `topic[1].field` from the second instance of a topic on.
+
+    The clock begins where the log begins. What was logged before has a time below zero.
+
+    Raises:
+        InputError: when the file is damaged, no ULog, or of a newer version.
+    """
+    data = bytes_of(path)
+    parts = _split(data, path)
+    ulog = _parsed(data[:_HEADER], parts, path)
+    start = ulog.start_timestamp
+    fields: dict[str, tuple[Records, str]] = {}
+    left_out = []
+    for topic in ulog.data_list:
+        records = _records(topic, parts, start)
+        prefix = topic.name + (f"[{topic.multi_id}]" if topic.multi_id else "")
+        if records is None:
+            left_out.append(prefix)
+            continue
+        for entry in topic.field_data:
+            if entry.type_str != "char" and not entry.field_name.startswith(("timestamp", "_padding")):
+                fields[f"{prefix}.{entry.field_name}"] = (records, entry.field_name)
+    return Log(
+        "PX4 ULog", str(path), RecordSignals(fields), facts=_facts(ulog), remarks=_remarks(parts, left_out)
+    )
+
+
+def _split(data: bytes, path: Path) -> _Parts:
+    """Walk through the messages of a file, and of what was appended to it after a crash."""
+    if len(data) < _HEADER or not data.startswith(MAGIC):
+        raise InputError("is no ULog", str(path), _REMEDY)
+    offsets = [at for at in _appended(data) if _HEADER < at < len(data)]
+    parts = _Parts()
+    for begin, end in zip([_HEADER, *offsets], [*offsets, len(data)], strict=True):
+        _walk(data, begin, end, parts)
+    return parts
+
+
+def _appended(data: bytes) -> list[int]:
+    """Return where appended sections begin, of the flag bits that come first; none where they are not set."""
+    if len(data) < _HEADER + 43 or data[_HEADER + 2] != ord("B") or not data[_HEADER + 11] & 1:
+        return []
+    return sorted(set(struct.unpack_from("<3Q", data, _HEADER + 19)))
+
+
+def _walk(data: bytes, at: int, end: int, parts: _Parts) -> None:
+    """Sort the messages between two places; after damage go on at the next mark of synchronisation."""
+    head = struct.Struct("<HBH").unpack_from  # size, type, and the message id of a record
+    records, sizes = parts.records, parts.sizes
+    while at + 5 <= end:
+        size, kind, number = head(data, at)
+        stop = at + 3 + size
+        if kind == 68 and stop <= end:  # D: a record
+            if sizes.get(number) == size:
+                records[number] += data[at + 5 : stop]
+            elif number not in sizes and size > 2:
+                sizes[number] = size
+                records[number] = bytearray(data[at + 5 : stop])
+                parts.first[number] = data[at:stop]
+            else:
+                parts.damaged += 1
+            at = stop
+        elif not 65 <= kind <= 90 or not size or stop > end:  # every type is a capital letter
+            found = data.find(_SYNC, at + 1, end)
+            parts.damaged += stop < len(data)  # a file that ends in a message was cut, which is no damage
+            at = found + len(_SYNC) if found >= 0 else end
+        else:
+            if kind == ord("O") and size >= 2:
+                parts.dropouts.append(number)
+            elif kind != ord("S"):
+                parts.others.append((kind, data[at:stop]))
+            at = stop
+
+
+def _parsed(header: bytes, parts: _Parts, path: Path) -> Any:
+    """Let pyulog read the definitions, parameters and one record of each topic."""
+    from pyulog import ULog
+
+    numbers = set(parts.first)
+    kept = [_plain(kind, message) for kind, message in within_bounds(parts.others, numbers)]
+    text = io.BytesIO(header + b"".join(kept) + b"".join(parts.first.values()))
+    try:
+        with contextlib.redirect_stdout(io.StringIO()):  # it prints its warnings
+            return ULog(text)
+    except Exception as error:  # a damaged file raises whatever its bytes lead to
+        raise InputError(f"cannot be read ({error or type(error).__name__})", str(path), _REMEDY) from None
+
+
+def _plain(kind: int, message: bytes) -> bytes:
+    """Return a message; the flag bits without the places of appended sections, which are no longer apart."""
+    if kind != ord("B") or len(message) < 43:
+        return message
+    return message[:11] + bytes([message[11] & ~1]) + message[12:19] + bytes(24) + message[43:]
+
+
+def _records(topic: Any, parts: _Parts, start: int) -> Records | None:
+    """Return the records of a topic; None where they do not fit its format."""
+    size = parts.sizes[topic.msg_id] - 2
+    types = [_TYPES[entry.type_str] for entry in topic.field_data]
+    names = [entry.field_name for entry in topic.field_data]
+    widths = [np.dtype(kind).itemsize for kind in types]
+    if sum(widths) > size or len(set(names)) < len(names) or "timestamp" not in names:
+        return None
+    offsets = np.cumsum([0, *widths[:-1]]).tolist()
+    layout = np.dtype({"names": names, "formats": types, "offsets": offsets, "itemsize": size})  # type: ignore[call-overload]
+    rows = np.frombuffer(parts.records[topic.msg_id], dtype=layout)
+    stamp = rows["timestamp"]
+    time = 1e-6 * (stamp - np.uint64(start)).astype("int64") if stamp.dtype == "<u8" else 1e-6 * stamp
+    flags = frozenset(entry.field_name for entry in topic.field_data if entry.type_str == "bool")
+    return Records(rows, time, held=flags)
+
+
+def _facts(ulog: Any) -> dict[str, str]:
+    told = {"software": "sys_name", "hardware": "ver_hw", "commit": "ver_sw"}
+    facts = {name: str(ulog.msg_info_dict[key]) for name, key in told.items() if key in ulog.msg_info_dict}
+    version = ulog.msg_info_dict.get("ver_sw_release")
+    if isinstance(version, int):
+        facts["version"] = ".".join(str(version >> shift & 0xFF) for shift in (24, 16, 8))
+    for name, value in sorted(ulog.initial_parameters.items()):
+        if name.startswith(_FACTS) and isinstance(value, int | float):
+            facts[name] = f"{value:.6g}"
+    return facts
+
+
+def _remarks(parts: _Parts, left_out: list[str]) -> tuple[str, ...]:
+    remarks = []
+    if parts.dropouts:
+        seconds = sum(parts.dropouts) / 1000
+        remarks.append(
+            f"The logger lost data {len(parts.dropouts)} times, {seconds:.3g} s in all; the gaps are kept."
+        )
+    if parts.damaged:
+        remarks.append(f"The file is damaged in {parts.damaged} places; what could not be read is left out.")
+    if left_out:
+        remarks.append(f"Left out, since the records do not fit their format: {', '.join(left_out)}.")
+    return tuple(remarks)
