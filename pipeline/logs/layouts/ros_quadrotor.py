@@ -6,6 +6,7 @@ REP 103 has x forward or east, y left or north, z up, and quaternions x, y, z, w
 from collections.abc import Iterator
 
 from simgap.logs.layouts.choices import Choice, choose, moves
+from simgap.logs.layouts.rates import rated, told
 from simgap.logs.layouts.ros_topics import has, topics_of
 from simgap.logs.log import Log
 from simgap.logs.proposal import Proposal, Proposed, lacking
@@ -21,6 +22,7 @@ _MOTORS = (
 _UNSURE = 0.8  # which of the four motors is which is not in the bag
 _PULSE = 1000.0  # µs of a motor's pulse at rest, and from there to full speed
 
+_HOW = "raise the rate of the topic to 100 Hz (of MAVROS: rosrun mavros mavcmd long 511 MESSAGE 10000)"
 _ADVICE = {
     "position_x": "record the odometry: /mavros/local_position/odom, or another topic of nav_msgs/Odometry",
     "velocity_x": "record the odometry: /mavros/local_position/odom, or /mavros/local_position/velocity_local",
@@ -58,10 +60,14 @@ def quadrotor_proposal(log: Log) -> Proposal:
         if chosen is not None:
             columns |= chosen.columns(names)
     motors = [entry.source.signal for name, entry in columns.items() if name.startswith("motor")]
+    fast = rated(log, columns, _HOW)
     refusal = ""
     if motors and not moves(log, motors):
         refusal = "its motors never change; record a flight"
-    return Proposal("quadrotor", columns, _missing(columns), refusal=refusal)
+    elif fast.refused:
+        refusal = f"is recorded too slowly to show physics: {told(fast.refused)}; {_HOW}"
+    missing = {**_missing(dict(fast.columns)), **fast.missing}
+    return Proposal("quadrotor", fast.columns, missing, notes=fast.notes, refusal=refusal)
 
 
 def _names(name: str, axes: str) -> list[str]:

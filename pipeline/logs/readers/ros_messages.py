@@ -14,7 +14,7 @@ from simgap.logs.readers.ros_steps import LONGEST, Step, Steps
 _NAMES = ("name", "names", "joint_name", "joint_names")  # of the elements of the arrays beside them
 _ELEMENT_NAMES = ("child_frame_id", "name")  # of an element that is a message
 
-Block = tuple[tuple[str, ...], tuple[float, ...]]
+Block = tuple[tuple[str, ...], tuple[int | float, ...]]
 """Names of some fields, and their values."""
 
 
@@ -165,7 +165,7 @@ class _Cursor:
         if self._padded:
             self._place += -self._place % size
 
-    def _unpack(self, codes: str) -> tuple[float, ...]:
+    def _unpack(self, codes: str) -> tuple[int | float, ...]:
         key = self._order, codes, self._place % 8 if self._padded else 0
         if key not in self._formats:
             self._formats[key] = struct.Struct(self._order + "".join(self._spaced(codes, key[2])))

@@ -30,7 +30,7 @@ class Topic:
         self._blocks: dict[tuple[str, ...], tuple[array[int], array[float]]] = {}
 
     def add(
-        self, time: float, stamp: float | None, blocks: Iterable[tuple[tuple[str, ...], Sequence[float]]]
+        self, time: float, stamp: float | None, blocks: Iterable[tuple[tuple[str, ...], Sequence[int | float]]]
     ) -> None:
         """Add a message.
 
