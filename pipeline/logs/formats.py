@@ -38,7 +38,11 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format("MCAP", "bag", lambda path, head: head.startswith(b"\x89MCAP0\r\n")),
     Format("LeRobot data set", "lerobot", lambda path, head: _is_lerobot(path, head)),
-    Format("Crazyflie log", "crazyflie", lambda path, head: head[:1] == b"\xbc" and head[1:3] in (b"\1\0", b"\2\0")),
+    Format(
+        "Crazyflie log",
+        "crazyflie",
+        lambda path, head: head[:1] == b"\xbc" and head[1:3] in (b"\1\0", b"\2\0"),
+    ),
     Format("Parquet", "table", lambda path, head: head.startswith(b"PAR1")),
     Format("CSV", "table", lambda path, head: path.suffix.lower() in (".csv", ".txt")),
 )

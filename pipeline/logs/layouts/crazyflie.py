@@ -74,8 +74,12 @@ _CHOICES = (
     (
         _names("position", "xyz"),
         (
-            _vector("stateEstimate.x stateEstimate.y stateEstimate.z", "the estimate of the firmware, m", "m"),
-            _vector("stateEstimateZ.x stateEstimateZ.y stateEstimateZ.z", "the estimate, compressed, mm", "mm"),
+            _vector(
+                "stateEstimate.x stateEstimate.y stateEstimate.z", "the estimate of the firmware, m", "m"
+            ),
+            _vector(
+                "stateEstimateZ.x stateEstimateZ.y stateEstimateZ.z", "the estimate, compressed, mm", "mm"
+            ),
             _vector("kalman.stateX kalman.stateY kalman.stateZ", "the Kalman filter, m", "m"),
         ),
     ),
@@ -90,7 +94,9 @@ _CHOICES = (
         _names("attitude", "wxyz"),
         (
             _vector(" ".join(f"stateEstimate.q{axis}" for axis in "wxyz"), "the estimate's quaternion", "1"),
-            _vector(" ".join(f"stateEstimateZ.quat/{axis}" for axis in "wxyz"), "the quaternion, unpacked", "1"),
+            _vector(
+                " ".join(f"stateEstimateZ.quat/{axis}" for axis in "wxyz"), "the quaternion, unpacked", "1"
+            ),
             _vector("kalman.q0 kalman.q1 kalman.q2 kalman.q3", "the Kalman filter's quaternion", "1"),
         ),
     ),
@@ -115,7 +121,10 @@ _CHOICES = (
         _names("motor_command", "1234"),
         (_vector("motor.m1 motor.m2 motor.m3 motor.m4", _PULSE, "1", 1 / _FULL, confidence=0.8),),
     ),
-    (["battery_voltage"], (_vector("pm.vbat", "the battery, V", "V"), _vector("pm.vbatMV", "the battery, mV", "mV"))),
+    (
+        ["battery_voltage"],
+        (_vector("pm.vbat", "the battery, V", "V"), _vector("pm.vbatMV", "the battery, mV", "mV")),
+    ),
 )
 """Columns, and the variables that may be them, the better ones first."""
 

@@ -29,10 +29,14 @@ def propose(log: Log, kind: str | None = None) -> Proposal | None:
         return Proposal(kind, {}, refusal=f"is a data set of an arm, not of a {kind}")
     motion = dict(_motion(log))
     if not motion:
-        return Proposal("joint", {}, refusal=f"holds no {_STATE} of a joint; record the positions of the joints")
+        return Proposal(
+            "joint", {}, refusal=f"holds no {_STATE} of a joint; record the positions of the joints"
+        )
     moving = [joint for joint in sorted(motion, key=lambda name: -motion[name]) if motion[joint] > _STILL]
     if not moving:
-        return Proposal("joint", {}, refusal=f"no joint moves by more than {max(motion.values()):.2g} degrees")
+        return Proposal(
+            "joint", {}, refusal=f"no joint moves by more than {max(motion.values()):.2g} degrees"
+        )
     columns = _columns(log, moving[0])
     return Proposal("joint", columns, _missing(columns), notes=tuple(_notes(log, moving, motion)))
 
@@ -83,7 +87,9 @@ def _missing(columns: dict[str, Proposed]) -> dict[str, str]:
     if "velocity" in REQUIRED["joint"]:
         missing["velocity"] = "a data set of LeRobot has no velocity of the joint"
     if "position_command" not in columns:
-        missing["effort"] = "a data set of LeRobot has no torque; give a recording of the joint with effort or voltage"
+        missing["effort"] = (
+            "a data set of LeRobot has no torque; give a recording of the joint with effort or voltage"
+        )
     return missing
 
 

@@ -11,7 +11,13 @@ from simgap.logs.proposal import Proposal, Proposed
 from simgap.recordings.contract import COLUMNS
 
 _STILL = 0.01  # rad (or m); ten steps of a usual encoder of 4096 counts, and less than any motion worth a diagnosis
-_SLIDING = ("finger", "gripper", "prismatic", "slide", "rail")  # parts of names of joints whose unit is not told
+_SLIDING = (
+    "finger",
+    "gripper",
+    "prismatic",
+    "slide",
+    "rail",
+)  # parts of names of joints whose unit is not told
 _TARGETS = {  # type to the field of the target
     "control_msgs/msg/JointTrajectoryControllerState": ("reference/positions", "desired/positions"),
 }
@@ -28,7 +34,9 @@ def joint_proposal(log: Log, topics: Sequence[str]) -> Proposal:
     motion = _motion(log, topics)
     moving = [joint for joint in sorted(motion, key=lambda name: -motion[name]) if motion[joint] > _STILL]
     if not motion:
-        return Proposal("joint", {}, refusal="its joint states hold no positions; publish position in /joint_states")
+        return Proposal(
+            "joint", {}, refusal="its joint states hold no positions; publish position in /joint_states"
+        )
     if not moving:
         largest = max(motion.values())
         refusal = (
@@ -90,7 +98,8 @@ def _missing(columns: dict[str, Proposed], joint: str) -> dict[str, str]:
         missing["velocity"] = f"publish the velocity of {joint} in /joint_states"
     if "effort" not in columns and "position_command" not in columns:
         missing["effort"] = (
-            f"{joint} has no effort that changes; publish it in N·m in /joint_states, or record the target too: {_RECORD}"
+            f"{joint} has no effort that changes; publish it in N·m in /joint_states, or record the target, too: "
+            f"{_RECORD}"
         )
     return missing
 

@@ -89,7 +89,9 @@ def _attitudes(log: Log) -> Iterator[Choice]:
 def _poses(log: Log) -> Iterator[tuple[str, str]]:
     """Yield topics that hold a pose, and where it is in their messages."""
     yield from ((topic, "pose/pose/") for topic in topics_of(log, _ODOMETRY))
-    yield from ((topic, "pose/") for topic in topics_of(log, "geometry_msgs/msg/PoseStamped") if _measured(topic))
+    yield from (
+        (topic, "pose/") for topic in topics_of(log, "geometry_msgs/msg/PoseStamped") if _measured(topic)
+    )
 
 
 def _measured(topic: str) -> bool:
@@ -118,7 +120,9 @@ def _speeds(log: Log) -> Iterator[Choice]:
         for field in ("velocity", "angular_velocities"):
             signals = [f"{topic}/{field}[{rotor}]" for rotor in range(4)]
             if has(log, signals):
-                yield Choice(signals, f"speeds of {topic}; {order}", unit="rad/s", confidence=_UNSURE, held=True)
+                yield Choice(
+                    signals, f"speeds of {topic}; {order}", unit="rad/s", confidence=_UNSURE, held=True
+                )
     for topic in topics_of(log, "mavros_msgs/msg/ESCStatus"):
         signals = [f"{topic}/esc_status[{rotor}]/rpm" for rotor in range(4)]
         yield Choice(signals, f"speeds of {topic}; {order}", unit="rpm", confidence=_UNSURE)
@@ -133,7 +137,13 @@ def _commands(log: Log) -> Iterator[Choice]:
         signals = [f"{topic}/channels[{rotor}]" for rotor in range(4)]
         reason = f"pulses of {topic}, 1000 to 2000 µs; they may be a thrust, a square root away from a speed; {order}"
         yield Choice(
-            signals, reason, confidence=_UNSURE, scales=[1 / _PULSE] * 4, offsets=[-1.0] * 4, held=True, unit="1"
+            signals,
+            reason,
+            confidence=_UNSURE,
+            scales=[1 / _PULSE] * 4,
+            offsets=[-1.0] * 4,
+            held=True,
+            unit="1",
         )
 
 
@@ -144,7 +154,9 @@ def _voltage(log: Log) -> Iterator[Choice]:
 
 def _missing(columns: dict[str, Proposed]) -> dict[str, str]:
     """Return what is missing, the first column of each group for all of it."""
-    return {name: _ADVICE[_group(name)] for name in lacking("quadrotor", set(columns)) if _group(name) in _ADVICE}
+    return {
+        name: _ADVICE[_group(name)] for name in lacking("quadrotor", set(columns)) if _group(name) in _ADVICE
+    }
 
 
 def _group(column: str) -> str:

@@ -9,7 +9,9 @@ from simgap.logs.readers.bag_files import Channel, Message, messages_of
 from simgap.logs.readers.topics import Topic
 
 _NANOSECOND = 1e-9
-_BACK = 100_000_000  # ns by which time must go back to begin a run: writers of several topics differ by some ms
+_BACK = (
+    100_000_000  # ns by which time must go back to begin a run: writers of several topics differ by some ms
+)
 _BETWEEN = 1_000_000_000  # ns from one run to the next, so that they share no time
 
 
@@ -39,7 +41,9 @@ def read(path: Path) -> Log:
             raise InputError(f"cannot be read ({reason})", str(path), remedy) from None
         content.remarks.append(f"The file is damaged or was cut off ({reason}): what follows is not read.")
     if not content.topics and not content.unread:
-        raise InputError("holds no messages", str(path), "record it again, and see that the topics are published")
+        raise InputError(
+            "holds no messages", str(path), "record it again, and see that the topics are published"
+        )
     return content.log(path)
 
 
@@ -121,7 +125,9 @@ class _Content:
             for channel in self.unread.values()
         ]
         if len(self._spans) > 1:
-            found.append(f"The time goes back {len(self._spans) - 1} times: each stretch is a run of its own.")
+            found.append(
+                f"The time goes back {len(self._spans) - 1} times: each stretch is a run of its own."
+            )
         for topic in self.topics.values():
             if topic.damaged:
                 found.append(f"{topic.name}: {topic.damaged} messages are damaged and left out.")

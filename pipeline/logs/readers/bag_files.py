@@ -168,7 +168,9 @@ def _mcap_channel(channel: Any, schema: Any) -> Channel:
     if encoding == "json":
         return Channel(channel.topic, name or "JSON", json_numbers)
     if encoding not in ("cdr", "ros1"):
-        return Channel(channel.topic, name or encoding, None, f"messages in {encoding or 'no encoding'} are not read")
+        return Channel(
+            channel.topic, name or encoding, None, f"messages in {encoding or 'no encoding'} are not read"
+        )
     written_in = {"ros1msg": "MSG", "ros2msg": "MSG", "ros2idl": "IDL", "omgidl": "IDL"}.get(
         schema.encoding if schema is not None else "", "NONE"
     )

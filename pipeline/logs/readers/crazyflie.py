@@ -28,7 +28,11 @@ def read(path: Path) -> Log:
         for name, signal in _signals(frame):
             label = name if name not in signals else f"{event}/{name}"
             signals[label] = Signal(label, signal.time, signal.values)
-    remarks = () if log.whole else ("Its checksum is missing or wrong: it was cut off, and the last event with it.",)
+    remarks = (
+        ()
+        if log.whole
+        else ("Its checksum is missing or wrong: it was cut off, and the last event with it.",)
+    )
     facts = {event: f"{len(frame)} events" for event, frame in log.events.items()}
     return Log("Crazyflie", str(path), signals, facts=facts, remarks=remarks)
 

@@ -29,7 +29,9 @@ def json_numbers(data: bytes) -> Decoded:
     return found
 
 
-def _flat(content: dict[str, Any], prefix: str, names: list[str], found: Decoded) -> Iterator[tuple[str, float]]:
+def _flat(
+    content: dict[str, Any], prefix: str, names: list[str], found: Decoded
+) -> Iterator[tuple[str, float]]:
     for key, value in content.items():
         if not prefix and key in ("stamp", "header"):
             continue
@@ -70,6 +72,8 @@ def _stamp(content: dict[str, Any]) -> int | None:
         nanoseconds = stamp.get("nanosec", stamp.get("nsec", stamp.get("nsecs", 0)))
         if isinstance(seconds, int) and isinstance(nanoseconds, int):
             return seconds * _NANOSECONDS + nanoseconds
-    if isinstance(stamp, int | float) and not isinstance(stamp, bool) and abs(stamp) < 1e10:  # s until the year 2286
+    if (
+        isinstance(stamp, int | float) and not isinstance(stamp, bool) and abs(stamp) < 1e10
+    ):  # s until the year 2286
         return round(stamp * _NANOSECONDS)
     return None

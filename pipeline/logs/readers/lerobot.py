@@ -71,7 +71,9 @@ def _info(folder: Path) -> dict[str, Any]:
 def _files(path: Path) -> list[Path]:
     files = [path] if path.is_file() else sorted((path / "data").glob("chunk-*/*.parquet"))
     if not files:
-        raise InputError("holds no data/chunk-*/*.parquet", str(path), "download the data, too, not only meta")
+        raise InputError(
+            "holds no data/chunk-*/*.parquet", str(path), "download the data, too, not only meta"
+        )
     return files
 
 
@@ -89,7 +91,9 @@ def _columns(files: list[Path], where: str) -> dict[str, NDArray[np.float64]]:
     try:
         return {name: np.concatenate(values) for name, values in parts.items()}
     except ValueError:
-        raise InputError("its files hold joints of different numbers", where, "copy the data set again") from None
+        raise InputError(
+            "its files hold joints of different numbers", where, "copy the data set again"
+        ) from None
 
 
 def _of_file(path: Path, most: int) -> tuple[dict[str, NDArray[np.float64]], int]:
@@ -130,8 +134,10 @@ def _array(column: Any) -> NDArray[np.float64] | None:
     import pyarrow as pa
 
     if not (pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type)):
-        return np.asarray(column.to_numpy(zero_copy_only=False), dtype="float64")
-    values = np.asarray(column.flatten().to_numpy(zero_copy_only=False), dtype="float64")
+        with np.errstate(invalid="ignore"):  # a signalling NaN
+            return np.asarray(column.to_numpy(zero_copy_only=False), dtype="float64")
+    with np.errstate(invalid="ignore"):  # a signalling NaN
+        values = np.asarray(column.flatten().to_numpy(zero_copy_only=False), dtype="float64")
     width, rest = divmod(len(values), len(column)) if len(column) else (0, 0)
     if rest or not 0 < width <= _WIDEST:
         return None
@@ -149,7 +155,9 @@ def _times(
 ) -> tuple[NDArray[np.float64], tuple[Span, ...]]:
     """Return the time of each frame, s, and the episodes, one behind the other."""
     if stamps is None and not fps > 0:
-        raise InputError("has neither timestamps nor a number of frames per second", where, "set fps in meta/info.json")
+        raise InputError(
+            "has neither timestamps nor a number of frames per second", where, "set fps in meta/info.json"
+        )
     starts = np.flatnonzero(np.diff(episodes, prepend=np.nan) != 0)
     times = np.empty(len(episodes))
     spans = []

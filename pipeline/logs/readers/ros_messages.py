@@ -139,9 +139,7 @@ class _Cursor:
             mark = self._element or str(place)
             if place < LONGEST:
                 label = f"{prefix}{name}[{mark}]"
-                blocks += [
-                    (self._with_prefix(label, names), values) for names, values in self.found.blocks
-                ]
+                blocks += [(self._with_prefix(label, names), values) for names, values in self.found.blocks]
         self._element, self.found.blocks = outer, blocks
         if number > LONGEST:
             self.found.long.add(prefix + name)

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from simgap.logs.log import Signal
 
 _MOST_SIGNALS = 2000  # of one topic; a humanoid has some hundred, random names of a damaged file have no end
-_SAME_CLOCK = 5.0  # s by which the stamp of a message may precede its recording: a slow network, no other clock
+_SAME_CLOCK = (
+    5.0  # s by which the stamp of a message may precede its recording: a slow network, no other clock
+)
 
 
 class Topic:
@@ -30,7 +32,10 @@ class Topic:
         self._blocks: dict[tuple[str, ...], tuple[array[int], array[float]]] = {}
 
     def add(
-        self, time: float, stamp: float | None, blocks: Iterable[tuple[tuple[str, ...], Sequence[int | float]]]
+        self,
+        time: float,
+        stamp: float | None,
+        blocks: Iterable[tuple[tuple[str, ...], Sequence[int | float]]],
     ) -> None:
         """Add a message.
 

@@ -85,9 +85,13 @@ def read_events(path: Path) -> EventLog:
     try:
         types, step, start = _header(body)
     except (struct.error, KeyError, ValueError) as error:
-        raise InputError(f"its header cannot be read ({error})", where, "give a log of version 1 or 2") from None
+        raise InputError(
+            f"its header cannot be read ({error})", where, "give a log of version 1 or 2"
+        ) from None
     places, end = _places(body, types, start)
-    if not any(places.values()) or (end != len(body) and (whole or _goes_on(body, types, end))):
+    if not whole and _goes_on(body, types, end):
+        raise InputError("its checksum is wrong", where, "it was damaged; copy it again")
+    if not any(places.values()) or (whole and end != len(body)):
         raise InputError("does not end with a whole event", where, "it was cut off or damaged; copy it again")
     frames = {name: _frame(body, places[number], record, step) for number, (name, record) in types.items()}
     return EventLog({name: frame for name, frame in frames.items() if len(frame)}, whole)
@@ -119,7 +123,9 @@ def _header(body: bytes) -> tuple[dict[int, tuple[str, np.dtype]], int, int]:
     return types, step, place
 
 
-def _places(body: bytes, types: Mapping[int, tuple[str, np.dtype]], start: int) -> tuple[dict[int, array], int]:
+def _places(
+    body: bytes, types: Mapping[int, tuple[str, np.dtype]], start: int
+) -> tuple[dict[int, array], int]:
     """Return where the events of each type begin, and the end of the last one that is whole."""
     places = {number: array("q") for number in types}
     if len(types) == 1:
@@ -144,7 +150,10 @@ def _places(body: bytes, types: Mapping[int, tuple[str, np.dtype]], start: int) 
 
 def _goes_on(body: bytes, types: Mapping[int, tuple[str, np.dtype]], end: int) -> bool:
     """Whether what follows the last whole event is something else than the beginning of one."""
-    return len(body) - end >= 2 and int.from_bytes(body[end : end + 2], "little") not in types
+    if len(body) - end < 2:
+        return False
+    record = types.get(int.from_bytes(body[end : end + 2], "little"))
+    return record is None or len(body) - end >= record[1].itemsize
 
 
 def _frame(body: bytes, places: array, record: np.dtype, step: int) -> pd.DataFrame:

@@ -26,7 +26,9 @@ Messages = Iterable[tuple[str, str, float, Any]]
 def message(store: Any, kind: str, **fields: Any) -> Any:
     """Return a message of a type, of which only some fields are set."""
     types = store.fielddefs[kind][1]
-    return store.types[kind](**{name: fields.get(name, _empty(store, description)) for name, description in types})
+    return store.types[kind](
+        **{name: fields.get(name, _empty(store, description)) for name, description in types}
+    )
 
 
 def header(store: Any, seconds: float) -> Any:
@@ -99,5 +101,7 @@ def _empty(store: Any, description: Any) -> Any:
         return {"string": "", "bool": False}.get(rest[0], 0)
     (inner, kind), count = rest
     if inner == 1 and kind[0] != "string":
-        return np.zeros(count if node == 3 else 0, dtype={"byte": "u1", "char": "u1", "bool": "?"}.get(kind[0], kind[0]))
+        return np.zeros(
+            count if node == 3 else 0, dtype={"byte": "u1", "char": "u1", "bool": "?"}.get(kind[0], kind[0])
+        )
     return [""] * count if node == 3 and inner == 1 else []

@@ -100,7 +100,9 @@ def test_transforms_are_named_by_their_frames(tmp_path: Path) -> None:
 
 def test_long_arrays_are_left_out_and_told(tmp_path: Path) -> None:
     kind = "sensor_msgs/msg/Image"
-    image = message(ROS2, kind, header=header(ROS2, 0.0), height=30, width=40, data=np.zeros(3600, dtype="u1"))
+    image = message(
+        ROS2, kind, header=header(ROS2, 0.0), height=30, width=40, data=np.zeros(3600, dtype="u1")
+    )
     log = read(write_ros2(tmp_path / "bag", [("/camera", kind, 0.0, image)]))
     assert log.signals["/camera/height"].values.tolist() == [30.0]
     assert "/camera: long arrays are left out: data." in log.remarks
@@ -183,6 +185,7 @@ def test_damage_gives_a_log_or_one_line(
         assert_a_log_or_one_line(read, path, content)
 
 
+@pytest.mark.slow  # type checks at every call would take ten times as long
 def test_real_bags(shared_data: Path) -> None:
     raw = shared_data / "raw"
     cartpole = read(raw / "mcap_cartpole_SIM/kinda_works.mcap")
