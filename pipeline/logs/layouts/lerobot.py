@@ -10,7 +10,8 @@ from simgap.logs.proposal import Proposal, Proposed
 from simgap.recordings.contract import COLUMNS, REQUIRED
 
 _STATE, _ACTION = "observation.state", "action"
-_STILL = 1.0  # degrees, or percent of the range; ten steps of a servo of 4096 counts, 0.09 degrees each
+_STILL = {"deg": 1.0, "rad": 0.017}  # ten steps of a servo of 4096 counts, 0.09 degrees each
+_TURN = 6.3  # rad; nothing beyond one turn, in radians
 _RANGE = 100.0  # to which LeRobot brings joints that are not in degrees: −100 to 100
 _NO_ANGLE = ("gripper", "jaw", "finger")  # opened by 0 to 100 percent
 _UNSURE = 0.6
@@ -32,13 +33,17 @@ def propose(log: Log, kind: str | None = None) -> Proposal | None:
         return Proposal(
             "joint", {}, refusal=f"holds no {_STATE} of a joint; record the positions of the joints"
         )
-    moving = [joint for joint in sorted(motion, key=lambda name: -motion[name]) if motion[joint] > _STILL]
+    unit, confidence, reason = _unit(log)
+    moving = [
+        joint for joint in sorted(motion, key=lambda name: -motion[name]) if motion[joint] > _STILL[unit]
+    ]
     if not moving:
+        largest = max(motion.values())
         return Proposal(
-            "joint", {}, refusal=f"no joint moves by more than {max(motion.values()):.2g} degrees"
+            "joint", {}, refusal=f"no joint moves by more than {largest:.2g} {unit}; record a motion"
         )
-    columns = _columns(log, moving[0])
-    return Proposal("joint", columns, _missing(columns), notes=tuple(_notes(log, moving, motion)))
+    columns = _columns(log, moving[0], unit, confidence, reason)
+    return Proposal("joint", columns, _missing(columns), notes=tuple(_notes(log, moving, motion, unit)))
 
 
 def _motion(log: Log) -> Iterator[tuple[str, float]]:
@@ -55,15 +60,7 @@ def _is_no_angle(joint: str) -> bool:
     return any(part in joint.lower() for part in _NO_ANGLE) or joint.endswith((".vel", ".effort", ".torque"))
 
 
-def _columns(log: Log, joint: str) -> dict[str, Proposed]:
-    degrees = _in_degrees(log)
-    unit = "deg"
-    reason = (
-        "degrees, since joints go beyond the 100 percent that LeRobot otherwise writes"
-        if degrees
-        else "degrees where use_degrees was on; else −100 to 100 percent of the calibrated range: see meta of the robot"
-    )
-    confidence = 0.95 if degrees else _UNSURE
+def _columns(log: Log, joint: str, unit: str, confidence: float, reason: str) -> dict[str, Proposed]:
     columns = {"position": Proposed(Source(f"{_STATE}[{joint}]", unit=unit), confidence, reason)}
     target = f"{_ACTION}[{joint}]"
     if "position_command" in COLUMNS["joint"] and target in log.signals:
@@ -73,12 +70,21 @@ def _columns(log: Log, joint: str) -> dict[str, Proposed]:
     return columns
 
 
-def _in_degrees(log: Log) -> bool:
-    """Whether some joint goes beyond what percent can say."""
-    return any(
-        np.nanmax(np.abs(signal.values), initial=0.0) > _RANGE
+def _unit(log: Log) -> tuple[str, float, str]:
+    """Return the unit of the joints, how sure it is, and why; a data set does not say it."""
+    largest = max(
+        float(np.nanmax(np.abs(signal.values), initial=0.0))
         for name, signal in log.signals.items()
-        if name.startswith((f"{_STATE}[", f"{_ACTION}["))
+        if name.startswith((f"{_STATE}[", f"{_ACTION}[")) and not _is_no_angle(name.partition("[")[2][:-1])
+    )
+    if largest > _RANGE:
+        return "deg", 0.95, "degrees, since joints go beyond the 100 percent that LeRobot otherwise writes"
+    if largest < _TURN:
+        return "rad", _UNSURE, "radians, if these are angles: no joint goes beyond one turn"
+    return (
+        "deg",
+        _UNSURE,
+        "degrees where use_degrees was on, else −100 to 100 percent of the calibrated range: the data set does not say",
     )
 
 
@@ -93,8 +99,8 @@ def _missing(columns: dict[str, Proposed]) -> dict[str, str]:
     return missing
 
 
-def _notes(log: Log, moving: list[str], motion: dict[str, float]) -> Iterator[str]:
-    yield f"The joint {moving[0]} moves most, by {motion[moving[0]]:.3g}."
+def _notes(log: Log, moving: list[str], motion: dict[str, float], unit: str) -> Iterator[str]:
+    yield f"The joint {moving[0]} moves most, by {motion[moving[0]]:.3g} {unit}."
     if len(moving) > 1:
         listed = ", ".join(f"{joint} ({motion[joint]:.3g})" for joint in moving[1:])
         yield f"Other joints that move: {listed}. To diagnose one, name it in the mapping."

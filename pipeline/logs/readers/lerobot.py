@@ -53,7 +53,7 @@ def read(path: Path) -> Log:
 
 def _folder(path: Path) -> Path | None:
     """Return the folder of the data set; None for a file on its own."""
-    places = [path, *path.resolve().parents[:3]] if path.is_file() else [path]
+    places = [path, *path.absolute().parents[:3]] if path.is_file() else [path]
     return next((place for place in places if (place / "meta" / "info.json").is_file()), None)
 
 

@@ -145,7 +145,7 @@ class _Cursor:
             self.found.long.add(prefix + name)
 
     def _text(self) -> memoryview:
-        (size,) = self._unpack("I")
+        size = int(self._unpack("I")[0])
         text = self._data[self._place : self._place + size]
         if len(text) != size:
             raise ValueError("is cut off")

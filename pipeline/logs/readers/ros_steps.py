@@ -26,7 +26,7 @@ CODES = {
 _DEEPEST = 12  # levels of messages in messages; the deepest of the common ones (TF, trajectories) have 6
 _MOST = 10_000  # fields of a type, of those in it too; the largest of the common ones have some hundred
 _HEADER = "std_msgs/msg/Header"
-_TIMES = {
+_TIMES: dict[str, Any] = {
     f"builtin_interfaces/msg/{name}": ([], [("sec", (1, ("int32", 0))), ("nanosec", (1, ("uint32", 0)))])
     for name in ("Time", "Duration")
 }

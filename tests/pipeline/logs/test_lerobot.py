@@ -78,12 +78,14 @@ def test_one_file_knows_its_data_set_and_does_without(tmp_path: Path) -> None:
     assert "action[0]" in read_log(alone).signals
 
 
-@pytest.mark.parametrize(("size", "sure"), [(150.0, True), (90.0, False)])
-def test_degrees_are_sure_beyond_a_hundred_only(tmp_path: Path, size: float, sure: bool) -> None:
+@pytest.mark.parametrize(
+    ("size", "unit", "sure"), [(150.0, "deg", True), (90.0, "deg", False), (1.5, "rad", False)]
+)
+def test_degrees_are_sure_beyond_a_hundred_only(tmp_path: Path, size: float, unit: str, sure: bool) -> None:
     proposal = propose(read_log(data_set(tmp_path / "set", 3, size)))
     assert proposal is not None
     position = proposal.columns["position"]
-    assert (position.source.signal, position.source.unit) == ("observation.state[elbow]", "deg")
+    assert (position.source.signal, position.source.unit) == ("observation.state[elbow]", unit)
     assert (position.confidence >= 0.9) == sure
     if "position_command" in COLUMNS["joint"]:
         assert proposal.columns["position_command"].source.signal == "action[elbow]"
