@@ -10,6 +10,7 @@ from simgap.logs.log import Log
 from simgap.recordings.storage import WORKBOOKS, is_text_table
 
 _HEAD = 512  # bytes that are looked at
+_TAIL = 1 << 16  # bytes at the end of a Parquet file that hold the names of its columns
 
 
 @dataclass(frozen=True)
@@ -43,12 +44,37 @@ FORMATS: tuple[Format, ...] = (
     Format("SysId JSON", "sysid_json", _is_sysid),
     Format("PX4 ULog", "ulog", lambda path, head: head.startswith(b"ULog\x01\x12\x35")),
     Format("ArduPilot DataFlash", "dataflash", lambda path, head: head.startswith(b"\xa3\x95")),
+    Format("ROS 1 bag", "bag", lambda path, head: head.startswith(b"#ROSBAG V")),
+    Format(
+        "ROS 2 bag",
+        "bag",
+        lambda path, head: head.startswith(b"SQLite format 3\0") or (path / "metadata.yaml").is_file(),
+    ),
+    Format("MCAP", "bag", lambda path, head: head.startswith(b"\x89MCAP0\r\n")),
+    Format("LeRobot data set", "lerobot", lambda path, head: _is_lerobot(path, head)),
+    Format(
+        "Crazyflie log",
+        "crazyflie",
+        lambda path, head: head[:1] == b"\xbc" and head[1:3] in (b"\1\0", b"\2\0"),
+    ),
     Format("Parquet", "table", lambda path, head: head.startswith(b"PAR1")),
     Format("numpy archive", "arrays", lambda path, head: _ends(path, ".npz")),
     Format("JSON table", "json_table", lambda path, head: _ends(path, ".json", ".jsonl", ".ndjson")),
     Format("CSV", "table", lambda path, head: is_text_table(path) or _ends(path, *WORKBOOKS)),
 )
 """Every format, the more specific ones first; tables, which anything else may be, last."""
+
+
+def _is_lerobot(path: Path, head: bytes) -> bool:
+    """Whether a folder has the description of a LeRobot data set, or a table the columns of one."""
+    if path.is_dir():
+        return (path / "meta" / "info.json").is_file()
+    if not head.startswith(b"PAR1"):
+        return False
+    with path.open("rb") as file:  # the names of the columns stand at the end
+        file.seek(max(0, path.stat().st_size - _TAIL))
+        tail = file.read()
+    return b"observation.state" in tail and b"episode_index" in tail
 
 
 def read_log(path: Path) -> Log:

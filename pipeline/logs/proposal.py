@@ -11,7 +11,7 @@ from simgap.recordings.contract import ANY_OF, REQUIRED
 SURE = 0.9
 """Confidence from which on a proposed column is used without asking, as a name of 0.9 is right in nine of ten."""
 
-LAYOUTS: tuple[str, ...] = ("wpilib", "sysid_json", "px4", "ardupilot")
+LAYOUTS: tuple[str, ...] = ("wpilib", "sysid_json", "px4", "ardupilot", "ros", "lerobot", "crazyflie")
 """Modules in `simgap.logs.layouts` with `propose(log, kind) -> Proposal | None`, each for logs of one software."""
 
 

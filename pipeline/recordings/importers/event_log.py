@@ -1,7 +1,13 @@
-"""Binary event logs that Bitcraze's micro-SD deck writes (cfusdlog, version 2)."""
+"""Binary event logs that Bitcraze's micro-SD deck writes (cfusdlog, versions 1 and 2).
+
+Source: tools/usdlog of bitcraze/crazyflie-firmware.
+"""
 
 import struct
 import zlib
+from array import array
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,20 +16,60 @@ import pandas as pd
 from simgap.errors import InputError
 
 _MAGIC = 0xBC
-_VERSION = 2
-_TIME = "timestamp"  # µs
-_TYPES = {"b": "<i1", "B": "<u1", "h": "<i2", "H": "<u2", "i": "<i4", "I": "<u4", "f": "<f4", "d": "<f8"}
+_TIME = "timestamp"
+_CLOCKS = {1: ("<u4", 1000), 2: ("<u8", 1)}  # version to the type of a timestamp, and µs of one step of it
+_TYPES = {
+    "b": "<i1",
+    "B": "<u1",
+    "h": "<i2",
+    "H": "<u2",
+    "i": "<i4",
+    "I": "<u4",
+    "q": "<i8",
+    "Q": "<u8",
+    "e": "<f2",
+    "f": "<f4",
+    "d": "<f8",
+}
 _CHECKSUM = 4  # bytes at the end
+_GATHERED = 1 << 16  # events that are gathered at once, to bound memory
+
+
+@dataclass(frozen=True)
+class EventLog:
+    """The events of a log.
+
+    Attributes:
+        events: name of a type of events to its rows: `timestamp` (µs) and the variables.
+        whole: whether the checksum is right; a log that was cut off has none.
+    """
+
+    events: Mapping[str, pd.DataFrame]
+    whole: bool
 
 
 def read_event_log(path: Path) -> pd.DataFrame:
     """Return `timestamp` (µs) and the variables of a log that holds one type of event, a row each.
 
+    Raises:
+        InputError: when the file is damaged, cut off, not of this format, or holds several types of events.
+    """
+    log = read_events(path)
+    if not log.whole:
+        raise InputError("its checksum is wrong", str(path), "it was cut off or damaged; copy it again")
+    if len(log.events) != 1:
+        raise InputError(f"holds {len(log.events)} types of events", str(path), "give a log with one")
+    return next(iter(log.events.values()))
+
+
+def read_events(path: Path) -> EventLog:
+    """Return the events of a log, by type.
+
     A file is a header (magic, version, number of event types; of each its number, its name and its variables, each
     written as name(type)), the events (number, timestamp, values) and a CRC-32 of all before.
 
     Raises:
-        InputError: when the file is damaged, cut off or not of this format.
+        InputError: when the file is damaged, empty or not of this format.
     """
     where = str(path)
     try:
@@ -32,32 +78,96 @@ def read_event_log(path: Path) -> pd.DataFrame:
         raise InputError(f"cannot be read ({error.strerror})", where, "check its path") from None
     if not content or content[0] != _MAGIC:
         raise InputError("is not a log of the micro-SD deck", where, "give the file as the deck wrote it")
-    body, checksum = content[:-_CHECKSUM], content[-_CHECKSUM:]
-    if zlib.crc32(body) != int.from_bytes(checksum, "little"):
-        raise InputError("its checksum is wrong", where, "it was cut off or damaged; copy it again")
+    body = content[:-_CHECKSUM]
+    whole = zlib.crc32(body) == int.from_bytes(content[-_CHECKSUM:], "little")
+    if not whole:
+        body = content
     try:
-        record, start = _header(body)
+        types, step, start = _header(body)
     except (struct.error, KeyError, ValueError) as error:
-        raise InputError(f"its header cannot be read ({error})", where, "give a log of version 2") from None
-    rows, rest = divmod(len(body) - start, record.itemsize)
-    if rows == 0 or rest:
-        raise InputError("does not end with a whole event", where, "it was cut off; copy it again")
-    events = np.frombuffer(body, record, rows, start)
-    return pd.DataFrame({str(name): events[name] for name in (record.names or ())[1:]})
+        raise InputError(
+            f"its header cannot be read ({error})", where, "give a log of version 1 or 2"
+        ) from None
+    places, end = _places(body, types, start)
+    if not whole and _goes_on(body, types, end):
+        raise InputError("its checksum is wrong", where, "it was damaged; copy it again")
+    if not any(places.values()) or (whole and end != len(body)):
+        raise InputError("does not end with a whole event", where, "it was cut off or damaged; copy it again")
+    frames = {name: _frame(body, places[number], record, step) for number, (name, record) in types.items()}
+    return EventLog({name: frame for name, frame in frames.items() if len(frame)}, whole)
 
 
-def _header(body: bytes) -> tuple[np.dtype, int]:
-    """Return the layout of an event, and where the first one begins."""
-    version, types = struct.unpack_from("<HH", body, 1)
-    if version != _VERSION or types != 1:
-        raise ValueError(f"version {version} with {types} types of events")
-    place = body.index(b"\0", 7) + 1  # behind the number and the name of the type
-    (variables,) = struct.unpack_from("<H", body, place)
-    place += 2
-    fields = [("event", "<u2"), (_TIME, "<u8")]
-    for _ in range(variables):
-        end = body.index(b"\0", place)
-        name, _, kind = body[place:end].decode("ascii").rstrip(")").rpartition("(")
-        fields.append((name, _TYPES[kind]))
-        place = end + 1
-    return np.dtype(fields), place
+def _header(body: bytes) -> tuple[dict[int, tuple[str, np.dtype]], int, int]:
+    """Return number to (name, layout) of each type of events, µs of one step of time, where the first event begins."""
+    version, count = struct.unpack_from("<HH", body, 1)
+    if version not in _CLOCKS:
+        raise ValueError(f"version {version}")
+    clock, step = _CLOCKS[version]
+    place = 5
+    types: dict[int, tuple[str, np.dtype]] = {}
+    for _ in range(count):
+        (number,) = struct.unpack_from("<H", body, place)
+        end = body.index(b"\0", place + 2)
+        name = body[place + 2 : end].decode("ascii")
+        (variables,) = struct.unpack_from("<H", body, end + 1)
+        place = end + 3
+        fields = [("event", "<u2"), (_TIME, clock)]
+        for _ in range(variables):
+            end = body.index(b"\0", place)
+            variable, _, kind = body[place:end].decode("ascii").rstrip(")").rpartition("(")
+            fields.append((variable, _TYPES[kind]))
+            place = end + 1
+        if number in types or name in [other for other, _ in types.values()]:
+            raise ValueError(f"the type of events {name!r} stands twice")
+        types[number] = name, np.dtype(fields)
+    return types, step, place
+
+
+def _places(
+    body: bytes, types: Mapping[int, tuple[str, np.dtype]], start: int
+) -> tuple[dict[int, array], int]:
+    """Return where the events of each type begin, and the end of the last one that is whole."""
+    places = {number: array("q") for number in types}
+    if len(types) == 1:
+        number, (_, record) = next(iter(types.items()))
+        rows = (len(body) - start) // record.itemsize
+        numbers = np.frombuffer(body, record, rows, start)["event"]
+        wrong = np.flatnonzero(numbers != number)
+        rows = int(wrong[0]) if len(wrong) else rows
+        end = start + rows * record.itemsize
+        places[number] = array("q", np.arange(start, end, record.itemsize).tobytes())
+        return places, end
+    kinds = {number: (record.itemsize, places[number].append) for number, (_, record) in types.items()}
+    place, last = start, len(body)
+    while place + 2 <= last:
+        found = kinds.get(body[place] | body[place + 1] << 8)
+        if found is None or place + found[0] > last:
+            break
+        found[1](place)
+        place += found[0]
+    return places, place
+
+
+def _goes_on(body: bytes, types: Mapping[int, tuple[str, np.dtype]], end: int) -> bool:
+    """Whether what follows the last whole event is something else than the beginning of one."""
+    if len(body) - end < 2:
+        return False
+    record = types.get(int.from_bytes(body[end : end + 2], "little"))
+    return record is None or len(body) - end >= record[1].itemsize
+
+
+def _frame(body: bytes, places: array, record: np.dtype, step: int) -> pd.DataFrame:
+    """Return the events that begin at some places, a row each."""
+    content = np.frombuffer(body, np.uint8)
+    starts = np.frombuffer(places, np.int64) if places else np.empty(0, np.int64)
+    inside = np.arange(record.itemsize)
+    events = np.empty(len(starts), record)
+    for first in range(0, len(starts), _GATHERED):
+        part = starts[first : first + _GATHERED]
+        events[first : first + _GATHERED] = content[part[:, None] + inside].view(record)[:, 0]
+    return pd.DataFrame(dict(_columns(events, step)))
+
+
+def _columns(events: np.ndarray, step: int) -> Iterator[tuple[str, np.ndarray]]:
+    for name in (events.dtype.names or ())[1:]:
+        yield name, events[name].astype(np.uint64) * np.uint64(step) if name == _TIME else events[name]

@@ -75,7 +75,7 @@ def test_damaged_files(tmp_path, damage, words):
 
 def test_what_else_cannot_be_read(tmp_path):
     with pytest.raises(InputError, match="header cannot be read"):
-        read_event_log(_log(tmp_path / "a", [_event(0)], version=1))
+        read_event_log(_log(tmp_path / "a", [_event(0)], version=3))
     with pytest.raises(InputError, match="whole event"):
         read_event_log(_log(tmp_path / "b", [_event(0)[:-1]]))
     with pytest.raises(InputError, match="whole event"):
