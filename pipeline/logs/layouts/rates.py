@@ -63,5 +63,10 @@ def rated(log: Log, columns: Mapping[str, Proposed], how: str) -> Rated:
     return Rated(kept, missing, tuple(notes))
 
 
+def told(rates: Mapping[str, float]) -> str:
+    """Return topics with their rates, for a sentence."""
+    return ", ".join(_told(topic, rate) for topic, rate in rates.items())
+
+
 def _told(topic: str, rate: float) -> str:
     return f"{topic} at {rate:.0f} Hz"
