@@ -1,13 +1,16 @@
 """From a cleaned recording and a nominal simulator to a diagnosis."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from simgap.effects import MeasurementEffect, ParameterError
 from simgap.gap.coarseness import coarse_axes, coarseness_of
 from simgap.gap.contradiction import contradictions
 from simgap.gap.drift import drifts_of
 from simgap.gap.fit import Problem, channels_of, excess_of
+from simgap.gap.gains import folded, gain_remarks, with_gains
 from simgap.gap.horizon import HorizonError, horizon_errors
 from simgap.gap.learned import LearnedResidual, learn, learned_rows
 from simgap.gap.locate import Mismatch, locate
@@ -24,7 +27,7 @@ from simgap.gap.whiteness import Memory, memories_of, remembered
 from simgap.platforms.mechanism import Channel
 from simgap.recordings.contradiction import Contradiction
 from simgap.recordings.recording import Recording
-from simgap.simulation import Simulator
+from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 from simgap.simulation.driver import with_drivers
 
@@ -95,6 +98,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         InputError: when the recording is too short or of another kind than the platform, or a setting out of its range.
     """
     settings.check()
+    nominal = with_gains(recording, nominal, settings)
     readings = readings_of(recording, nominal, settings)
     contradicted = contradictions(recording, readings[0].prepared)
     if contradicted:
@@ -124,6 +128,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     refuted = (*_refuted(naming, validation), *_held_out_only(validation, naming, problem, channels))
     doubts = (
         *_unfinished(naming, settings),
+        *gain_remarks(folded(simulator), nominal),
         *_within_tolerance(naming, fitted.time_step),
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
@@ -145,7 +150,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         fitting=problem,
         proving=proving,
         nominal=nominal,
-        simulator=with_drivers(simulator, fitted.signals),
+        simulator=folded(with_drivers(simulator, fitted.signals)),
     )
 
 
@@ -230,16 +235,29 @@ def _unfinished(naming: Naming, settings: Gap) -> list[str]:
 def _within_tolerance(naming: Naming, time_step: float) -> list[str]:
     """Return a sentence about each effect of the simulator that is too small for a name."""
     best = naming.best
-    small = [f for f in best.fit.simulator.free if f.effect.key not in best.names]
+    small = [f for f in best.fit.simulator.free if f.effect.key in best.doubtful - best.names]
     constants = best.fit.simulator.constants()
-    return [
-        f"{f.effect.name}: {f.effect.lateness(f.values, constants):.2g} s is too short to be told from the timing of "
-        f"the commands, with samples {time_step:.2g} s apart; it stays in the simulator, but is not named"
-        if not isinstance(f.effect, ParameterError)
-        else f"{f.effect.name}: a ratio of {f.values['ratio']:.4g} is within what a fit can tell; it stays in the "
-        "simulator, but is not named"
-        for f in small
-    ]
+    return [f"{_smallness(f, constants, time_step)}; it stays in the simulator, but is not named" for f in small]
+
+
+def _smallness(fitted: FittedEffect, constants: Mapping[str, Any], time_step: float) -> str:
+    """Return in what way an effect is too small for a name."""
+    effect = fitted.effect
+    if isinstance(effect, ParameterError):
+        return f"{effect.name}: a ratio of {_farthest(fitted):.4g} is within what a fit can tell"
+    share = effect.stands_for(fitted.values, constants)
+    if share < math.inf:
+        return f"{effect.name}: {share:.1%} of a number of the platform is within what that is known to"
+    late = effect.lateness(fitted.values, constants)
+    return (
+        f"{effect.name}: {late:.2g} s is too short to be told from the timing of the commands, with samples "
+        f"{time_step:.2g} s apart"
+    )
+
+
+def _farthest(fitted: FittedEffect) -> float:
+    """Return the ratio that is farthest from 1."""
+    return max((float(value) for value in fitted.values.values()), key=lambda ratio: abs(ratio - 1.0))
 
 
 def _shortness(problem: Problem) -> list[str]:

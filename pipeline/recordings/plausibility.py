@@ -38,7 +38,7 @@ def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> 
 
 def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[Contradiction]:
     """Yield a contradiction for each rate that is not that of its angle or position."""
-    for rate, angle in _PAIRS[kind]:
+    for rate, angle in (pair for pair in _PAIRS[kind] if set(pair) <= {*frame.columns}):
         yield from _compare(rate, angle, *recorded_and_derived(frame, rate, angle))
     if kind == "quadrotor":
         for axis in "xyz":
