@@ -13,7 +13,6 @@ from typing import Any
 from torch import Tensor
 
 from simgap.physics.servo import servo_effort
-
 from simgap.physics.shapes import Signals
 
 _PEAK_TO_PEAK = 2.0 * 2.0**0.5  # of a sine, over its standard deviation; outliers hardly change that

@@ -21,7 +21,9 @@ def candidates_for(
     return [
         effect
         for effect in allowed(simulator.platform.kind, names)
-        if set(effect.needs) <= recorded and recorded.isdisjoint(effect.excluded_by) and effect.fits(constants)
+        if set(effect.needs) <= recorded
+        and recorded.isdisjoint(effect.excluded_by)
+        and effect.fits(constants)
     ]
 
 

@@ -1,12 +1,11 @@
 """From a cleaned recording and a nominal simulator to a diagnosis."""
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from simgap.effects import MeasurementEffect, ParameterError
 from simgap.gap.coarseness import coarse_axes, coarseness_of
+from simgap.gap.confusion import told_apart
 from simgap.gap.contradiction import contradictions
 from simgap.gap.drift import drifts_of
 from simgap.gap.fit import Problem, channels_of, excess_of
@@ -21,13 +20,14 @@ from simgap.gap.residuals import channels_on, noise_of_rows
 from simgap.gap.rollout_fit import refit_through_rollouts
 from simgap.gap.scoring import cross_validated, folds_of
 from simgap.gap.settings import BELIEVED, BEYOND_NOISE, Gap
+from simgap.gap.tolerated import within_tolerance
 from simgap.gap.unnamed import Unnamed, find_unnamed
 from simgap.gap.validate import Validation, validate
 from simgap.gap.whiteness import Memory, memories_of, remembered
 from simgap.platforms.mechanism import Channel
 from simgap.recordings.contradiction import Contradiction
 from simgap.recordings.recording import Recording
-from simgap.simulation import FittedEffect, Simulator
+from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 from simgap.simulation.driver import with_drivers
 
@@ -104,6 +104,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     if contradicted:
         readings = [replace(reading, catalogue=()) for reading in readings]
     naming = name(readings, settings)
+    naming, undecided = told_apart(naming, _remains(naming, naming.best.reading.problem))
     prepared = naming.best.reading.prepared
     nominal, problem, proving = prepared.nominal, prepared.problem, prepared.proving
     fitted, functions, held_out = problem.blocks, problem.functions, prepared.held_out
@@ -129,7 +130,8 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     doubts = (
         *_unfinished(naming, settings),
         *gain_remarks(folded(simulator), nominal),
-        *_within_tolerance(naming, fitted.time_step),
+        *undecided,
+        *within_tolerance(naming, fitted.time_step),
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
         *_doubts(naming, problem, () if contradicted else memories, held_out),
@@ -230,34 +232,6 @@ def _unfinished(naming: Naming, settings: Gap) -> list[str]:
     return [
         f"the search was ended before it was complete; this is the best answer so far (gap.budget={settings.budget:g})"
     ]
-
-
-def _within_tolerance(naming: Naming, time_step: float) -> list[str]:
-    """Return a sentence about each effect of the simulator that is too small for a name."""
-    best = naming.best
-    small = [f for f in best.fit.simulator.free if f.effect.key in best.doubtful - best.names]
-    constants = best.fit.simulator.constants()
-    return [f"{_smallness(f, constants, time_step)}; it stays in the simulator, but is not named" for f in small]
-
-
-def _smallness(fitted: FittedEffect, constants: Mapping[str, Any], time_step: float) -> str:
-    """Return in what way an effect is too small for a name."""
-    effect = fitted.effect
-    if isinstance(effect, ParameterError):
-        return f"{effect.name}: a ratio of {_farthest(fitted):.4g} is within what a fit can tell"
-    share = effect.stands_for(fitted.values, constants)
-    if share < math.inf:
-        return f"{effect.name}: {share:.1%} of a number of the platform is within what that is known to"
-    late = effect.lateness(fitted.values, constants)
-    return (
-        f"{effect.name}: {late:.2g} s is too short to be told from the timing of the commands, with samples "
-        f"{time_step:.2g} s apart"
-    )
-
-
-def _farthest(fitted: FittedEffect) -> float:
-    """Return the ratio that is farthest from 1."""
-    return max((float(value) for value in fitted.values.values()), key=lambda ratio: abs(ratio - 1.0))
 
 
 def _shortness(problem: Problem) -> list[str]:

@@ -137,7 +137,8 @@ def gain_remarks(simulator: Simulator, nominal: Simulator) -> list[str]:
         nominal: with the first estimates.
     """
     found, first = (
-        each.platform.controller if isinstance(each.platform, Joint) else None for each in (simulator, nominal)
+        each.platform.controller if isinstance(each.platform, Joint) else None
+        for each in (simulator, nominal)
     )
     if found is None or first is None:
         return []
@@ -175,7 +176,11 @@ def _identified(blocks: Blocks, platform: Joint, nominal: Simulator, settings: G
 
 
 def _bounded(
-    controller: Controller, found: dict[str, tuple[float, float]], blocks: Blocks, platform: Joint, needed: float
+    controller: Controller,
+    found: dict[str, tuple[float, float]],
+    blocks: Blocks,
+    platform: Joint,
+    needed: float,
 ) -> Controller:
     """Return the controller with gains that are at least what leads an axis at all."""
     if "proportional" in found:
@@ -200,7 +205,12 @@ def _needed(blocks: Blocks, functions: WindowFunctions, platform: Joint) -> Tens
 
 
 def _regressed(
-    blocks: Blocks, functions: WindowFunctions, platform: Joint, nominal: Simulator, needed: Tensor, late: float
+    blocks: Blocks,
+    functions: WindowFunctions,
+    platform: Joint,
+    nominal: Simulator,
+    needed: Tensor,
+    late: float,
 ) -> _Estimate:
     """Regress the effort that is needed on what the loop and the usual loads do, with the command so late."""
     controller = platform.controller
@@ -215,7 +225,10 @@ def _regressed(
     columns = [loop[gain] for gain in controller.unknown] + loads
     rows = torch.stack([mean_of(functions, blocks.inner(column)) for column in columns], -1)
     known = sum(
-        (getattr(controller, gain) * mean_of(functions, blocks.inner(loop[gain])) for gain in controller.given),
+        (
+            getattr(controller, gain) * mean_of(functions, blocks.inner(loop[gain]))
+            for gain in controller.given
+        ),
         torch.zeros_like(needed),
     )
     target = (needed - known)[..., None]

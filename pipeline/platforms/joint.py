@@ -41,9 +41,7 @@ class Controller:
     def given(self) -> tuple[str, ...]:
         """The gains that a person gave."""
         return tuple(
-            name
-            for name in GAINS
-            if getattr(self, name) is not None and getattr(self, f"{name}_std") is None
+            name for name in GAINS if getattr(self, name) is not None and getattr(self, f"{name}_std") is None
         )
 
     @property

@@ -72,7 +72,7 @@ REQUIRED: dict[str, tuple[str, ...]] = {
 """Channels that every recording of a kind has."""
 
 DERIVED_FROM: dict[str, dict[str, str]] = {"joint": {"velocity": "position"}}
-"""Channels that are derived from another one where a recording lacks them, by kind; where it has them, it needs them."""
+"""Channels, by kind, that are derived from another one where a recording lacks them, and needed where it has them."""
 
 ANY_OF: dict[str, tuple[tuple[str, ...], ...]] = {
     "quadrotor": (tuple(_four("motor_speed", "")), tuple(_four("motor_command", ""))),

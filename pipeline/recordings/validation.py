@@ -104,9 +104,8 @@ def validate(
 
 
 def _is_sliding(kind: str, declared: dict[str, str]) -> bool:
-    found = {
-        column: conversion(declared[column]) for column in ("position", "velocity", "position_command") if column in declared
-    }
+    telling = [column for column in ("position", "velocity", "position_command") if column in declared]
+    found = {column: conversion(declared[column]) for column in telling}
     return kind == "joint" and any(entry and entry[0] in ("m", "m/s") for entry in found.values())
 
 

@@ -15,7 +15,9 @@ from simgap.platforms.swerve_mechanism import MEASURED, chassis_velocity_from_wh
 _AXES = ("x", "y", "z")
 _QUATERNION = ("w", "x", "y", "z")
 _FOUR = ("1", "2", "3", "4")
-COMMANDS = frozenset({"motor_command", "effort", "voltage", "position_command", "drive_voltage", "steer_voltage"})
+COMMANDS = frozenset(
+    {"motor_command", "effort", "voltage", "position_command", "drive_voltage", "steer_voltage"}
+)
 """Signals that a controller holds from one sample to the next."""
 
 

@@ -28,7 +28,9 @@ class ControllerGainError(ParameterError):
         "The position loop has {proportional} times the proportional and {derivative} times the derivative gain in the "
         "platform file; correct them."
     )
-    excitation = "command steps of several sizes with a known inertia on the axis, and log the effort or the current"
+    excitation = (
+        "command steps of several sizes with a known inertia on the axis, and log the effort or the current"
+    )
     symptom = "After a step the axis swings faster or slower, or is damped more or less, than its gains say."
     look_alikes = ("viscous_friction", "linear_stiffness", "inertia_error", "input_scale_error")
 

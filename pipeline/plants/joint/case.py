@@ -131,7 +131,9 @@ class JointCase:
                     raise InputError(f"needs a {part}", f"{where}.effects.{name}", remedy)
         if platform.controller is not None and platform.controller.unknown:
             gain = platform.controller.unknown[0]
-            raise InputError("is unknown", f"platform.controller.{gain}", "give it: the servo needs its gains")
+            raise InputError(
+                "is unknown", f"platform.controller.{gain}", "give it: the servo needs its gains"
+            )
         if self.sliding and "gravity_load" in self.effects:
             raise InputError(
                 "turns no sliding axis", f"{where}.effects.gravity_load", "conceal a constant_load"

@@ -78,7 +78,7 @@ def move(
     def effort(command: Array, velocity: Array, step: float) -> Array:
         if servo is None:
             return drive.effort(command, velocity, step)
-        return servo.effort(command, axis.position[0], velocity, step)
+        return servo.effort(command, axis.position[-1], velocity, step)
 
     rows: list[tuple[Array, ...]] = []
     for count, now in enumerate(zip(*reference, strict=True)):

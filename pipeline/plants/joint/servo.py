@@ -52,8 +52,8 @@ class Servo:
 
         Args:
             command: position that has arrived, rad or m.
-            position: of the motor in the joint's terms.
-            velocity: the same.
+            position: of the load, where such servos have their encoder.
+            velocity: of the motor in the joint's terms, rad/s or m/s.
             step: since the last call, s; 0 to look without letting time pass.
         """
         seen = quantised(position, self.encoder)
