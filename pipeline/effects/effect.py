@@ -220,12 +220,12 @@ class ConstantEffect(Effect):
 
 
 class ParameterError(ConstantEffect):
-    """A wrong number in the platform file; the parameter is the ratio of true to nominal."""
+    """Wrong numbers in the platform file; each parameter is a ratio of true to nominal."""
 
     spread: ClassVar[float] = 0.3
     """Standard deviation of the ratio's logarithm: how well the number is known before anything is recorded."""
     acts_on: ClassVar[str] = "parameter"
-    parameters = (Parameter("ratio", "1", 1.2, 1 / 3, 3.0, neutral=1.0),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("ratio", "1", 1.2, 1 / 3, 3.0, neutral=1.0),)
 
 
 def _scan(

@@ -95,7 +95,8 @@ def told_apart(naming: Naming, remains: bool) -> tuple[Naming, list[str]]:
 
 
 def _is_of_effort(effect: Effect) -> bool:
-    return any("N·m" in parameter.unit for parameter in effect.parameters)
+    """Whether an effect is a friction, a load or an inertia, or has a size in the unit of an effort."""
+    return effect.acts_on == "torque" or any("N·m" in parameter.unit for parameter in effect.parameters)
 
 
 def _unscaled_remark(remains: bool, unscaled: Sequence[Named]) -> list[str]:
@@ -105,7 +106,7 @@ def _unscaled_remark(remains: bool, unscaled: Sequence[Named]) -> list[str]:
     example = f" ({withheld} would be)" if unscaled else ""
     return [
         "gains that nobody gave were identified, and much of the error remains beside them: their scale is not sure, "
-        f"and no friction or load is named{example}; give controller.proportional and controller.derivative, or "
+        f"and no friction, load or inertia is named{example}; give controller.proportional and controller.derivative, or "
         f"{_EFFORT}"
     ]
 

@@ -56,7 +56,7 @@ CONCEALABLE: dict[str, dict[str, Quantity]] = {
         "proportional": Quantity("1", 1.3, neutral=1.0, low=0.2, high=5.0),
         "derivative": Quantity("1", 1.3, neutral=1.0, low=0.2, high=5.0),
     },
-    "effort_limit": {"limit": Quantity("N·m", 1.2, _EFFORT, neutral=math.inf, low=1e-6)},
+    "effort_limit": {"limit": Quantity("N·m", 0.6, _EFFORT, neutral=math.inf, low=1e-6)},
     "flexible_coupling": {
         # Damped well, as by rubber or a belt: a position loop that is closed over a shaft like steel's would ring.
         "frequency": Quantity("Hz", 12.0, neutral=math.inf, low=0.5, high=math.inf),
