@@ -106,8 +106,8 @@ def _unscaled_remark(remains: bool, unscaled: Sequence[Named]) -> list[str]:
     example = f" ({withheld} would be)" if unscaled else ""
     return [
         "gains that nobody gave were identified, and much of the error remains beside them: their scale is not sure, "
-        f"and no friction, load or inertia is named{example}; give controller.proportional and controller.derivative, or "
-        f"{_EFFORT}"
+        f"and no friction, load or inertia is named{example}; give controller.proportional and controller.derivative, "
+        f"or {_EFFORT}"
     ]
 
 

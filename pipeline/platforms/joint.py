@@ -62,8 +62,8 @@ class Joint:
         gravity_torque: m·g·l, N·m; the nominal model has −gravity_torque·sin(position).
         stiffness: N·m/rad or N/m; the nominal model has −stiffness·position.
         motor: needed where the input is a voltage.
-        controller: of a servo that is told a position.
         gravity: m/s².
+        controller: of a servo that is told a position.
     """
 
     kind: ClassVar[str] = "joint"
@@ -72,5 +72,5 @@ class Joint:
     gravity_torque: float = 0.0
     stiffness: float = 0.0
     motor: JointMotor | None = None
-    controller: Controller | None = None
     gravity: float = 9.81
+    controller: Controller | None = None
