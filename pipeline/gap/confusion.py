@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from simgap.effects import Effect
-from simgap.gap.fit import inverse_of
+from simgap.effects import Effect, WrenchEffect
+from simgap.gap.fit import effect_jacobian, inverse_of
 from simgap.gap.gains import IdentifiedGain
 from simgap.gap.hypothesis import Hypothesis, information_of
 from simgap.gap.name import Named, Naming
 from simgap.gap.prior import prior_precision
+from simgap.simulation import FittedEffect
 
 _INFLATION = 10.0
 """Of a parameter's variance by not knowing the other one: from here on collinearity is harmful.
@@ -50,7 +51,7 @@ class Confusion:
 def confusions_of(naming: Naming) -> list[Confusion]:
     """Return the effects that were considered and cannot be told from a gain that nobody gave."""
     found: dict[tuple[str, str], Confusion] = {}
-    for hypothesis in reversed(_with_each(naming)):
+    for hypothesis in _with_each(naming):
         for confusion in _in(hypothesis):
             found[confusion.gain, confusion.effect.key] = confusion
     return sorted(found.values(), key=lambda each: (each.gain, each.effect.key))
@@ -112,14 +113,25 @@ def _unscaled_remark(remains: bool, unscaled: Sequence[Named]) -> list[str]:
 
 
 def _with_each(naming: Naming) -> list[Hypothesis]:
-    """Return the best hypothesis, and the best one with each further effect, the most probable first."""
-    chosen: list[Hypothesis] = []
-    seen: set[str] = set()
-    for hypothesis in naming.posterior.hypotheses:
-        if hypothesis.doubtful - seen or not chosen:
-            chosen.append(hypothesis)
-            seen |= hypothesis.doubtful
-    return chosen
+    """Return the best hypothesis, and the same with one more linear law each.
+
+    A law that is the same as a gain does nothing beside it, so that the search keeps no hypothesis with it.
+    """
+    best = naming.best
+    others = (effect for effect in best.reading.catalogue if effect.key not in best.keys)
+    linear = (effect for effect in others if isinstance(effect, WrenchEffect) and effect.linear)
+    return [best, *(_beside(best, effect) for effect in linear)]
+
+
+def _beside(best: Hypothesis, effect: Effect) -> Hypothesis:
+    """Return the best hypothesis with one more effect that does nothing yet, and its columns."""
+    found = best.fit
+    simulator = found.simulator.with_effects(
+        (*found.simulator.effects, FittedEffect(effect, effect.neutral()))
+    )
+    columns = effect_jacobian(simulator, effect, best.reading.problem, found.residual)
+    fitted = replace(found, simulator=simulator, jacobian=torch.cat([found.jacobian, columns], dim=-1))
+    return replace(best, keys=best.keys | {effect.key}, fit=fitted)
 
 
 def _in(hypothesis: Hypothesis) -> list[Confusion]:

@@ -106,8 +106,8 @@ def test_friction_is_named_beside_gains_that_nobody_gave_and_viscous_friction_is
     assert named(found) == ["coulomb_friction"]
     assert value_of(found, "coulomb_friction") == pytest.approx(0.12, rel=0.1)
     controller = gains_of(found.simulator)
-    assert controller.proportional == pytest.approx(12.0, rel=0.05)
-    assert controller.derivative == pytest.approx(0.7, rel=0.05)
+    assert controller.proportional == pytest.approx(12.0, rel=0.15)  # of nine seconds
+    assert controller.derivative == pytest.approx(0.7, rel=0.15)
     assert told(found, "controller.proportional was not given", "first estimate")
     assert told(found, "cannot tell viscous friction from another derivative gain", "log the effort")
 
