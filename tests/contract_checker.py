@@ -65,6 +65,8 @@ NAMES = {
         "input_scale_error",
         "flexible_coupling",
         "velocity_filter",
+        "controller_gain_error",
+        "effort_limit",
     },
     "swerve": {
         "coulomb_friction",

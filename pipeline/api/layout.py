@@ -27,11 +27,12 @@ _SIGNALS = {
     "motor_speed": {"rotor_speed": 4},
     "voltage": {"voltage": 1},
     "effort": {"effort": 1},
+    "position_command": {"position_command": 1},
     "voltages": {"drive_voltage": 4, "steer_voltage": 4},
 }
 _CHOICES = {
     "quadrotor": ("motor_command", "motor_speed"),
-    "joint": ("voltage", "effort"),
+    "joint": ("voltage", "effort", "position_command"),
     "swerve": ("voltages",),
 }
 
@@ -64,19 +65,17 @@ def layout_of(platform: Platform, command: str | None, position_unit: str) -> La
 
     Args:
         platform: of any kind.
-        command: by what the machine is driven: `motor_command` or `motor_speed` of a quadrotor, `voltage` or `effort`
-            of a joint, `voltages` of a swerve drive; None takes the first one that the platform can be driven by.
+        command: by what the machine is driven: `motor_command` or `motor_speed` of a quadrotor, `voltage`,
+            `position_command` or `effort` of a joint, `voltages` of a swerve drive; None takes the first one that the
+            platform can be driven by.
         position_unit: of a joint, rad or m.
 
     Raises:
         InputError: when the platform cannot be driven so.
     """
     possible = _CHOICES[platform.kind]
-    if isinstance(platform, Joint) and platform.motor is None:
-        if command == "voltage":
-            remedy = "give resistance, torque_constant and gear_ratio, or use command='effort'"
-            raise InputError("is missing, so that a voltage drives nothing", "platform.motor", remedy)
-        possible = ("effort",)
+    if isinstance(platform, Joint):
+        possible = _ways_of(platform, command)
     chosen = possible[0] if command is None else command
     if chosen not in possible:
         remedy = f"use {' or '.join(map(repr, possible))}"
@@ -87,6 +86,19 @@ def layout_of(platform: Platform, command: str | None, position_unit: str) -> La
     assert len(state) == max(part.stop for part in motion_of(platform).parts.values())
     known = channel_units(platform.kind, position_unit == "m") | _NOT_RECORDED
     return Layout(state, names, {name: known[name] for name in (*state, *names)}, signals)
+
+
+def _ways_of(platform: Joint, command: str | None) -> tuple[str, ...]:
+    """Return by what a joint can be driven, the usual way first; refuse a way for which a part is missing."""
+    if platform.motor is None and command == "voltage":
+        remedy = "give resistance, torque_constant and gear_ratio, or use command='effort'"
+        raise InputError("is missing, so that a voltage drives nothing", "platform.motor", remedy)
+    told = platform.controller is not None and not platform.controller.unknown
+    if not told and command == "position_command":
+        remedy = "give proportional and derivative, or use command='effort'"
+        raise InputError("has no gains, so that a position drives nothing", "platform.controller", remedy)
+    ways = {"voltage": platform.motor is not None, "position_command": told, "effort": True}
+    return tuple(way for way, possible in ways.items() if possible)
 
 
 def recorded_command(kind: str, signals: Iterable[str]) -> str | None:

@@ -25,7 +25,7 @@ from simgap.simulation import FittedEffect, Simulator, step
 from simgap.simulation.driver import SimulatedDriver
 
 _EXOGENOUS = ("battery_voltage", "temperature")  # scalar inputs beside the command, V and °C
-_INPUTS = (*_EXOGENOUS, "voltage")  # what an effect may need and a state does not hold
+_INPUTS = (*_EXOGENOUS, "voltage", "position_command")  # what an effect may need and a state does not hold
 
 
 class Machine:
@@ -52,7 +52,8 @@ class Machine:
         Args:
             simulator: platform and effects.
             command: what drives it: `motor_command` (the default) or `motor_speed` of a quadrotor, `voltage` (the
-                default where the platform has a motor) or `effort` of a joint, `voltages` of a swerve drive.
+                default where the platform has a motor), `position_command` (the default where it has a controller and
+                no motor) or `effort` of a joint, `voltages` of a swerve drive.
 
         Raises:
             InputError: when the platform cannot be driven so.

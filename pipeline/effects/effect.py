@@ -5,6 +5,7 @@ Its class says at which place. All functions take tensors with free leading dime
 or blocks of a recording. The simulator and the diagnosis therefore run the same code.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar
@@ -29,6 +30,7 @@ class Effect(ABC):
         acts_on: what the diagnosis reports (`force`, `torque`, `actuator`, `command`, `measurement`, `drive`, ...).
         parameters: the numbers to identify.
         needs: signals that the effect requires to be simulated and tested.
+        excluded_by: signals beside which it can be neither simulated nor tested.
         driver: the slow signal among them that may be estimated if it was not recorded.
         driver_at_rest: the parameter, or the constant of the platform, that holds the driver's value at which the
             effect does nothing.
@@ -45,6 +47,7 @@ class Effect(ABC):
     acts_on: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     needs: ClassVar[tuple[str, ...]] = ()
+    excluded_by: ClassVar[tuple[str, ...]] = ()
     driver: ClassVar[str] = ""
     driver_at_rest: ClassVar[str] = ""
     prior_odds: ClassVar[float] = 0.15
@@ -82,6 +85,10 @@ class Effect(ABC):
         absent = {p.name: p.neutral for p in self.parameters if p.optional and p.name not in values}
         return {**values, **absent}
 
+    def fits(self, constants: Values) -> bool:
+        """Whether a platform with these constants may have the effect."""
+        return True
+
     def load(self, signals: Signals, constants: Values) -> Signal | None:
         """Return the load that changes the effect's driver at once, in any unit, or None if there is none."""
         return None
@@ -112,6 +119,10 @@ class Effect(ABC):
     def lateness(self, values: Values, constants: Values) -> float:
         """Return the delay that the effect causes, s; 0 if it has no timing."""
         return 0.0
+
+    def stands_for(self, values: Values, constants: Values) -> float:
+        """Return by which share a number of the platform would be off to do the same; infinite where none does."""
+        return math.inf
 
     def subject(self, values: Values) -> str:
         """Return what the name is about: the number of a rotor or module, a group, a sensor; "" if the name says that.
@@ -209,12 +220,12 @@ class ConstantEffect(Effect):
 
 
 class ParameterError(ConstantEffect):
-    """A wrong number in the platform file; the parameter is the ratio of true to nominal."""
+    """Wrong numbers in the platform file; each parameter is a ratio of true to nominal."""
 
     spread: ClassVar[float] = 0.3
     """Standard deviation of the ratio's logarithm: how well the number is known before anything is recorded."""
     acts_on: ClassVar[str] = "parameter"
-    parameters = (Parameter("ratio", "1", 1.2, 1 / 3, 3.0, neutral=1.0),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("ratio", "1", 1.2, 1 / 3, 3.0, neutral=1.0),)
 
 
 def _scan(

@@ -12,6 +12,7 @@ from typing import Any
 
 from torch import Tensor
 
+from simgap.physics.servo import servo_effort
 from simgap.physics.shapes import Signals
 
 _PEAK_TO_PEAK = 2.0 * 2.0**0.5  # of a sine, over its standard deviation; outliers hardly change that
@@ -65,6 +66,9 @@ def _joint(signals: Signals, constants: Mapping[str, Any]) -> dict[str, float]:
         current = (signals["voltage"] - constant * signals["velocity"]) / constants["resistance"]
         sizes = {"effort": _rms(constant * current), **sizes, "current": _rms(current)}
         sizes["resistance"] = float(constants["resistance"])
+    if "position_command" in signals and "proportional" in constants:
+        error = signals["position_command"] - signals["position"]
+        sizes = {"effort": _rms(servo_effort(error, signals["velocity"], constants)), **sizes}
     return {name: size for name, size in sizes.items() if size > _LEAST}
 
 

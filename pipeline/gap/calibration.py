@@ -17,7 +17,9 @@ CALIBRATION = _FOLDER / "calibration.yaml"
 """The file of the two numbers, and of what they were fitted to."""
 
 MODULES = (
+    "derived_noise",
     "fit",
+    "gains",
     "hypothesis",
     "latent_inputs",
     "likelihood",
@@ -28,6 +30,7 @@ MODULES = (
     "reading",
     "refit",
     "residuals",
+    "sample_noise",
     "scales",
     "search",
     "starts",

@@ -17,7 +17,14 @@ def candidates_for(
         InputError: when `names` holds an effect that the catalogue does not have.
     """
     recorded = available_signals(signals)
-    return [e for e in allowed(simulator.platform.kind, names) if set(e.needs) <= recorded]
+    constants = simulator.constants()
+    return [
+        effect
+        for effect in allowed(simulator.platform.kind, names)
+        if set(effect.needs) <= recorded
+        and recorded.isdisjoint(effect.excluded_by)
+        and effect.fits(constants)
+    ]
 
 
 def allowed(kind: str, names: Sequence[str] | None) -> list[Effect]:
@@ -35,5 +42,5 @@ def allowed(kind: str, names: Sequence[str] | None) -> list[Effect]:
 
 def available_signals(signals: Mapping[str, Tensor]) -> set[str]:
     """Return the recorded signals and those that a nominal actuator derives from them."""
-    made = {"motor_command": "rotor_speed", "voltage": "effort"}
+    made = {"motor_command": "rotor_speed", "voltage": "effort", "position_command": "effort"}
     return set(signals) | {product for source, product in made.items() if source in signals}

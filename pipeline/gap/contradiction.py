@@ -13,10 +13,11 @@ from torch import Tensor
 from simgap.effects import ActuatorEffect
 from simgap.gap.candidates import candidates_for
 from simgap.gap.fit import Problem
+from simgap.gap.gains import is_told_a_position
 from simgap.gap.prepare import Prepared
 from simgap.gap.residuals import channels_on
 from simgap.recordings.contradiction import Contradiction
-from simgap.recordings.plausibility import contradicting_rates
+from simgap.recordings.plausibility import contradicting_position, contradicting_rates
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
@@ -54,8 +55,9 @@ def contradictions(recording: Recording, prepared: Prepared) -> list[Contradicti
         recording: cleaned.
         prepared: of it.
     """
+    told = is_told_a_position(recording)
     found = [*contradicting_rates(recording.frame, recording.kind)] or [
-        *_driven_otherwise(recording, prepared)
+        *(contradicting_position(recording.frame) if told else _driven_otherwise(recording, prepared))
     ]
     runs = tuple(dict.fromkeys(recording.frame["run"].astype(str)))
     return [replace(contradiction, runs=runs) for contradiction in found]

@@ -5,9 +5,11 @@ from dataclasses import dataclass, replace
 
 from simgap.effects import MeasurementEffect, ParameterError
 from simgap.gap.coarseness import coarse_axes, coarseness_of
+from simgap.gap.confusion import told_apart
 from simgap.gap.contradiction import contradictions
 from simgap.gap.drift import drifts_of
 from simgap.gap.fit import Problem, channels_of, excess_of
+from simgap.gap.gains import folded, gain_remarks, with_gains
 from simgap.gap.horizon import HorizonError, horizon_errors
 from simgap.gap.learned import LearnedResidual, learn, learned_rows
 from simgap.gap.locate import Mismatch, locate
@@ -18,6 +20,7 @@ from simgap.gap.residuals import channels_on, noise_of_rows
 from simgap.gap.rollout_fit import refit_through_rollouts
 from simgap.gap.scoring import cross_validated, folds_of
 from simgap.gap.settings import BELIEVED, BEYOND_NOISE, Gap
+from simgap.gap.tolerated import within_tolerance
 from simgap.gap.unnamed import Unnamed, find_unnamed
 from simgap.gap.validate import Validation, validate
 from simgap.gap.whiteness import Memory, memories_of, remembered
@@ -95,11 +98,13 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         InputError: when the recording is too short or of another kind than the platform, or a setting out of its range.
     """
     settings.check()
+    nominal = with_gains(recording, nominal, settings)
     readings = readings_of(recording, nominal, settings)
     contradicted = contradictions(recording, readings[0].prepared)
     if contradicted:
         readings = [replace(reading, catalogue=()) for reading in readings]
     naming = name(readings, settings)
+    naming, undecided = told_apart(naming, _remains(naming, naming.best.reading.problem))
     prepared = naming.best.reading.prepared
     nominal, problem, proving = prepared.nominal, prepared.problem, prepared.proving
     fitted, functions, held_out = problem.blocks, problem.functions, prepared.held_out
@@ -124,7 +129,9 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     refuted = (*_refuted(naming, validation), *_held_out_only(validation, naming, problem, channels))
     doubts = (
         *_unfinished(naming, settings),
-        *_within_tolerance(naming, fitted.time_step),
+        *gain_remarks(folded(simulator), nominal),
+        *undecided,
+        *within_tolerance(naming, fitted.time_step),
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
         *_doubts(naming, problem, () if contradicted else memories, held_out),
@@ -145,7 +152,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         fitting=problem,
         proving=proving,
         nominal=nominal,
-        simulator=with_drivers(simulator, fitted.signals),
+        simulator=folded(with_drivers(simulator, fitted.signals)),
     )
 
 
@@ -224,21 +231,6 @@ def _unfinished(naming: Naming, settings: Gap) -> list[str]:
         return []
     return [
         f"the search was ended before it was complete; this is the best answer so far (gap.budget={settings.budget:g})"
-    ]
-
-
-def _within_tolerance(naming: Naming, time_step: float) -> list[str]:
-    """Return a sentence about each effect of the simulator that is too small for a name."""
-    best = naming.best
-    small = [f for f in best.fit.simulator.free if f.effect.key not in best.names]
-    constants = best.fit.simulator.constants()
-    return [
-        f"{f.effect.name}: {f.effect.lateness(f.values, constants):.2g} s is too short to be told from the timing of "
-        f"the commands, with samples {time_step:.2g} s apart; it stays in the simulator, but is not named"
-        if not isinstance(f.effect, ParameterError)
-        else f"{f.effect.name}: a ratio of {f.values['ratio']:.4g} is within what a fit can tell; it stays in the "
-        "simulator, but is not named"
-        for f in small
     ]
 
 

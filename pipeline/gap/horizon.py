@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from simgap.gap.residuals import sample_noise
+from simgap.gap.sample_noise import sample_noise
 from simgap.physics.rotations import rotation_angle
 from simgap.simulation import Simulator, replay
 from simgap.simulation.blocks import Blocks

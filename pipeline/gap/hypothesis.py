@@ -55,6 +55,11 @@ class Hypothesis:
         return frozenset(f.effect.key for f in simulator.free if not is_tolerance(f, simulator, reading))
 
     @property
+    def doubtful(self) -> frozenset[str]:
+        """The effects that might not be there: all but numbers that are identified beside every hypothesis."""
+        return frozenset(f.effect.key for f in self.fit.simulator.free if f.effect.names_physics)
+
+    @property
     def score(self) -> float:
         """The log evidence times the prior, up to a constant that all hypotheses share."""
         return self.likelihood.value + self.occam + self.prior
@@ -100,11 +105,17 @@ def _log_volume(fitted: Fit, likelihood: Likelihood, precision: Tensor) -> float
 def is_tolerance(fitted: FittedEffect, simulator: Simulator, reading: Reading) -> bool:
     """Whether an effect is within what is known: a delay of a part of a sample, a number off by a percent.
 
-    It stays in the simulator, where it keeps others from standing in for it, and gets no name.
+    It stays in the simulator, where it keeps others from standing in for it, and gets no name. Nor does a number that
+    nobody gave and that is identified beside the effects.
     """
+    if not fitted.effect.names_physics:
+        return True
     if isinstance(fitted.effect, ParameterError):
-        return abs(float(fitted.values["ratio"]) - 1.0) < _TOLERANCE
-    late = fitted.effect.lateness(fitted.values, simulator.constants())
+        return all(abs(float(ratio) - 1.0) < _TOLERANCE for ratio in fitted.values.values())
+    constants = simulator.constants()
+    if fitted.effect.stands_for(fitted.values, constants) < _TOLERANCE:
+        return True
+    late = fitted.effect.lateness(fitted.values, constants)
     return is_short(late, reading.problem.blocks.time_step, reading.held)
 
 
@@ -116,7 +127,8 @@ def _log_prior_odds(fitted: Fit, reading: Reading) -> float:
 def idle_in(fitted: Fit, reading: Reading) -> list[FittedEffect]:
     """Return the effects of a fit that do nothing: what stands there is the hypothesis without them."""
     known = {f.effect.key: f.values for f in reading.nominal.known}
-    return [f for f in fitted.simulator.free if _is_idle(f, known.get(f.effect.key))]
+    named = (f for f in fitted.simulator.free if f.effect.names_physics)
+    return [f for f in named if _is_idle(f, known.get(f.effect.key))]
 
 
 def _is_idle(fitted: FittedEffect, known: Mapping[str, float] | None) -> bool:

@@ -71,7 +71,8 @@ def undriven(simulator: Simulator, blocks: Blocks, names: Sequence[str] | None) 
     """Return the effects that a recording would allow to test if their slow driver had been recorded."""
     recorded = available_signals(blocks.signals)
     wanted = allowed(simulator.platform.kind, names)
-    return [effect for effect in wanted if set(effect.needs) - recorded == {effect.driver}]
+    possible = (effect for effect in wanted if recorded.isdisjoint(effect.excluded_by))
+    return [effect for effect in possible if set(effect.needs) - recorded == {effect.driver}]
 
 
 @dataclass(frozen=True)

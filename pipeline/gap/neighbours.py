@@ -109,7 +109,8 @@ class Neighbours:
 
     def _moves(self) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
         """Yield which effects go and which come: at most two of each, and more than one in all."""
-        goings = [(), *combinations(self.mine, 1), *combinations(self.mine, 2)]
+        mine = [key for key in self.mine if key in self.centre.doubtful]
+        goings = [(), *combinations(mine, 1), *combinations(mine, 2)]
         comings = [(), *combinations(self.new, 1), *combinations(self.new, 2)]
         for gone in goings:
             for come in comings:

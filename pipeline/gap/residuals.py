@@ -6,18 +6,15 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
+from simgap.gap.sample_noise import sample_noise
 from simgap.physics.weak_form import WindowFunctions, mean_of, mean_rate_of
 from simgap.platforms.mechanism import Channel
-from simgap.recordings.cleaning.resample import FIFTH_DIFFERENCE
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 from simgap.simulation.replay import without_sensors
 
-_FIFTH_DIFFERENCE = torch.tensor(FIFTH_DIFFERENCE, dtype=torch.float64)
-_RESIDUAL_ROUNDING = 1e-9  # of the mean square: a signal that rests leaves no more
 _TOUCHED = 1e-3  # of a window's weight; a lost command at its edge does no harm
 _LEAST_SOUND = 0.5  # least share of windows without lost commands
-_MEDIAN_OF_SQUARE = 0.4549364  # median of a squared standard normal
 
 
 @dataclass(frozen=True)
@@ -219,6 +216,10 @@ def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
     is not. It is taken of the measured side and of the predicted side, whose inputs are noisy too.
     Source: Gasser, Sroka & Jennen-Steinmetz 1986, Residual variance and residual pattern (Biometrika 73).
     """
+    if "derived_velocity" in blocks.signals:
+        from simgap.gap.derived_noise import noise_of_derived  # it needs the rows of this module
+
+        return noise_of_derived(simulator, blocks, functions)
     deviations, kept = [], blocks.noise_kept
     # White noise is read off single samples: a mean of two no longer looks like it.
     for series in channel_series(simulator, replace(blocks, held=False)):
@@ -233,17 +234,3 @@ def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
             variance = variance + sample_noise(series.predicted, kept) * mean_gain
         deviations.append((variance + series.channel.tolerance**2).sqrt())
     return torch.stack(deviations)
-
-
-def sample_noise(series: Tensor, kept: float = 1.0) -> Tensor:
-    """Return the variance of the white noise on a series (blocks, samples).
-
-    Args:
-        series: with noise on it.
-        kept: share of it that a fifth difference still shows, where the series was interpolated.
-    """
-    kernel = _FIFTH_DIFFERENCE.to(series)
-    squared = torch.nn.functional.conv1d(series[:, None], kernel[None, None]).square() / kernel.square().sum()
-    # The median forgives steps of a command and spikes; a quantised signal that rests has none, hence the mean.
-    median, mean = squared.median() / _MEDIAN_OF_SQUARE, squared.mean()
-    return (median if median > _RESIDUAL_ROUNDING * mean else mean) / kept

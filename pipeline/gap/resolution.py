@@ -6,7 +6,7 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from simgap.gap.residuals import sample_noise
+from simgap.gap.sample_noise import sample_noise
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 

@@ -109,11 +109,11 @@ class Search:
             self._retime(centre)
         if not reading.driver and reading.catalogue:
             self._drive(centre)
-        for key in centre.keys:
+        for key in centre.doubtful:
             self._without(centre, key)
             self._exchange(centre, key)
         added = [self._added(centre, e) for e in reading.catalogue if e.key not in centre.keys]
-        smaller = {key: (reading.timing, centre.keys - {key}) for key in centre.keys}
+        smaller = {key: (reading.timing, centre.keys - {key}) for key in centre.doubtful}
         dropped = {key: self.visited[place] for key, place in smaller.items() if place in self.visited}
         near = Neighbours(centre, added, dropped)
         fitted_sets = {keys for timing, keys in self.visited if timing == reading.timing}
@@ -127,7 +127,7 @@ class Search:
         for other in self.readings:
             if (other.timing, centre.keys) not in self.visited:
                 found = self._visit(fit(_with(other, centre.fit.simulator.free), other.problem), other)
-                for key in found.keys - found.names:
+                for key in found.doubtful - found.names:
                     self._without(found, key)
 
     def _without(self, centre: Hypothesis, key: str) -> None:

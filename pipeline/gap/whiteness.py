@@ -17,7 +17,10 @@ from simgap.platforms.mechanism import Channel
 
 _WHITENESS_LEVEL = 1e-3  # level of the test, over all channels, inputs and lags
 _NOTABLE_CORRELATION = 0.1  # least correlation of a warning
-_INPUTS = ("effort", "voltage", "rotor_command", "rotor_speed", "drive_voltage", "steer_voltage")
+_INPUTS = (
+    *("effort", "voltage", "position_command"),
+    *("rotor_command", "rotor_speed", "drive_voltage", "steer_voltage"),
+)
 
 
 @dataclass(frozen=True)

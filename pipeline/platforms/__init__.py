@@ -1,6 +1,6 @@
 """Floor 2: platforms, the known parameters of a machine before identification."""
 
-from simgap.platforms.joint import Joint, JointMotor
+from simgap.platforms.joint import Controller, Joint, JointMotor
 from simgap.platforms.load import platform_assumptions, platform_from_config, platform_to_config
 from simgap.platforms.quadrotor import Quadrotor
 from simgap.platforms.swerve import DirectCurrentMotor, SteerAxis, Swerve, SwerveAxis
@@ -8,6 +8,7 @@ from simgap.platforms.swerve import DirectCurrentMotor, SteerAxis, Swerve, Swerv
 Platform = Quadrotor | Swerve | Joint
 
 __all__ = [
+    "Controller",
     "DirectCurrentMotor",
     "Joint",
     "JointMotor",

@@ -1,23 +1,27 @@
-"""Nominal mechanism of a joint: inertia, gravity, a spring and a lossless motor."""
+"""Nominal mechanism of a joint: inertia, gravity, a spring, a lossless motor or a servo's position loop."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import torch
 
+from simgap.errors import InputError
+from simgap.physics.servo import servo_effort
 from simgap.physics.shapes import Channels, Real, Signal
-from simgap.platforms.joint import Joint
+from simgap.platforms.joint import GAINS, Joint
 from simgap.platforms.mechanism import Channel, Constants, Mechanism, Signals
 
 
 class JointMechanism(Mechanism):
     """One axis: I·a = effort − gravity_torque·sin(position) − stiffness·position.
 
-    Signals: `position`, `velocity` and `effort` (at the joint) or `voltage` (at the motor); shape (...,).
+    Signals: `position`, `velocity` and `effort` (at the joint), `voltage` (at the motor) or `position_command`; shape
+    (...,).
     """
 
     kind = "joint"
-    actuator_signals = ("effort", "voltage")
+    actuator_signals = ("effort", "voltage", "position_command")
 
     def __init__(self, platform: Joint, position_unit: str = "rad") -> None:
         self.platform = platform
@@ -39,10 +43,29 @@ class JointMechanism(Mechanism):
             constants["resistance"] = motor.resistance
             constants["torque_constant"] = motor.torque_constant
             constants["gear_ratio"] = motor.gear_ratio
-        return constants
+        return constants | self._loop()
+
+    def _loop(self) -> dict[str, Any]:
+        """Return the gains of the position loop that are known, and its limit."""
+        controller = self.platform.controller
+        if controller is None:
+            return {}
+        gains = {name: getattr(controller, name) for name in GAINS if name not in controller.unknown}
+        limit = math.inf if controller.effort_limit is None else controller.effort_limit
+        return {**gains, "effort_limit": limit, "given_gains": controller.given}
 
     def actuate(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
-        """Turn the voltage into effort by the motor's resistance and back-EMF, unless effort is given."""
+        """Return the signals with the effort of the motor at a voltage, or of a servo's loop, unless effort is given.
+
+        Raises:
+            InputError: when a servo is told a position and its gains are unknown.
+        """
+        if "position_command" in signals:
+            if not {*GAINS} <= constants.keys():
+                remedy = "give proportional and derivative, or diagnose a recording, which identifies them"
+                raise InputError("the gains of the position loop are unknown", "platform.controller", remedy)
+            error = signals["position_command"] - signals["position"]
+            return {**signals, "effort": servo_effort(error, signals["velocity"], constants)}
         if "voltage" not in signals:
             return dict(signals)
         constant = constants["torque_constant"] * constants["gear_ratio"]

@@ -14,7 +14,7 @@ from simgap.platforms.shorthand import plain
 from simgap.platforms.swerve import Swerve
 
 _BY_KIND: dict[str, type] = {cls.kind: cls for cls in (Joint, Quadrotor, Swerve)}
-_MAY_BE_ZERO = {"gravity_torque", "stiffness", "gravity"}
+_MAY_BE_ZERO = {"gravity_torque", "stiffness", "gravity", "derivative", "proportional_std", "derivative_std"}
 _MAY_BE_NEGATIVE = {"rotor_positions", "rotor_directions", "module_positions", "gravity_torque"}
 _RATIOS = {"thrust_coefficient": "thrust_ratios", "torque_coefficient": "torque_ratios"}
 _UNEVEN_MEAN = 1e-3  # that ratios written with three decimals may have beyond one

@@ -1,5 +1,7 @@
 """The contract of recordings: column names, units and required columns."""
 
+from collections.abc import Collection
+
 KINDS = ("quadrotor", "swerve", "joint")
 
 
@@ -50,6 +52,7 @@ _JOINT = {
     "velocity": "rad/s",
     "effort": "N·m",
     "voltage": "V",
+    "position_command": "rad",
     "current": "A",
     "battery_voltage": "V",
     "temperature": "°C",
@@ -58,20 +61,23 @@ _JOINT = {
 COLUMNS: dict[str, dict[str, str]] = {"quadrotor": _QUADROTOR, "swerve": _SWERVE, "joint": _JOINT}
 """Every channel a kind may have, with its unit; for a sliding joint see `SLIDING_JOINT_UNITS`."""
 
-SLIDING_JOINT_UNITS = {"position": "m", "velocity": "m/s", "effort": "N"}
+SLIDING_JOINT_UNITS = {"position": "m", "velocity": "m/s", "effort": "N", "position_command": "m"}
 """Units of a joint whose position is measured in metres."""
 
 REQUIRED: dict[str, tuple[str, ...]] = {
     "quadrotor": tuple(QUADROTOR_STATE),
     "swerve": tuple(_SWERVE_REQUIRED),
-    "joint": ("position", "velocity"),
+    "joint": ("position",),
 }
 """Channels that every recording of a kind has."""
+
+DERIVED_FROM: dict[str, dict[str, str]] = {"joint": {"velocity": "position"}}
+"""Channels, by kind, that are derived from another one where a recording lacks them, and needed where it has them."""
 
 ANY_OF: dict[str, tuple[tuple[str, ...], ...]] = {
     "quadrotor": (tuple(_four("motor_speed", "")), tuple(_four("motor_command", ""))),
     "swerve": (),
-    "joint": (("effort",), ("voltage",)),
+    "joint": (("effort",), ("voltage",), ("position_command",)),
 }
 """Groups of channels of which a recording has at least one, whole."""
 
@@ -92,7 +98,12 @@ def channel_units(kind: str, sliding: bool = False) -> dict[str, str]:
     return COLUMNS[kind] | (SLIDING_JOINT_UNITS if sliding and kind == "joint" else {})
 
 
+def always_needed(kind: str, columns: Collection[str]) -> list[str]:
+    """Return the required channels, and those in `columns` that would be derived if they were not there."""
+    return [*REQUIRED[kind], *(column for column in DERIVED_FROM.get(kind, {}) if column in columns)]
+
+
 def needed_channels(kind: str, columns: set[str]) -> list[str]:
-    """Return the required channels and those of every any-of group that is whole in `columns`."""
+    """Return `always_needed` and the channels of every any-of group that is whole in `columns`."""
     groups = [group for group in ANY_OF[kind] if set(group) <= columns]
-    return [*REQUIRED[kind], *(column for group in groups for column in group)]
+    return [*always_needed(kind, columns), *(column for group in groups for column in group)]

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 _MODULES = range(1, 5)
 _COMMANDS = {
-    "joint": ("effort", "voltage"),
+    "joint": ("effort", "voltage", "position_command"),
     "swerve": tuple(f"{group}_voltage_{module}" for group in ("drive", "steer") for module in _MODULES),
     "quadrotor": (),  # in a mirrored flight the rotors change places, and no command changes its sign
 }

@@ -38,11 +38,36 @@ def implausible_units(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> 
 
 def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[Contradiction]:
     """Yield a contradiction for each rate that is not that of its angle or position."""
-    for rate, angle in _PAIRS[kind]:
+    for rate, angle in (pair for pair in _PAIRS[kind] if set(pair) <= {*frame.columns}):
         yield from _compare(rate, angle, *recorded_and_derived(frame, rate, angle))
     if kind == "quadrotor":
         for axis in "xyz":
             yield from _compare(f"body_rate_{axis}", "attitude", *body_rate_and_derived(frame, axis))
+
+
+def contradicting_position(frame: pd.DataFrame) -> Iterator[Contradiction]:
+    """Yield a contradiction where a servo does not go where it is told: of sign, or of unit.
+
+    Each run counts from its own mean: a zero that differs is a load on the servo.
+    """
+    both = frame[["run", "position_command", "position"]].dropna()
+    if len(both) < _FEWEST_SAMPLES:
+        return
+    apart = both.groupby("run", sort=False)[["position_command", "position"]].transform(
+        lambda s: s - s.mean()
+    )
+    told, gone = (apart[column].to_numpy(dtype=float) for column in apart)
+    if np.ptp(told) == 0 or np.ptp(gone) == 0:
+        return
+    correlation, ratio = float(np.corrcoef(told, gone)[0, 1]), float(told.std() / gone.std())
+    if correlation < -_CORRELATION:
+        evidence = f"The position runs against its command (correlation {correlation:.2f})"
+        yield Contradiction("position_command", "sign", evidence, "Negate 'position_command', or 'position'.")
+    evidence = f"The position command moves {ratio:.3g} times as far as the position"
+    for column, factor in (("position_command", _DEGREE), ("position", 1 / _DEGREE)):
+        if abs(correlation) > _CORRELATION and abs(ratio / factor - 1) < _RATIO_TOLERANCE:
+            remedy = f"Convert {column!r}, or declare its unit in the Parquet file."
+            yield Contradiction(column, "degrees", evidence, remedy)
 
 
 def _compare(rate: str, angle: str, recorded: np.ndarray, derived: np.ndarray) -> Iterator[Contradiction]:

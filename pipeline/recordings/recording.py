@@ -1,6 +1,6 @@
 """A recording: samples of a robot in SI units, in the names of the contract."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -29,6 +29,7 @@ class Recording:
             state is late), as cleaning estimated it; not applied to the data.
         noise_kept: run to the share of white noise that a fifth difference still shows after interpolation, where
             samples were moved.
+        derived: channels that nobody recorded and cleaning derived from others; their noise is not white.
         warnings: what looks wrong, one sentence each.
         cleaned: uniform in time inside each (run, segment) and no gap in a required channel.
     """
@@ -41,6 +42,7 @@ class Recording:
     split: dict[str, str] = field(default_factory=dict)
     clock_offset: dict[str, float] = field(default_factory=dict)
     noise_kept: dict[str, float] = field(default_factory=dict)
+    derived: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     cleaned: bool = False
 
@@ -114,6 +116,7 @@ def recording_from_table(
         split=dict(metadata.get("simgap.split") or {}),
         clock_offset=dict(metadata.get("simgap.clock_offset") or {}),
         noise_kept=dict(metadata.get("simgap.noise_kept") or {}),
+        derived=tuple(metadata.get("simgap.derived") or ()),
         warnings=tuple(dict.fromkeys((*known, *noticed))),
         cleaned=cleaned,
     )
@@ -150,7 +153,7 @@ def write_recording(recording: Recording, path: str | Path) -> None:
     Raises:
         InputError: when the file cannot be written.
     """
-    metadata: Mapping[str, object] = {
+    metadata: dict[str, object] = {
         "platform_kind": recording.kind,
         "source": recording.source,
         "licence": recording.licence,
@@ -160,6 +163,8 @@ def write_recording(recording: Recording, path: str | Path) -> None:
         "simgap.cleaned": recording.cleaned,
         "simgap.warnings": list(recording.warnings),
     }
+    if recording.derived:
+        metadata["simgap.derived"] = list(recording.derived)
     storage.write_table(recording.frame, recording.units, metadata, Path(path))
 
 

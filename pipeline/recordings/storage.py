@@ -28,6 +28,7 @@ _STRUCTURED = (
     "simgap.split",
     "simgap.clock_offset",
     "simgap.noise_kept",
+    "simgap.derived",
     "simgap.cleaned",
     "simgap.warnings",
 )

@@ -7,7 +7,16 @@ import numpy as np
 import pandas as pd
 
 from simgap.errors import InputError
-from simgap.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, WHOLE_NUMBERS, channel_units
+from simgap.recordings.contract import (
+    ANY_OF,
+    DERIVED_FROM,
+    INDEX_COLUMNS,
+    KINDS,
+    REQUIRED,
+    WHOLE_NUMBERS,
+    always_needed,
+    channel_units,
+)
 from simgap.recordings.numeric import location, to_numbers
 from simgap.recordings.units import conversion, factor_and_offset
 
@@ -34,7 +43,8 @@ def resolve_kind(declared: object, expected: str | None, frame: pd.DataFrame, wh
             )
         return str(declared)
     present = set(frame.columns)
-    share = {kind: len(present & set(REQUIRED[kind])) / len(REQUIRED[kind]) for kind in KINDS}
+    usual = {kind: {*REQUIRED[kind], *DERIVED_FROM.get(kind, {})} for kind in KINDS}
+    share = {kind: len(present & usual[kind]) / len(usual[kind]) for kind in KINDS}
     best = max(share, key=lambda kind: share[kind])
     if expected in KINDS and share[best] < 1:
         return str(expected)
@@ -94,9 +104,8 @@ def validate(
 
 
 def _is_sliding(kind: str, declared: dict[str, str]) -> bool:
-    found = {
-        column: conversion(declared[column]) for column in ("position", "velocity") if column in declared
-    }
+    telling = [column for column in ("position", "velocity", "position_command") if column in declared]
+    found = {column: conversion(declared[column]) for column in telling}
     return kind == "joint" and any(entry and entry[0] in ("m", "m/s") for entry in found.values())
 
 
@@ -207,9 +216,10 @@ def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataF
                 "has no values", f"{where}, all runs, column {column!r}", "give another recording"
             )
     remarks = [f"Column {column!r} has no values and was ignored." for column in empty]
-    checked = [*REQUIRED[kind], *(column for group in usable for column in group)]
-    present = frame.groupby("run", sort=False)[checked].count()
-    for run, counts in present.iterrows():
+    present = [column for column in frame.columns if column not in empty]
+    checked = [*always_needed(kind, present), *(column for group in usable for column in group)]
+    counted = frame.groupby("run", sort=False)[checked].count()
+    for run, counts in counted.iterrows():
         lacking = [str(column) for column in counts.index[counts.to_numpy() == 0]]
         if lacking:
             remarks.append(f"Run {str(run)!r} has no values in {', '.join(lacking)}.")

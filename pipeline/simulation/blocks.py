@@ -163,7 +163,9 @@ def cut_blocks(
         firsts = range(0, len(segment) - samples + 1, samples)
         name = str(segment["run"].iloc[0])
         kept = (
-            _kept_signals(segment, platform, held, (index[name], float(started[name])), margin)
+            _kept_signals(
+                segment, platform, held, (index[name], float(started[name])), margin, recording.derived
+            )
             if firsts
             else ({}, {})
         )
@@ -189,13 +191,19 @@ def cut_blocks(
 
 
 def _kept_signals(
-    segment: pd.DataFrame, platform: Platform, held: bool, run: tuple[int, float], margin: int
+    segment: pd.DataFrame,
+    platform: Platform,
+    held: bool,
+    run: tuple[int, float],
+    margin: int,
+    derived: tuple[str, ...],
 ) -> tuple[dict[str, Tensor], dict[str, Tensor]]:
     """Return the padded signals of a segment of a run (number, start), and the held commands as they were recorded."""
     number, start = run
     signals = recorded_signals(segment, platform, held)
     signals["elapsed"] = torch.from_numpy(segment["t"].to_numpy(dtype="float64", copy=True)) - start
     signals["run_number"] = torch.full_like(signals["elapsed"], number)
+    signals |= {f"derived_{name}": torch.ones_like(signals["elapsed"]) for name in derived}
     if "filled" in segment:
         signals["filled"] = _filled(segment, held)
     raw = recorded_signals(segment, platform, held=False) if held else {}

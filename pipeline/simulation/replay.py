@@ -7,7 +7,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from simgap.effects import ActuatorEffect, CommandEffect, MeasurementEffect
+from simgap.effects import ActuatorEffect, CommandEffect, Effect, MeasurementEffect
 from simgap.physics.shapes import Signal, Signals
 from simgap.simulation.actuation import Memory, held_through
 from simgap.simulation.blocks import Blocks
@@ -29,7 +29,8 @@ def replay(
     """Simulate every block with its recorded commands and other recorded external signals.
 
     Time offsets and delays are applied to the whole block first, since the margin holds the earlier commands. Effects
-    with a state run through the margin on recorded signals.
+    with a state run through the margin on recorded signals. What acts on a command at once acts in the simulation, for
+    it may depend on the motion.
 
     Args:
         simulator: platform and effects.
@@ -44,8 +45,7 @@ def replay(
     signals, held = (
         _after_commands(simulator, series, blocks) for series in (blocks.signals, blocks.held_commands)
     )
-    settled = (MeasurementEffect, CommandEffect)
-    bare = simulator.with_effects(tuple(f for f in simulator.effects if not isinstance(f.effect, settled)))
+    bare = simulator.with_effects(tuple(f for f in simulator.effects if not _is_settled(f.effect)))
     within = slice(blocks.margin, blocks.margin + steps)
     made = motion_of(simulator.platform).signals(initial).keys()
     outside = {name: _over_steps(series, within) for name, series in signals.items() if name not in made}
@@ -54,11 +54,16 @@ def replay(
     return rollout(bare, initial, outside, blocks.time_step, substeps, memory=memory)
 
 
+def _is_settled(effect: Effect) -> bool:
+    """Whether an effect is applied to the recorded signals before a simulation: a sensor's, or a delay of commands."""
+    return isinstance(effect, MeasurementEffect) or (isinstance(effect, CommandEffect) and effect.remembers)
+
+
 def _after_commands(simulator: Simulator, signals: Mapping[str, Tensor], blocks: Blocks) -> dict[str, Tensor]:
     """Return signals without what the sensors did to them, and with delays applied."""
     out, constants = without_sensors(simulator, signals, blocks.time_step), simulator.constants()
     for fitted in simulator.of_type(CommandEffect):
-        if out:
+        if out and _is_settled(fitted.effect):
             effect: Any = fitted.effect
             out = effect.along_time(out, fitted.values, constants, blocks.time_step)
     return out

@@ -15,7 +15,9 @@ from simgap.platforms.swerve_mechanism import MEASURED, chassis_velocity_from_wh
 _AXES = ("x", "y", "z")
 _QUATERNION = ("w", "x", "y", "z")
 _FOUR = ("1", "2", "3", "4")
-COMMANDS = frozenset({"motor_command", "effort", "voltage", "drive_voltage", "steer_voltage"})
+COMMANDS = frozenset(
+    {"motor_command", "effort", "voltage", "position_command", "drive_voltage", "steer_voltage"}
+)
 """Signals that a controller holds from one sample to the next."""
 
 
@@ -65,15 +67,18 @@ def _joint(frame: pd.DataFrame, platform: Joint, held: bool) -> dict[str, Tensor
         "velocity": _column(frame, "velocity"),
         "effort": _mean_while_held(_column(frame, "effort"), held),
         "voltage": _mean_while_held(_column(frame, "voltage"), held),
+        "position_command": _mean_while_held(_column(frame, "position_command"), held),
         "battery_voltage": _column(frame, "battery_voltage"),
         "temperature": _column(frame, "temperature"),
     }
     present = {name: series for name, series in signals.items() if series is not None}
     if "voltage" in present and platform.motor is None:
-        if "effort" not in present:
+        if not {"effort", "position_command"} & present.keys():
             remedy = "give resistance, torque_constant and gear_ratio, or record the effort"
             raise InputError("is missing, and the recording has a voltage", "platform.motor", remedy)
         del present["voltage"]
+    if {"voltage", "effort"} & present.keys():
+        present.pop("position_command", None)  # what the loop made of it is known
     return present
 
 

@@ -4,8 +4,8 @@ from simgap.effects.delay import CommandDelay
 
 
 class JointCommandDelay(CommandDelay):
-    """The voltage or effort acts a fixed time after it is recorded."""
+    """The voltage, effort or position command acts a fixed time after it is recorded."""
 
     kind = "joint"
     look_alikes = ("motor_inductance",)
-    delayed = ("voltage", "effort")
+    delayed = ("voltage", "effort", "position_command")

@@ -37,8 +37,11 @@ def on_axis(constants: Values, wrench: Real) -> Channels:
 
 
 def commanded(signals: Signals) -> str:
-    """Return the name of the input of the drive: the voltage if there is one, else the effort."""
-    return "voltage" if "voltage" in signals else "effort"
+    """Return the name of the input of the drive: the voltage, else the effort, else what a position loop is told.
+
+    Behind its loop a servo has an effort; before it, the position command alone.
+    """
+    return next((name for name in ("voltage", "effort") if name in signals), "position_command")
 
 
 def driven_by(command: Signal, signals: Signals, constants: Values) -> dict[str, Signal]:

@@ -1,7 +1,7 @@
 """Dead zone in the command of a joint.
 
-It acts on the voltage if there is one, otherwise on the effort. Its width is an effort in both cases: that of the
-motor at standstill.
+It acts on the voltage if there is one, otherwise on the effort, or on the error of a servo that is told a position. Its
+width is an effort in all cases: that of the motor at standstill.
 """
 
 from typing import Any
@@ -20,7 +20,7 @@ class DeadZone(CommandEffect):
     parameters = (Parameter("width", "N·m", 0.1, 0.0, 1e6),)
     formula = (
         "command_effective = sign(command) · max(|command| − width / gain, 0), gain = torque_constant · gear_ratio / "
-        "resistance for a voltage, 1 for an effort"
+        "resistance for a voltage, 1 for an effort, proportional for the error of a position"
     )
     source = "Tao & Kokotović 1994, Adaptive control of plants with unknown dead-zones (IEEE Trans. Autom. Control 39)"
     sentence = (
@@ -38,12 +38,15 @@ class DeadZone(CommandEffect):
     ) -> tuple[dict[str, Signal], Any]:
         """Return the command beyond the dead zone."""
         name = commanded(signals)
-        command, width = signals[name], values["width"] / _gain(name, constants)
-        return {name: command - command.clamp(-width, width)}, None
+        rest = signals["position"] if name == "position_command" else 0.0
+        command, width = signals[name] - rest, values["width"] / _gain(name, constants)
+        return {name: rest + command - command.clamp(-width, width)}, None
 
 
 def _gain(command: str, constants: Values) -> Any:
     """Return the motor's effort at standstill per unit of a command."""
     if command == "effort":
         return 1.0
+    if command == "position_command":
+        return constants["proportional"]
     return constants["torque_constant"] * constants["gear_ratio"] / constants["resistance"]

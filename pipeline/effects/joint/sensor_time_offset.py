@@ -7,10 +7,10 @@ from simgap.effects.time_offset import TimeOffset
 
 
 class JointTimeOffset(TimeOffset):
-    """Position and velocity are recorded late relative to voltage or effort, or early if negative."""
+    """Position and velocity are recorded late relative to the commands, or early if negative."""
 
     kind = "joint"
     late = "position and velocity"
     needs = ("effort",)
-    on_command_clock = ("voltage", "effort")
+    on_command_clock = ("voltage", "effort", "position_command")
     excitation = "run a fast chirp or command steps, so that command and acceleration can be aligned"

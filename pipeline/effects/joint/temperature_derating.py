@@ -18,6 +18,7 @@ class TemperatureDerating(ActuatorEffect):
         Parameter("reference", "°C", 25.0, -60.0, 200.0, neutral=20.0),
     )
     needs = ("effort", "temperature")
+    excluded_by = ("position_command",)  # of a position loop a weaker motor is a lower gain
     driver = "temperature"
     driver_at_rest = "reference"
     formula = "effort_effective = effort · (1 − coefficient · (temperature − reference))"

@@ -28,6 +28,7 @@ class VelocityFilter(MeasurementEffect):
     acts_on = "measurement"
     parameters = (Parameter("time_constant", "s", 0.02, 0.0, 0.5),)
     needs = ("position", "velocity")
+    excluded_by = ("derived_velocity",)  # nobody filtered what was derived from the position
     formula = "d(velocity_recorded)/dt = (velocity − velocity_recorded) / time_constant"
     source = (
         "Franklin, Powell & Emami-Naeini 2019, §3.3: first-order response; Higgins 1975, A comparison of complementary "

@@ -1,5 +1,7 @@
 """Friction of a joint in proportion to its velocity."""
 
+import math
+
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
 from simgap.physics.shapes import Channels
@@ -22,6 +24,11 @@ class ViscousFriction(WrenchEffect):
     )
     excitation = "hold constant speeds over the whole range, in both directions"
     symptom = "The effort at constant speed rises linearly with the speed."
+
+    def stands_for(self, values: Values, constants: Values) -> float:
+        """Return the share of the derivative gain of a position loop, which brakes in the same way."""
+        gain = float(constants.get("derivative", 0.0))
+        return float(values["coefficient"]) / gain if gain > 0.0 else math.inf
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the friction on the axis, N·m or N."""

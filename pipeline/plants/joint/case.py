@@ -6,10 +6,11 @@ from simgap.checks import check_positive
 from simgap.errors import InputError
 from simgap.plants.concealment import Concealed, check_chosen
 from simgap.plants.conditions import check_gentlest, check_listed, check_logger, check_noise
-from simgap.plants.joint.effects import CONCEALABLE, NEEDS_MOTOR, OUTSIDE
+from simgap.plants.joint.effects import CONCEALABLE, NEEDS_CONTROLLER, NEEDS_MOTOR, OUTSIDE
 from simgap.platforms import Joint
 
 REFERENCES = ("multisine", "chirp", "steps", "triangle", "creep", "sine", "one_way")
+DISPENSABLE = ("velocity",)
 RECORDABLE = ("current", "battery_voltage", "temperature")
 
 
@@ -61,6 +62,7 @@ class JointCase:
         bandwidth: of the position loop, rad/s.
         held: whether commands change only when a sample is taken.
         supply: greatest voltage, V, where a voltage drives the machine.
+        without: what is not recorded: of a joint its velocity can be left out.
         channels: what is recorded besides position, velocity and input (see `RECORDABLE`).
         jitter: standard deviation of the sampling instant, s.
         dropped: share of the samples that are lost.
@@ -81,6 +83,7 @@ class JointCase:
     bandwidth: float = 25.0
     held: bool = False
     supply: float = 12.0
+    without: list[str] = field(default_factory=list)
     channels: list[str] = field(default_factory=list)
     jitter: float = 0.0
     dropped: float = 0.002
@@ -107,6 +110,7 @@ class JointCase:
         check_positive(self, positive, where)
         check_gentlest(self.gentlest, where)
         check_listed(self.references, REFERENCES, f"{where}.references")
+        check_listed(self.without, DISPENSABLE, f"{where}.without", least=0)
         check_listed(self.channels, RECORDABLE, f"{where}.channels", least=0)
         check_logger(self.rate, self.jitter, self.dropped, where)
         check_noise(self.sensors, f"{where}.sensors")
@@ -117,10 +121,19 @@ class JointCase:
         Raises:
             InputError: naming the effect.
         """
-        driven = platform.motor is not None
-        for name in NEEDS_MOTOR:
-            if name in self.effects and not driven:
-                raise InputError("needs a motor", f"{where}.effects.{name}", "choose a platform with a motor")
+        told = platform.controller is not None
+        lacking = {"motor": [] if platform.motor and not told else NEEDS_MOTOR}
+        lacking["controller"] = [] if told else NEEDS_CONTROLLER
+        for part, names in lacking.items():
+            for name in names:
+                if name in self.effects:
+                    remedy = f"choose a platform that is driven by a {part}"
+                    raise InputError(f"needs a {part}", f"{where}.effects.{name}", remedy)
+        if platform.controller is not None and platform.controller.unknown:
+            gain = platform.controller.unknown[0]
+            raise InputError(
+                "is unknown", f"platform.controller.{gain}", "give it: the servo needs its gains"
+            )
         if self.sliding and "gravity_load" in self.effects:
             raise InputError(
                 "turns no sliding axis", f"{where}.effects.gravity_load", "conceal a constant_load"
@@ -138,7 +151,7 @@ class JointCase:
         load = abs(platform.gravity_torque) + platform.stiffness * self.amplitude
         effort = 0.5 * (platform.inertia * self.acceleration + load)
         size = {"effort": effort, "position": self.amplitude, "velocity": 0.5 * self.velocity}
-        if platform.motor is None:
+        if platform.motor is None or platform.controller is not None:
             return size | {"current": effort, "command": effort}
         constant = platform.motor.torque_constant * platform.motor.gear_ratio
         current = effort / constant

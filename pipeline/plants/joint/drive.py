@@ -99,7 +99,8 @@ class Drive:
 
 def drive_of(effects: Concealed, platform: Joint, case: JointCase, random: np.random.Generator) -> Drive:
     """Return the drive that a case conceals, before its first step."""
-    motor, size = platform.motor, case.size(platform)
+    motor = None if platform.controller is not None else platform.motor
+    size = case.size(platform)
     ratio = effects.get("motor_constant_error", "ratio")
     response = effects.get("motor_lag", "time_constant")
     still = np.zeros(case.runs)

@@ -52,6 +52,11 @@ CONCEALABLE: dict[str, dict[str, Quantity]] = {
     "inertia_error": {"ratio": Quantity("1", 1.3, neutral=1.0, low=0.2, high=5.0)},
     "motor_constant_error": {"ratio": Quantity("1", 1.2, neutral=1.0, low=0.2, high=5.0)},
     "input_scale_error": {"ratio": Quantity("1", 1.2, neutral=1.0, low=0.2, high=5.0)},
+    "controller_gain_error": {
+        "proportional": Quantity("1", 1.3, neutral=1.0, low=0.2, high=5.0),
+        "derivative": Quantity("1", 1.3, neutral=1.0, low=0.2, high=5.0),
+    },
+    "effort_limit": {"limit": Quantity("N·m", 0.6, _EFFORT, neutral=math.inf, low=1e-6)},
     "flexible_coupling": {
         # Damped well, as by rubber or a belt: a position loop that is closed over a shaft like steel's would ring.
         "frequency": Quantity("Hz", 12.0, neutral=math.inf, low=0.5, high=math.inf),
@@ -79,4 +84,7 @@ OUTSIDE: dict[str, dict[str, Quantity]] = {
 """Physics that the catalogue has no name for."""
 
 NEEDS_MOTOR = ("battery_sag", "motor_inductance", "current_limit", "motor_constant_error")
-"""Effects of the voltage at a motor: a machine that is driven by effort does not have them."""
+"""Effects of the voltage at a motor: a machine that is driven otherwise does not have them."""
+
+NEEDS_CONTROLLER = ("controller_gain_error", "effort_limit")
+"""Effects of a servo that is told a position."""

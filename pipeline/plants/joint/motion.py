@@ -10,6 +10,7 @@ from simgap.plants.joint.axis import axis_of
 from simgap.plants.joint.case import JointCase
 from simgap.plants.joint.controller import JointController
 from simgap.plants.joint.drive import drive_of
+from simgap.plants.joint.servo import servo_of
 from simgap.plants.rotation import Array
 from simgap.platforms import Joint
 
@@ -25,7 +26,7 @@ class Log:
         position: of the load, rad or m.
         velocity: rad/s or m/s.
         twist: of the coupling between motor and load, rad or m; 0 where they are one body.
-        command: V, N·m or N, before any delay.
+        command: V, N·m or N, or rad or m of a servo that is told a position; before any delay.
         effort: of the motor at the joint, N·m or N.
         cold_effort: that a motor at ambient temperature would give, N·m or N.
         current: A, or the commanded effort where there is no motor.
@@ -65,23 +66,32 @@ def move(
         reference: position, velocity and acceleration, (steps, runs).
         random: the state of battery and winding, the noise of the encoder.
     """
-    drive = drive_of(effects, platform, case, random)
+    told = platform.controller is not None
+    servo = servo_of(effects, platform, case, random) if told else None
+    drive = servo.drive if servo else drive_of(effects, platform, case, random)
     axis = axis_of(effects, outside, platform, case, (reference[0][0], reference[1][0]))
     noise = case.sensors.scale * case.sensors.position * random.standard_normal(reference[0].shape)
     commands = Commands(effects.get("command_delay", "delay"), STEP, reference[0].shape)
     every = round(1.0 / (case.rate * STEP)) if case.held else 1
     controller = JointController(platform, case, reference[0][0], reference[1][0], every * STEP)
+
+    def effort(command: Array, velocity: Array, step: float) -> Array:
+        if servo is None:
+            return drive.effort(command, velocity, step)
+        return servo.effort(command, axis.position[-1], velocity, step)
+
     rows: list[tuple[Array, ...]] = []
     for count, now in enumerate(zip(*reference, strict=True)):
         axis.travel(STEP)
         if count % every == 0:
-            commands.note(count, controller.command(now, axis.position[-1] + noise[count]))
+            seen = axis.position[-1] + noise[count]
+            commands.note(count, now[0] if told else controller.command(now, seen))
         else:
             commands.keep(count)
         ending = commands.at(count - case.held)
-        axis.push(drive.effort(ending, axis.foreseen[0], STEP), STEP)
+        axis.push(effort(ending, axis.foreseen[0], STEP), STEP)
         if case.held:
-            axis.feel(drive.effort(commands.at(count), axis.velocity[0], 0.0))
+            axis.feel(effort(commands.at(count), axis.velocity[0], 0.0))
         moving = axis.position[-1], axis.velocity[-1], axis.position[0] - axis.position[-1]
         pushed = commands.series[count], axis.effort, drive.cold
         rows.append((*moving, *pushed, drive.current, drive.voltage, drive.winding.temperature))

@@ -50,11 +50,12 @@ def record(
     for run, name in enumerate(names):
         clock, *noise = (np.random.default_rng([*seed, run, part]) for part in range(7))
         times = instants(samples, case.rate, case.jitter, clock)
-        channels = _motion(log, run, times - timing.offset, case, timing.filter, noise[:2]) | _input(
-            log, run, times, platform, case, noise[2]
-        )
+        motion = _motion(log, run, times - timing.offset, case, timing.filter, noise[:2])
+        channels = {name: series for name, series in motion.items() if name not in case.without}
+        channels |= _input(log, run, times, platform, case, noise[2])
         for extra, random in zip(RECORDABLE, noise[3:], strict=True):
-            if extra in case.channels and (platform.motor is not None or extra == "temperature"):
+            powered = platform.motor is not None and platform.controller is None
+            if extra in case.channels and (powered or extra == "temperature"):
                 truth = at(getattr(log, extra)[:, run], times, STEP, SETTLING)
                 spread = case.sensors.scale * getattr(case.sensors, extra)
                 channels[extra] = truth + spread * random.standard_normal(samples)
@@ -108,6 +109,8 @@ def _input(
     ticks = np.arange(len(times)) / case.rate
     series = log.command[:, run]
     command = held_at(series, ticks, STEP, SETTLING) if case.held else at(series, times, STEP, SETTLING)
+    if platform.controller is not None:
+        return {"position_command": command}
     if platform.motor is not None:
         return {"voltage": quantised(command, case.sensors.scale * case.sensors.voltage_step)}
     return {"effort": command + case.sensors.scale * case.sensors.effort * noise.standard_normal(len(times))}

@@ -79,7 +79,7 @@ def in_metres(unit: str) -> str:
 def _dead_zone(values: dict[str, float], answered: Answered) -> Stated:
     """Return the effort at standstill of the greatest command that does nothing."""
     motor = answered.platform.motor
-    if motor is None:
+    if motor is None or answered.platform.controller is not None:
         return {"width": (values["width"], "N·m")}
     ratio = answered.effects.get("motor_constant_error", "ratio")
     per_volt = ratio * motor.torque_constant * motor.gear_ratio / motor.resistance

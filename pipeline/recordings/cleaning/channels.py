@@ -64,7 +64,7 @@ RATES: dict[str, list[str]] = {
 INPUTS: dict[str, list[str]] = {
     "quadrotor": [],
     "swerve": [*axes("drive_voltage", "1234"), *axes("steer_voltage", "1234")],
-    "joint": ["effort", "voltage"],
+    "joint": ["effort", "voltage", "position_command"],
 }
 """Inputs that a program holds until the next one: between two samples the earlier one is what acted. A
 quadrotor's commands come from a feedback loop far faster than the log, so they are taken as continuous."""

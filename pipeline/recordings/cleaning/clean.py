@@ -11,6 +11,7 @@ from simgap.recordings.cleaning.channels import INPUTS
 from simgap.recordings.cleaning.clock import estimate_clock_offset
 from simgap.recordings.cleaning.coverage import coverage
 from simgap.recordings.cleaning.crash import cut_crash
+from simgap.recordings.cleaning.derived import derived_remark, with_derived
 from simgap.recordings.cleaning.frozen import erase_frozen
 from simgap.recordings.cleaning.idle import drop_idle
 from simgap.recordings.cleaning.limits import erase_beyond_limits
@@ -22,7 +23,7 @@ from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.cleaning.spikes import erase_spikes
 from simgap.recordings.cleaning.straight import erase_straight
 from simgap.recordings.cleaning.work import RunUnderCleaning, changes_table
-from simgap.recordings.contract import REQUIRED
+from simgap.recordings.contract import always_needed
 from simgap.recordings.recording import Recording
 from simgap.recordings.split import Split, split_recording
 
@@ -75,7 +76,8 @@ def clean_with_coverage(
     if recording.cleaned:
         parts = split_recording(recording.frame, recording.kind, split, seed)
         runs = [_take_up(recording, name, rows) for name, rows in _by_run(recording)]
-        return Cleaned(dataclasses.replace(recording, split=parts), changes_table([]), coverage(runs))
+        split_up = dataclasses.replace(recording, split=parts)
+        return Cleaned(_completed(split_up, recording.time_step), changes_table([]), coverage(runs))
     runs = [_take_up(recording, name, rows) for name, rows in _by_run(recording)]
     steps = [run.time_step for run in runs if (run.dropped == "").any()]
     time_step = settings.time_step or (float(np.median(steps)) if steps else 0.0)
@@ -93,7 +95,17 @@ def clean_with_coverage(
         noise_kept={run.name: run.noise_kept for run in usable if run.noise_kept < 1.0},
         cleaned=True,
     )
-    return Cleaned(result, changes, coverage(runs))
+    return Cleaned(_completed(result, time_step), changes, coverage(runs))
+
+
+def _completed(recording: Recording, time_step: float) -> Recording:
+    """Return a recording with the channels that another one shows, if it lacks them."""
+    frame, units, derived = with_derived(recording.frame, recording.kind, recording.units, time_step)
+    if not derived:
+        return recording
+    remark = derived_remark(derived, recording.kind)
+    warnings = (*recording.warnings, remark)
+    return dataclasses.replace(recording, frame=frame, units=units, derived=derived, warnings=warnings)
 
 
 def _by_run(recording: Recording) -> list[tuple[str, pd.DataFrame]]:
@@ -116,7 +128,10 @@ def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCle
         stretch=rows["segment"].to_numpy(copy=True)
         if "segment" in rows
         else np.zeros(len(time), dtype=np.int64),
-        needed=[*REQUIRED[recording.kind], *(needed_groups(rows, recording.kind) if not reason else [])],
+        needed=[
+            *always_needed(recording.kind, recording.channels),
+            *(needed_groups(rows, recording.kind) if not reason else []),
+        ],
         time_step=typical_step(time) if len(time) > 1 else 0.0,
     )
     if "filled" in rows:

@@ -19,6 +19,7 @@ _STILL_SPEED = 0.05  # m/s
 _STILL_RATE = 0.1  # rad/s
 _NO_INPUT = 0.01  # of the largest input
 _NO_MOTION = 0.01  # of the largest speed
+_SETPOINTS = frozenset({"position_command"})  # whose zero is a place, not the absence of an input
 
 
 def drop_idle(run: RunUnderCleaning, min_idle: float) -> None:
@@ -30,8 +31,10 @@ def drop_idle(run: RunUnderCleaning, min_idle: float) -> None:
         _drop(run, off | resting, min_idle, off & on_floor | resting, "on the ground, not flying")
         _drop(run, off, max(min_idle, 1.0), off, "rotors off")
         return
-    inputs = [column for column in INPUTS[run.kind] if column in run.columns]
+    inputs = [column for column in INPUTS[run.kind] if column in run.columns and column not in _SETPOINTS]
     rates = [column for column in RATES[run.kind] if column in run.columns]
+    if not inputs or not rates:
+        return  # a servo that holds a position works, and without a rate nothing shows standstill
     still = _below_share(run.channel(*inputs), _NO_INPUT) & _below_share(run.channel(*rates), _NO_MOTION)
     _drop(run, still, min_idle, still, "no input on any motor and no motion")
 

@@ -6,6 +6,7 @@ from torch import Tensor
 from simgap.effects import Effect, effects_of
 from simgap.physics import rotations
 from simgap.platforms import (
+    Controller,
     DirectCurrentMotor,
     Joint,
     JointMotor,
@@ -44,7 +45,14 @@ JOINT = Joint(
 )
 MACHINES: dict[str, Platform] = {"quadrotor": QUADROTOR, "swerve": SWERVE, "joint": JOINT}
 
-EVERY_EFFECT = [effect for kind in MACHINES for effect in effects_of(kind)]
+SERVO = Joint(
+    inertia=0.02, gravity_torque=0.4, stiffness=0.3, controller=Controller(9.0, 0.5, effort_limit=4.0)
+)
+
+EVERY_EFFECT = [
+    effect for kind in MACHINES for effect in effects_of(kind) if "position_command" not in effect.needs
+]
+"""All but those of a servo that is told a position, for which see test_servo.py."""
 
 
 def identity(effect: Effect) -> str:

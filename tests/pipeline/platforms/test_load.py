@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simgap.errors import InputError
-from simgap.platforms import Joint, Quadrotor, Swerve, platform_from_config, platform_to_config
+from simgap.platforms import Controller, Joint, Quadrotor, Swerve, platform_from_config, platform_to_config
 from tests.pipeline.platforms.machines import JOINT, MACHINES, QUADROTOR, SWERVE
 
 PLATFORM_FILES = sorted((Path(__file__).parents[3] / "conf" / "platform").glob("*.yaml"))
@@ -63,7 +63,7 @@ positive = st.floats(1e-9, 1e9)
 
 @given(inertia=positive, load=st.floats(-1e3, 1e3), stiffness=st.floats(0, 1e6), gravity=st.floats(0, 30))
 def test_every_joint_survives_the_way_through_its_configuration(inertia, load, stiffness, gravity):
-    joint = Joint(inertia, load, stiffness, None, gravity)
+    joint = Joint(inertia, load, stiffness, None, gravity, Controller(stiffness or None, None, 1.0 + gravity))
     assert platform_from_config(platform_to_config(joint)) == joint
 
 
@@ -200,3 +200,16 @@ def test_a_quadrotor_may_have_a_coefficient_for_each_rotor(key, ratios):
 )
 def test_wrong_coefficients_of_rotors_are_refused_with_their_place(changes, said):
     assert re.search(said, refusal(platform_to_config(QUADROTOR) | changes))
+
+
+def test_each_number_of_a_position_loop_may_be_unknown():
+    config = {"inertia": 0.03, "controller": {"proportional": None, "derivative": 0.0}}
+    joint = platform_from_config(config)
+    assert joint.controller == Controller(derivative=0.0)
+    assert (joint.controller.given, joint.controller.unknown) == (("derivative",), ("proportional",))
+    for wrong, word in (
+        ({"proportional": 0.0}, "zero"),
+        ({"gain": 1.0}, "gain"),
+        ({"derivative": -1.0}, "negative"),
+    ):
+        assert word in refusal({"inertia": 0.03, "controller": wrong})

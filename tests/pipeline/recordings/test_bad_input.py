@@ -114,18 +114,22 @@ def test_header_without_samples(written):
     refused(written(lambda frame: frame.iloc[:0], suffix="csv"), "no samples")
 
 
-@pytest.mark.parametrize("column", ["run", "t", "position", "velocity"])
+@pytest.mark.parametrize("column", ["run", "t", "position", "steer_velocity_1"])
 def test_missing_column(written, column):
-    refused(written(lambda frame: frame.drop(columns=column)), repr(column), "missing")
+    kind = "swerve" if column.startswith("steer") else "joint"
+    refused(written(lambda frame: frame.drop(columns=column), kind), repr(column), "missing")
 
 
 def test_missing_column_with_its_nearest_name(written):
+    path = written(lambda frame: frame.rename(columns={"position": "Positoin"}))
+    refused(path, "'position' is missing", "did you mean 'Positoin'?")
     path = written(lambda frame: frame.rename(columns={"velocity": "Velocty"}))
-    refused(path, "'velocity' is missing", "did you mean 'Velocty'?")
+    (remark,) = read_recording(path).warnings
+    assert "'Velocty' is unknown for a joint (did you mean 'velocity'?)" in remark
 
 
 def test_missing_group(written):
-    refused(written(lambda frame: frame.drop(columns="voltage")), "effort or voltage")
+    refused(written(lambda frame: frame.drop(columns="voltage")), "effort or voltage or position_command")
     path = written(lambda frame: frame.drop(columns="motor_speed_3"), "quadrotor")
     refused(path, "'motor_speed_3' is missing")
 

@@ -125,8 +125,8 @@ def test_the_file_decides_its_kind(frames, tmp_path):
 def test_another_kind_than_the_platforms_is_recognised(frames, tmp_path):
     frames("quadrotor").to_csv(tmp_path / "a.csv", index=False)
     assert read_recording(tmp_path / "a.csv", "joint").kind == "quadrotor"
-    frames("joint").drop(columns="velocity").to_csv(tmp_path / "b.csv", index=False)
-    with pytest.raises(InputError, match="'velocity' is missing"):
+    frames("joint").drop(columns="position").to_csv(tmp_path / "b.csv", index=False)
+    with pytest.raises(InputError, match="'position' is missing"):
         read_recording(tmp_path / "b.csv", "joint")
 
 

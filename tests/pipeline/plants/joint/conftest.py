@@ -19,6 +19,12 @@ def servo() -> Joint:
     return joint("servo")
 
 
+@pytest.fixture(scope="session")
+def told() -> Joint:
+    """A servo that is told a position."""
+    return joint("servo_position")
+
+
 @pytest.fixture(scope="session", params=["servo", "pendulum", "linear_stage", "spring_mass"])
 def machine(request) -> Joint:
     return joint(request.param)

@@ -1,3 +1,4 @@
+import dataclasses
 import hashlib
 
 import numpy as np
@@ -9,7 +10,8 @@ from simgap.errors import InputError
 from simgap.plants import record_case
 from simgap.plants.fly import key_text
 from simgap.plants.joint.case import JointCase, JointSensors
-from simgap.plants.joint.effects import CONCEALABLE, NEEDS_MOTOR, OUTSIDE
+from simgap.plants.joint.effects import CONCEALABLE, NEEDS_CONTROLLER, NEEDS_MOTOR, OUTSIDE
+from simgap.platforms import Controller
 from tests.pipeline.plants.reading import assert_read_as_written
 
 SHORT = {"runs": 4, "duration": 2.0}
@@ -40,6 +42,44 @@ def test_the_null_case_is_the_nominal_machine(machine, held):
         impulse = sum_up(effort, rate, held) - sum_up(load, rate) - braking * (position - position[0])
         momentum = machine.inertia * (velocity - velocity[0])
         np.testing.assert_allclose(impulse, momentum, atol=2e-3 * np.abs(momentum).max())
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_a_servo_follows_its_law_but_for_its_encoder_and_its_current(told, held):
+    """The loop's effort gives the momentum to a fiftieth; a held command, which arrives 1 ms late, to a tenth."""
+    case = {"runs": 4, "duration": 3.0, "rate": 200.0, "held": held, "dropped": 0.0, "sensors": PERFECT}
+    case |= {"amplitude": 1.0, "velocity": 4.0, "acceleration": 30.0}
+    recording, key = record_case(JointCase(**case), told, seed=5)
+    assert key["effects"] == key["outside"] == []
+    assert set(recording.units) == {"position", "velocity", "position_command"}
+    gains = told.controller
+    for _, run in recording.frame.groupby("run"):
+        position, velocity = run["position"].to_numpy(), run["velocity"].to_numpy()
+        pull = gains.proportional * position + told.gravity_torque * np.sin(position)
+        told_to = gains.proportional * run["position_command"].to_numpy()
+        impulse = sum_up(told_to, 200.0, held) - sum_up(pull + gains.derivative * velocity, 200.0)
+        momentum = told.inertia * (velocity - velocity[0])
+        np.testing.assert_allclose(impulse, momentum, atol=(0.1 if held else 0.02) * np.abs(momentum).max())
+
+
+def test_a_velocity_that_nobody_records_changes_nothing_else(told):
+    whole = record_case(JointCase(**SHORT), told, seed=1)[0].frame
+    without = record_case(JointCase(**SHORT, without=["velocity"]), told, seed=1)[0].frame
+    pd.testing.assert_frame_equal(without, whole.drop(columns="velocity"))
+
+
+@pytest.mark.parametrize("effect", NEEDS_CONTROLLER)
+def test_an_effect_of_the_loop_needs_a_controller(servo, effect):
+    with pytest.raises(InputError, match="needs a controller"):
+        record_case(JointCase(effects={effect: {}}, **SHORT), servo, seed=0)
+
+
+def test_a_servo_that_is_told_a_position_has_no_effect_of_a_voltage_and_no_unknown_gain(told):
+    with pytest.raises(InputError, match="needs a motor"):
+        record_case(JointCase(effects={NEEDS_MOTOR[0]: {}}, **SHORT), told, seed=0)
+    vague = dataclasses.replace(told, controller=Controller(derivative=0.6))
+    with pytest.raises(InputError, match=r"platform.controller.proportional: is unknown"):
+        record_case(JointCase(**SHORT), vague, seed=0)
 
 
 def nominal_effort(run, machine):
@@ -81,8 +121,9 @@ def test_the_record_carries_the_hash_of_the_key_and_nothing_of_its_content(servo
 
 
 @pytest.mark.parametrize("name", CONCEALABLE)
-def test_the_key_speaks_the_language_of_the_catalogue(servo, name):
-    _, key = record_case(JointCase(effects={name: {}}, **SHORT), servo, seed=1)
+def test_the_key_speaks_the_language_of_the_catalogue(servo, told, name):
+    machine = told if name in NEEDS_CONTROLLER else servo
+    _, key = record_case(JointCase(effects={name: {}}, **SHORT), machine, seed=1)
     (entry,) = key["effects"]
     effect = next(effect for effect in effects_of("joint") if effect.name == name)
     assert entry["name"] == name
@@ -114,9 +155,10 @@ SENSORS = ("sensor_time_offset", "velocity_filter")
 
 
 @pytest.mark.parametrize("name", [name for name in CONCEALABLE if name not in SENSORS])
-def test_every_effect_moves_the_machine_elsewhere(servo, name):
-    null = record_case(JointCase(**SHORT, sensors=PERFECT), servo, seed=1)[0].frame
-    moved = record_case(JointCase(effects={name: {}}, **SHORT, sensors=PERFECT), servo, seed=1)[0].frame
+def test_every_effect_moves_the_machine_elsewhere(servo, told, name):
+    machine = told if name in NEEDS_CONTROLLER else servo
+    null = record_case(JointCase(**SHORT, sensors=PERFECT), machine, seed=1)[0].frame
+    moved = record_case(JointCase(effects={name: {}}, **SHORT, sensors=PERFECT), machine, seed=1)[0].frame
     assert (moved["position"] - null["position"]).abs().max() > 3e-4
 
 
@@ -196,6 +238,7 @@ def test_an_effect_of_the_voltage_needs_a_motor(machine):
         (JointCase(references=["jump"]), "record.references"),
         (JointCase(references=[]), "record.references"),
         (JointCase(channels=["smell"]), "record.channels"),
+        (JointCase(without=["position"]), "record.without"),
         (JointCase(runs=0), "record.runs"),
         (JointCase(rate=5000.0), "record.rate"),
         (JointCase(gentlest=0.0), "record.gentlest"),
