@@ -12,6 +12,7 @@ from simgap.gap.horizon import HorizonError, horizon_errors
 from simgap.gap.learned import LearnedResidual, learn, learned_rows
 from simgap.gap.locate import Mismatch, locate
 from simgap.gap.name import Naming, name
+from simgap.gap.observable import observable, unjudged
 from simgap.gap.reading import readings_of
 from simgap.gap.regimes import Regime, regimes_of
 from simgap.gap.residuals import channels_on, noise_of_rows
@@ -95,6 +96,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         InputError: when the recording is too short or of another kind than the platform, or a setting out of its range.
     """
     settings.check()
+    nominal, aside = observable(recording, nominal)
     readings = readings_of(recording, nominal, settings)
     contradicted = contradictions(recording, readings[0].prepared)
     if contradicted:
@@ -123,6 +125,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     gap = bool(unnamed) or _is_gap(naming, problem)
     refuted = (*_refuted(naming, validation), *_held_out_only(validation, naming, problem, channels))
     doubts = (
+        *unjudged(aside),
         *_unfinished(naming, settings),
         *_within_tolerance(naming, fitted.time_step),
         *_shortness(problem),
@@ -145,7 +148,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         fitting=problem,
         proving=proving,
         nominal=nominal,
-        simulator=with_drivers(simulator, fitted.signals),
+        simulator=with_drivers(simulator.with_effects((*aside, *simulator.effects)), fitted.signals),
     )
 
 

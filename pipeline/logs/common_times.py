@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simgap.logs.log import Signal
-from simgap.recordings.contract import REQUIRED
+from simgap.recordings.contract import required_channels
 
 _GAP = (
     5.0  # steps of a signal or of the common times; longer gaps stay open, and cleaning counts their samples
@@ -30,7 +30,8 @@ def base_times(signals: Mapping[str, Signal], kind: str, rate: float | None) -> 
     measured = {name: _known(signal) for name, signal in signals.items() if not signal.held} or {
         name: _known(signal) for name, signal in signals.items()
     }
-    needed = {name: time for name, time in measured.items() if name in REQUIRED[kind]} or measured
+    required = required_channels(kind, signals)
+    needed = {name: time for name, time in measured.items() if name in required} or measured
     if any(len(time) < 2 for time in needed.values()):
         return np.empty(0)
     begin = max(time[0] for time in needed.values())

@@ -27,6 +27,7 @@ class Format:
 
 
 FORMATS: tuple[Format, ...] = (
+    Format("Blackbox", "blackbox", lambda path, head: _is_blackbox(path, head)),
     Format("Parquet", "table", lambda path, head: head.startswith(b"PAR1")),
     Format("CSV", "table", lambda path, head: path.suffix.lower() in (".csv", ".txt")),
 )
@@ -58,6 +59,11 @@ def format_of(path: Path) -> Format:
             return entry
     known = ", ".join(entry.name for entry in FORMATS)
     raise InputError("is of no known format", str(path), f"give one of: {known}")
+
+
+def _is_blackbox(path: Path, head: bytes) -> bool:
+    """Whether a file is a log of Betaflight or INAV: by its first line, or by a name that only these have."""
+    return b"H Product:Blackbox" in head or path.suffix.lower() in (".bbl", ".bfl", ".bbs")
 
 
 def _first_bytes(path: Path) -> bytes:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from simgap.logs.log import Log, Span
 from simgap.logs.mapping import Mapping, Source
-from simgap.recordings.contract import ANY_OF, REQUIRED
+from simgap.recordings.contract import ANY_OF, required_channels
 
 SURE = 0.9
 """Confidence from which on a proposed column is used without asking, as a name of 0.9 is right in nine of ten."""
@@ -84,7 +84,7 @@ def propose(log: Log, kind: str | None = None) -> Proposal:
 
 def lacking(kind: str, columns: set[str]) -> list[str]:
     """Return the required columns that are not there; of groups of which one is needed, that of the first."""
-    lost = [column for column in REQUIRED[kind] if column not in columns]
+    lost = [column for column in required_channels(kind, columns) if column not in columns]
     groups = ANY_OF[kind]
     if groups and not any(set(group) <= columns for group in groups):
         begun = max(groups, key=lambda group: len(columns & set(group)))

@@ -1,5 +1,7 @@
 """The contract of recordings: column names, units and required columns."""
 
+from collections.abc import Iterable
+
 KINDS = ("quadrotor", "swerve", "joint")
 
 
@@ -62,11 +64,18 @@ SLIDING_JOINT_UNITS = {"position": "m", "velocity": "m/s", "effort": "N"}
 """Units of a joint whose position is measured in metres."""
 
 REQUIRED: dict[str, tuple[str, ...]] = {
-    "quadrotor": tuple(QUADROTOR_STATE),
+    "quadrotor": tuple(_axes("body_rate", "")),
     "swerve": tuple(_SWERVE_REQUIRED),
     "joint": ("position", "velocity"),
 }
 """Channels that every recording of a kind has."""
+
+TOGETHER: dict[str, tuple[str, ...]] = {
+    "quadrotor": tuple(column for column in QUADROTOR_STATE if not column.startswith("body_rate")),
+    "swerve": (),
+    "joint": (),
+}
+"""Channels that a recording has all or none of: a flight controller often logs no position, velocity and attitude."""
 
 ANY_OF: dict[str, tuple[tuple[str, ...], ...]] = {
     "quadrotor": (tuple(_four("motor_speed", "")), tuple(_four("motor_command", ""))),
@@ -92,7 +101,13 @@ def channel_units(kind: str, sliding: bool = False) -> dict[str, str]:
     return COLUMNS[kind] | (SLIDING_JOINT_UNITS if sliding and kind == "joint" else {})
 
 
+def required_channels(kind: str, columns: Iterable[str]) -> list[str]:
+    """Return the channels that a recording with these columns must have: those of `TOGETHER` if it has one of them."""
+    together = TOGETHER[kind] if set(TOGETHER[kind]) & set(columns) else ()
+    return [*together, *REQUIRED[kind]]
+
+
 def needed_channels(kind: str, columns: set[str]) -> list[str]:
     """Return the required channels and those of every any-of group that is whole in `columns`."""
     groups = [group for group in ANY_OF[kind] if set(group) <= columns]
-    return [*REQUIRED[kind], *(column for group in groups for column in group)]
+    return [*required_channels(kind, columns), *(column for group in groups for column in group)]

@@ -7,7 +7,16 @@ import numpy as np
 import pandas as pd
 
 from simgap.errors import InputError
-from simgap.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, WHOLE_NUMBERS, channel_units
+from simgap.recordings.contract import (
+    ANY_OF,
+    INDEX_COLUMNS,
+    KINDS,
+    REQUIRED,
+    TOGETHER,
+    WHOLE_NUMBERS,
+    channel_units,
+    required_channels,
+)
 from simgap.recordings.numeric import location, to_numbers
 from simgap.recordings.units import KNOWN, conversion
 
@@ -34,7 +43,7 @@ def resolve_kind(declared: object, expected: str | None, frame: pd.DataFrame, wh
             )
         return str(declared)
     present = set(frame.columns)
-    share = {kind: len(present & set(REQUIRED[kind])) / len(REQUIRED[kind]) for kind in KINDS}
+    share = {kind: _share_of(kind, present) for kind in KINDS}
     best = max(share, key=lambda kind: share[kind])
     if expected in KINDS and share[best] < 1:
         return str(expected)
@@ -46,6 +55,12 @@ def resolve_kind(declared: object, expected: str | None, frame: pd.DataFrame, wh
             "use the column names of docs/contract.md",
         )
     return best
+
+
+def _share_of(kind: str, present: set[str]) -> float:
+    """Return the share of the columns of a kind that are there; of those that may be absent together, some count."""
+    sets = (REQUIRED[kind], (*REQUIRED[kind], *TOGETHER[kind]))
+    return max(len(present & set(columns)) / len(columns) for columns in sets)
 
 
 def validate(
@@ -102,7 +117,7 @@ def _is_sliding(kind: str, declared: dict[str, str]) -> bool:
 
 def _require_columns(present: set[str], kind: str, where: str) -> None:
     groups = ANY_OF[kind]
-    for column in ("run", "t", *REQUIRED[kind]):
+    for column in ("run", "t", *required_channels(kind, present)):
         if column not in present:
             raise InputError(f"column {column!r} is missing", where, _remedy(column, present, kind))
     if groups and not any(set(group) <= present for group in groups):
@@ -122,6 +137,9 @@ def _remedy(column: str, present: Iterable[str], kind: str) -> str:
         return f"did you mean {lowered[near[0]]!r}? rename it"
     if column == "run":
         return "add it: the name of the flight, drive or trial, in every row"
+    if column in TOGETHER[kind]:
+        stems = sorted({_vector(name) for name in TOGETHER[kind]})
+        return f"add it, or leave all of {', '.join(stems)} out"
     return f"add it, a {kind} needs it"
 
 
@@ -202,7 +220,7 @@ def _whole_numbers(frame: pd.DataFrame, column: str, where: str) -> pd.Series:
 def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataFrame, list[str]]:
     """Refuse a required channel without values, drop an optional one, and say where a run lacks one."""
     empty = [column for column in frame.columns if column != "run" and frame[column].isna().all()]
-    needed = [*REQUIRED[kind]]
+    needed = required_channels(kind, frame.columns)
     usable = [group for group in ANY_OF[kind] if set(group) <= set(frame.columns) - set(empty)]
     if ANY_OF[kind] and not usable:
         needed += next(group for group in ANY_OF[kind] if set(group) & set(empty))
@@ -212,7 +230,7 @@ def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataF
                 "has no values", f"{where}, all runs, column {column!r}", "give another recording"
             )
     remarks = [f"Column {column!r} has no values and was ignored." for column in empty]
-    checked = [*REQUIRED[kind], *(column for group in usable for column in group)]
+    checked = [*required_channels(kind, frame.columns), *(column for group in usable for column in group)]
     present = frame.groupby("run", sort=False)[checked].count()
     for run, counts in present.iterrows():
         lacking = [str(column) for column in counts.index[counts.to_numpy() == 0]]
@@ -222,6 +240,8 @@ def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataF
 
 
 def _check_quaternions(frame: pd.DataFrame, where: str) -> None:
+    if _QUATERNION[0] not in frame:
+        return
     norm = np.linalg.norm(frame[_QUATERNION].to_numpy(), axis=1)
     wrong = np.abs(norm - 1.0) > _NORM_TOLERANCE
     if wrong.any():

@@ -22,7 +22,7 @@ from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.cleaning.spikes import erase_spikes
 from simgap.recordings.cleaning.straight import erase_straight
 from simgap.recordings.cleaning.work import RunUnderCleaning, changes_table
-from simgap.recordings.contract import REQUIRED
+from simgap.recordings.contract import required_channels
 from simgap.recordings.recording import Recording
 from simgap.recordings.split import Split, split_recording
 
@@ -116,7 +116,10 @@ def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCle
         stretch=rows["segment"].to_numpy(copy=True)
         if "segment" in rows
         else np.zeros(len(time), dtype=np.int64),
-        needed=[*REQUIRED[recording.kind], *(needed_groups(rows, recording.kind) if not reason else [])],
+        needed=[
+            *required_channels(recording.kind, recording.channels),
+            *(needed_groups(rows, recording.kind) if not reason else []),
+        ],
         time_step=typical_step(time) if len(time) > 1 else 0.0,
     )
     if "filled" in rows:
