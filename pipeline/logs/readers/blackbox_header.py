@@ -122,7 +122,7 @@ def settings_of(header: Header) -> Integers:
     return np.array([int(value) for value in values], dtype=np.int64)
 
 
-def _interval(number: float) -> float:
+def _interval(number: float | int) -> float | int:
     return min(max(number, 1.0), _LONGEST_INTERVAL)
 
 
