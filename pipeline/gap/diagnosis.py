@@ -10,6 +10,7 @@ from simgap.gap.drift import drifts_of
 from simgap.gap.fit import Problem, channels_of, excess_of
 from simgap.gap.horizon import HorizonError, horizon_errors
 from simgap.gap.learned import LearnedResidual, learn, learned_rows
+from simgap.gap.limits import at_limits
 from simgap.gap.locate import Mismatch, locate
 from simgap.gap.name import Naming, name
 from simgap.gap.observable import observable, unjudged
@@ -128,6 +129,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         *unjudged(aside),
         *_unfinished(naming, settings),
         *_within_tolerance(naming, fitted.time_step),
+        *at_limits(naming.best.fit.simulator),
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
         *_doubts(naming, problem, () if contradicted else memories, held_out),

@@ -18,8 +18,8 @@ class QuadrotorMechanism(Mechanism):
     """Newton and Euler in the body frame (FLU).
 
     Signals: `velocity` body-frame airspeed (..., 3) m/s, `body_rate` (..., 3) rad/s, `attitude` (..., 4),
-    `rotor_speed` (..., 4) rad/s or `motor_command` (..., 4) 0..1. Without velocity and attitude there are the torques, and
-    with an accelerometer the force along body z, which has no drag in hover.
+    `rotor_speed` (..., 4) rad/s or `motor_command` (..., 4) 0..1. Without velocity and attitude there are the torques,
+    and with an accelerometer the force along body z, which is thrust less the drag along z.
     Force channels are mass-normalised (what an ideal accelerometer reads), m/s²; torque channels are N·m.
     Source: Mahony, Kumar & Corke 2012, "Multirotor aerial vehicles", eqs. 1–4.
     """

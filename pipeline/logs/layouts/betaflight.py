@@ -27,7 +27,9 @@ def propose(log: Log, kind: str | None) -> Proposal | None:
     motors = sorted(name for name in log.signals if name.startswith("motor["))
     if kind not in (None, "quadrotor") or len(motors) != 4:
         what = f"has {len(motors)} motors" if len(motors) != 4 else "is the log of a flight controller"
-        return Proposal("quadrotor", {}, refusal=f"{what}: only flights of quadrotors with four motors are read")
+        return Proposal(
+            "quadrotor", {}, refusal=f"{what}: only flights of quadrotors with four motors are read"
+        )
     if "gyroADC[0]" not in log.signals:
         missing = {
             "body_rate_x": "let the blackbox log the gyroscope (blackbox_disable_gyro = OFF), and fly again"
@@ -39,9 +41,7 @@ def propose(log: Log, kind: str | None) -> Proposal | None:
     time = log.signals[motors[0]].time
     flights = flights_of(log, time, commands)
     if not flights:
-        refusal = (
-            "no flight is in it: the throttle never stays up long enough to fly; log a flight of at least ten seconds"
-        )
+        refusal = "no flight is in it: the throttle never stays up long enough; log a flight of at least ten seconds"
         return Proposal("quadrotor", {}, refusal=refusal)
     turning = turning_of(time, np.radians(motion), commands, flights)
     columns = {**_rates(log, turning), **_forces(log), **_motors(log, low, high), **_battery(log)}
@@ -73,14 +73,19 @@ def _rates(log: Log, turning: Turning) -> dict[str, Proposed]:
         if axis < 2 and turning.agrees(axis):
             confidence, reason = _DEFINED, f"{reason}; the motors turn it that way"
         elif axis < 2 and turning.opposes(axis):
-            confidence, reason = _OPPOSED, "the motors of a quad X turn it the other way: another order, or frame?"
+            confidence, reason = (
+                _OPPOSED,
+                "the motors of a quad X turn it the other way: another order, or frame?",
+            )
         columns[f"body_rate_{name}"] = Proposed(
             Source(f"gyroADC[{axis}]", _unit(log, f"gyroADC[{axis}]", "deg/s")), confidence, reason
         )
         command = next((stem for stem in ("setpoint", "axisRate") if f"{stem}[{axis}]" in log.signals), None)
         if command is not None:
             source = Source(f"{command}[{axis}]", "deg/s")
-            columns[f"body_rate_command_{name}"] = Proposed(source, known, "what the rate controller is asked for")
+            columns[f"body_rate_command_{name}"] = Proposed(
+                source, known, "what the rate controller is asked for"
+            )
     return columns
 
 
@@ -130,8 +135,8 @@ def _notes(log: Log, turning: Turning, step: float) -> Iterator[str]:
         yield f"One frame every {step:.3g} s shows no motor lag: set blackbox_sample_rate to 500 Hz or more."
     if "eRPM[0]" not in log.signals:
         yield (
-            "Rotor speeds are not in it: with bidirectional DSHOT (dshot_bidir = ON) and blackbox_disable_rpm = OFF they "
-            "tell a lag of the motors from a wrong thrust coefficient."
+            "Rotor speeds are not in it: with bidirectional DSHOT (dshot_bidir = ON) and blackbox_disable_rpm = OFF "
+            "they tell a lag of the motors from a wrong thrust coefficient."
         )
     if "accSmooth[2]" not in log.signals:
         yield "The accelerometer is not in it (blackbox_disable_acc = OFF), so that the thrust cannot be judged."

@@ -13,9 +13,7 @@ _SHORTEST = 2.0  # s of a flight
 _ON_THE_GROUND = 0.5  # s at both ends: a machine that lifts off or touches down is pushed by the ground, too
 
 
-def flights_of(
-    log: Log, time: NDArray[np.float64], commands: NDArray[np.float64]
-) -> tuple[Span, ...]:
+def flights_of(log: Log, time: NDArray[np.float64], commands: NDArray[np.float64]) -> tuple[Span, ...]:
     """Return the flights of a log, in its clock.
 
     Args:

@@ -77,7 +77,8 @@ def turning_of(
     size = np.sqrt(moments[:, 0] * moments[:, 1])
     correlation = np.where(size > 0, moments[:, 2] / np.where(size > 0, size, 1.0), np.nan)
     strongest = np.abs(np.nan_to_num(correlation)).argmax(axis=0)
-    return Turning(tuple(float(correlation[place, axis]) for axis, place in enumerate(strongest)))
+    x, y, z = (float(correlation[place, axis]) for axis, place in enumerate(strongest))
+    return Turning((x, y, z))
 
 
 def directions_of(turning: Turning) -> str:
@@ -85,10 +86,8 @@ def directions_of(turning: Turning) -> str:
     if turning.agrees(2):
         return "The motors turn as is usual (propellers inwards): rotor_directions [1, -1, -1, 1]."
     if turning.opposes(2):
-        return (
-            "The motors turn in reverse (propellers outwards, yaw_motors_reversed): rotor_directions [-1, 1, 1, -1]."
-        )
+        return "The motors turn in reverse (propellers outwards, yaw_motors_reversed): rotor_directions [-1, 1, 1, -1]."
     return (
-        "Which way the motors turn does not show: rotor_directions is [1, -1, -1, 1] as is usual (propellers inwards), or "
-        "[-1, 1, 1, -1] if yaw_motors_reversed is on."
+        "Which way the motors turn does not show: rotor_directions is [1, -1, -1, 1] as is usual (propellers inwards), "
+        "or [-1, 1, 1, -1] if yaw_motors_reversed is on."
     )

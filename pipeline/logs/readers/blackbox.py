@@ -70,7 +70,9 @@ def read(path: Path) -> Log:
     logs = [log for log in found if len(log.time) >= _FEWEST]
     if not logs:
         raise InputError(
-            f"has no frames in any of its {len(starts)} logs", str(path), "record a flight with the blackbox on"
+            f"has no frames in any of its {len(starts)} logs",
+            str(path),
+            "record a flight with the blackbox on",
         )
     begins = np.cumsum([0.0, *(float(log.time[-1]) + _PAUSE for log in logs)])
     return Log(
@@ -96,13 +98,11 @@ def _decoded(data: bytes, starts: Sequence[int]) -> list[_Decoded]:
 
 
 def _decode(data: bytes, header: Header, number: int) -> _Decoded:
-    from simgap.logs.readers.blackbox_frames import decode  # with numba: after what is refused has been refused
+    from simgap.logs.readers.blackbox_frames import decode  # with numba: after what can be refused
 
-    none = np.zeros((3, 0), dtype=np.int64)
-    tables = tuple(header.frames[kind].table if kind in header.frames else none for kind in "IPSGH")
-    fields = [tables[place].shape[1] for place in (0, 2, 3)]
-    # What is never written takes no memory: rows beyond those that are there only have addresses.
-    rows = tuple(np.empty((_most_rows(data, count), count), dtype=np.int32) for count in fields)
+    intra, inter, slow, gps, home = (header.table(kind) for kind in "IPSGH")
+    tables = intra, inter, slow, gps, home
+    rows = _room(data, intra), _room(data, slow), _room(data, gps)
     stamps = np.empty((2, max(len(rows[1]), len(rows[2]))), dtype=np.int64)
     counts = decode(np.frombuffer(data, dtype=np.uint8), tables, settings_of(header), rows, stamps)
     main = rows[0][: counts[0]].copy()
@@ -118,9 +118,13 @@ def _decode(data: bytes, header: Header, number: int) -> _Decoded:
     )
 
 
-def _most_rows(data: bytes, fields: int) -> int:
-    """Return how many frames with so many fields the data may hold."""
-    return _VALUES_PER_BYTE * len(data) // fields + 1 if fields else 0
+def _room(data: bytes, table: NDArray[np.int64]) -> NDArray[np.int32]:
+    """Return room for as many frames with these fields as the data may hold, (frames, fields).
+
+    What is never written takes no memory: rows beyond those that are there only have addresses.
+    """
+    fields = table.shape[1]
+    return np.empty((_VALUES_PER_BYTE * len(data) // fields + 1 if fields else 0, fields), dtype=np.int32)
 
 
 def _since(clock: NDArray[np.int64], first: int) -> NDArray[np.float64]:
@@ -155,7 +159,8 @@ def _signals(logs: Sequence[_Decoded], begins: NDArray[np.float64]) -> dict[str,
                 if name not in ("time", "loopIteration"):
                     scale, unit = scale_of(name, log.header)
                     bits = rows[:, place] if frames.table[2, place] else rows[:, place].view(np.uint32)
-                    values = bits * scale if scale != 1.0 else bits.astype(np.float64)
+                    values = bits.astype(np.float64)
+                    values *= scale
                     pieces.setdefault(name, []).append((time + begin, values, unit, held))
     return {name: _joined(name, parts) for name, parts in pieces.items()}
 
@@ -173,8 +178,8 @@ def _remarks(logs: Sequence[_Decoded], in_file: int) -> Iterator[str]:
     for log in logs:
         if log.damaged:
             yield (
-                f"Log {log.number} is damaged at {log.damaged} place(s): what follows each, up to the next key frame, was "
-                "left out."
+                f"Log {log.number} is damaged at {log.damaged} place(s): what follows each, up to the next key frame, "
+                "was left out."
             )
         elif not log.closed:
             yield f"Log {log.number} ends without its end mark: the recorder was cut off, or its memory was full."

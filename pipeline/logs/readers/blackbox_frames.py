@@ -26,6 +26,12 @@ MIN_THROTTLE, BATTERY, MIN_MOTOR, NUMERATOR, DENOMINATOR, KEY_INTERVAL, TIME, MO
 
 
 @njit(cache=True)
+def _byte(data: NDArray[np.uint8], at: int) -> int:
+    """Return a byte as a number of 64 bits, in which it can be shifted."""
+    return np.int64(data[at])  # type: ignore[return-value]
+
+
+@njit(cache=True)
 def _signed(value: int, bits: int) -> int:
     """Return the two's complement number in the lowest bits."""
     half = 1 << (bits - 1)
@@ -39,7 +45,7 @@ def _unsigned_bytes(data: NDArray[np.uint8], at: int, end: int) -> tuple[int, in
     for place in range(5):
         if at + place >= end:
             break
-        byte = np.int64(data[at + place])
+        byte = _byte(data, at + place)
         value |= (byte & 0x7F) << (7 * place)
         if byte < 0x80:
             return value & _WORD, at + place + 1
@@ -58,7 +64,7 @@ def _bits(data: NDArray[np.uint8], bit: int, count: int) -> int:
     """Return a signed number that begins at a bit of the data, the most significant bit first."""
     value = 0
     for place in range(bit, bit + count):
-        value = (value << 1) | ((np.int64(data[place >> 3]) >> (7 - (place & 7))) & 1)
+        value = (value << 1) | ((_byte(data, place >> 3) >> (7 - (place & 7))) & 1)
     return _signed(value, count)
 
 
@@ -75,9 +81,9 @@ def _three(data: NDArray[np.uint8], at: int, end: int, uneven: bool, out: Intege
     """
     if at >= end:
         return -1
-    tag = np.int64(data[at]) >> 6
+    tag = _byte(data, at) >> 6
     if tag == 3:
-        lengths = np.int64(data[at])
+        lengths = _byte(data, at)
         at += 1
         for place in range(3):
             count = ((lengths >> (2 * place)) & 3) + 1
@@ -85,7 +91,7 @@ def _three(data: NDArray[np.uint8], at: int, end: int, uneven: bool, out: Intege
                 return -1
             value = 0
             for byte in range(count):
-                value |= np.int64(data[at + byte]) << (8 * byte)
+                value |= _byte(data, at + byte) << (8 * byte)
             out[place] = _signed(value, 8 * count)
             at += count
         return at
@@ -111,7 +117,7 @@ def _four(data: NDArray[np.uint8], at: int, end: int, out: Integers) -> int:
     """Read four values of 0, 4, 8 or 16 bits (TAG8_4S16); return the place behind them, −1 where there is none."""
     if at >= end:
         return -1
-    tags = np.int64(data[at])
+    tags = _byte(data, at)
     bit = 8 * (at + 1)
     for place in range(4):
         tag = (tags >> (2 * place)) & 3
@@ -121,6 +127,24 @@ def _four(data: NDArray[np.uint8], at: int, end: int, out: Integers) -> int:
         out[place] = _bits(data, bit, count) if count else 0
         bit += count
     return (bit + 7) >> 3
+
+
+@njit(cache=True)
+def _eight(data: NDArray[np.uint8], at: int, end: int, out: Integers) -> int:
+    """Read up to eight values, a bit for each that is not zero before them (TAG8_8SVB); one alone has no such bit."""
+    tags = 1
+    if len(out) > 1:
+        if at >= end:
+            return -1
+        tags = _byte(data, at)
+        at += 1
+    if tags >> len(out):
+        return -1
+    for place in range(len(out)):
+        out[place] = 0
+        if (tags >> place) & 1 and at >= 0:
+            out[place], at = _signed_bytes(data, at, end)
+    return at
 
 
 @njit(cache=True)
@@ -143,21 +167,12 @@ def _residuals(data: NDArray[np.uint8], at: int, end: int, encodings: Integers, 
         elif encoding == 6:
             while taken < 8 and field + taken < fields and encodings[field + taken] == 6:
                 taken += 1
-            tags = 1
-            if taken > 1:
-                if at >= end:
-                    return -1
-                tags = np.int64(data[at])
-                at += 1
-            if tags >> taken:
-                return -1
-            for place in range(taken):
-                out[field + place] = 0
-                if (tags >> place) & 1 and at >= 0:
-                    out[field + place], at = _signed_bytes(data, at, end)
+            at = _eight(data, at, end, out[field : field + taken])
         else:
             most = 4 if encoding == 8 else 3
-            at = _four(data, at, end, group) if encoding == 8 else _three(data, at, end, encoding == 10, group)
+            at = (
+                _four(data, at, end, group) if encoding == 8 else _three(data, at, end, encoding == 10, group)
+            )
             while taken < most and field + taken < fields and encodings[field + taken] == encoding:
                 taken += 1
             for place in range(taken):
@@ -256,7 +271,9 @@ def _event(data: NDArray[np.uint8], at: int, end: int, state: Integers) -> int:
     numbers = 0
     if kind == 0 or kind == 15 or kind == 40:  # a beep to synchronise; disarmed; a fault of the sensors
         numbers = 1
-    elif kind == 13 or kind == 14 or kind == 30:  # setting, value; resumed at loop, time; flight mode, the one before
+    elif (
+        kind == 13 or kind == 14 or kind == 30
+    ):  # setting, value; resumed at loop, time; flight mode, the one before
         numbers = 2
     value = 0
     for _ in range(numbers):
@@ -349,24 +366,16 @@ def decode(
     Returns:
         How many main, slow and GPS frames were decoded, how many places are damaged, and whether the log was closed.
     """
-    intra, inter, slow, gps, home = tables
-    last, before = np.zeros(intra.shape[1], dtype=np.int64), np.zeros(intra.shape[1], dtype=np.int64)
-    longest = max(intra.shape[1], slow.shape[1], gps.shape[1], home.shape[1])
+    fields = tables[INTRA].shape[1]
+    last, before = np.zeros(fields, dtype=np.int64), np.zeros(fields, dtype=np.int64)
+    longest = max(fields, tables[SLOW].shape[1], tables[GPS].shape[1], tables[HOME].shape[1])
     buffer, origin = np.zeros(longest, dtype=np.int64), np.zeros(2, dtype=np.int64)
     state = np.zeros(_ROWS + 3, dtype=np.int64)
     state[_TIME], state[_IN_STEP] = -1, 1
     at, end = 0, len(data)
     while at < end and state[_CLOSED] == 0:
         kind, following = _kind_at(data, at), -1
-        table = intra
-        if kind == INTER:
-            table = inter
-        elif kind == SLOW:
-            table = slow
-        elif kind == GPS:
-            table = gps
-        elif kind == HOME:
-            table = home
+        table = tables[min(kind, HOME)]
         values = buffer[: table.shape[1]]
         if kind == EVENT:
             following = _event(data, at + 1, end, state)

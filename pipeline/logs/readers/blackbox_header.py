@@ -50,6 +50,10 @@ class Header:
     end: int
     frames: Mapping[str, Frames]
 
+    def table(self, kind: str) -> Integers:
+        """Return encoding, predictor and sign of the fields of a kind of frame, (3, fields); (3, 0) where absent."""
+        return self.frames[kind].table if kind in self.frames else np.zeros((3, 0), dtype=np.int64)
+
     def numbers(self, name: str) -> list[float]:
         """Return the numbers of a line, which are separated by commas; none where it is absent or no numbers."""
         found = []

@@ -33,7 +33,9 @@ def without_state(recording: Recording, *more: str) -> Recording:
 
 def channels(recording: Recording) -> set[str]:
     prepared = prepare(recording, Simulator(racer()), Gap(), held=False)
-    return {channel.name for channel in prepared.nominal.mechanism.channels_of(prepared.problem.blocks.signals)}
+    return {
+        channel.name for channel in prepared.nominal.mechanism.channels_of(prepared.problem.blocks.signals)
+    }
 
 
 TORQUES = {"torque_x", "torque_y", "torque_z"}
@@ -57,7 +59,14 @@ def test_effects_of_speed_and_height_do_not_compete():
     signals = prepared.problem.blocks.signals
     chosen = {effect.key for effect in candidates_for(prepared.nominal, signals, None)}
     assert {"motor_lag", "battery_sag", "command_delay", "inertia_error", "center_of_mass_offset"} <= chosen
-    assert not chosen & {"rotor_drag", "body_drag", "ground_effect", "steady_wind", "axial_inflow", "blade_flapping_moment"}
+    assert not chosen & {
+        "rotor_drag",
+        "body_drag",
+        "ground_effect",
+        "steady_wind",
+        "axial_inflow",
+        "blade_flapping_moment",
+    }
     inner = {name: prepared.problem.blocks.inner(series) for name, series in signals.items()}
     regimes = {regime.name for regime in regimes_of("quadrotor", prepared.nominal.along_time(inner, 0.01))}
     assert "turning_rate" in regimes

@@ -18,7 +18,9 @@ def flight(seconds: float = 8.0, runs: int = 2) -> pd.DataFrame:
     columns |= {f"motor_command_{n}": 0.5 + 0.1 * np.sin(3.0 * time + n) for n in range(1, 5)}
     return pd.concat(
         [
-            pd.DataFrame(columns).add(0.01 * random.standard_normal((len(time), 7))).assign(run=f"run {run}", t=time)
+            pd.DataFrame(columns)
+            .add(0.01 * random.standard_normal((len(time), 7)))
+            .assign(run=f"run {run}", t=time)
             for run in range(runs)
         ],
         ignore_index=True,
@@ -44,7 +46,9 @@ def test_a_flight_without_position_is_read_with_a_word_on_what_it_cannot_show():
     (said,) = (text for text in recording.warnings if "were not recorded" in text)
     assert "Drag, wind, ground effect" in said
     assert "thrust along body z" not in said
-    assert not [text for text in recording_from_frame(with_state(flight()), "quadrotor").warnings if "Drag" in text]
+    assert not [
+        text for text in recording_from_frame(with_state(flight()), "quadrotor").warnings if "Drag" in text
+    ]
 
 
 def test_an_accelerometer_shows_the_thrust_as_well():

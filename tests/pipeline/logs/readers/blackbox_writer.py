@@ -83,6 +83,21 @@ def _packed(bits: str) -> bytes:
     return bytes(int(bits[place : place + 8], 2) for place in range(0, len(bits), 8))
 
 
+def _group(encoding: int, group: Sequence[int], padded: Sequence[int]) -> bytes:
+    """Encode fields that are written together; `padded` has as many as the encoding holds."""
+    if encoding == TAG8_8SVB and len(group) > 1:
+        return eight(group)
+    if encoding in (TAG2_3S32, TAG2_3SVARIABLE):
+        return three(padded, EVEN if encoding == TAG2_3S32 else UNEVEN)
+    if encoding == TAG8_4S16:
+        return four(padded)
+    if encoding == NEGATIVE:
+        return unsigned(-group[0] & 0x3FFF)
+    if encoding == NULL:
+        return b""
+    return unsigned(group[0]) if encoding == UNSIGNED else signed(group[0])
+
+
 def encoded(values: Sequence[int], encodings: Sequence[int]) -> bytes:
     """Encode what the predictors leave of the fields of a frame."""
     out, place = b"", 0
@@ -92,16 +107,7 @@ def encoded(values: Sequence[int], encodings: Sequence[int]) -> bytes:
             past += 1
         group = [int(value) for value in values[place:past]]
         padded = group + [0] * (_SIZES.get(encoding, 1) - len(group))
-        out += {
-            SIGNED: lambda: signed(group[0]),
-            UNSIGNED: lambda: unsigned(group[0]),
-            NEGATIVE: lambda: unsigned(-group[0] & 0x3FFF),
-            TAG8_8SVB: lambda: eight(group) if len(group) > 1 else signed(group[0]),
-            TAG2_3S32: lambda: three(padded, EVEN),
-            TAG2_3SVARIABLE: lambda: three(padded, UNEVEN),
-            TAG8_4S16: lambda: four(padded),
-            NULL: lambda: b"",
-        }[encoding]()
+        out += _group(encoding, group, padded)
         place = past
     return out
 
@@ -120,26 +126,44 @@ def header(fields: Sequence[Field], facts: Mapping[str, object]) -> bytes:
     return START + "\n".join(lines).encode() + b"\n"
 
 
+def _predicted(
+    predictor: int,
+    place: int,
+    row: np.ndarray,
+    last: np.ndarray,
+    before: np.ndarray,
+    facts: Mapping[str, object],
+    motor: int,
+) -> int:
+    """Return what a predictor says of a field of a row, by the two rows before, the header or the row itself."""
+    fixed = {
+        4: facts["minthrottle"],
+        8: 1500,
+        9: facts["vbatref"],
+        11: str(facts["motorOutput"]).split(",")[0],
+    }
+    by_rows = {
+        0: 0,
+        1: last[place],
+        2: 2 * last[place] - before[place],
+        3: int((last[place] + before[place]) / 2),
+        5: row[motor],
+        6: row[place],
+    }
+    return int(fixed[predictor] if predictor in fixed else by_rows[predictor])
+
+
 def frames(fields: Sequence[Field], rows: np.ndarray, facts: Mapping[str, object], every: int) -> list[bytes]:
     """Return the main frames of rows (samples, fields), of which each `every`th is a key frame."""
-    names = [field.name for field in fields]
+    motor = next((place for place, field in enumerate(fields) if field.name == "motor[0]"), 0)
     out, last, before = [], rows[0], rows[0]
     for number, row in enumerate(rows.astype(object)):
         key = number % every == 0
         choices = [field.key if key else field.between for field in fields]
-        known = {
-            0: lambda place: 0,
-            1: lambda place: last[place],  # noqa: B023
-            2: lambda place: 2 * last[place] - before[place],  # noqa: B023
-            3: lambda place: int((last[place] + before[place]) / 2),  # noqa: B023
-            4: lambda place: facts["minthrottle"],
-            5: lambda place: row[names.index("motor[0]")],  # noqa: B023
-            6: lambda place: row[place],  # noqa: B023
-            8: lambda place: 1500,
-            9: lambda place: facts["vbatref"],
-            11: lambda place: int(str(facts["motorOutput"]).split(",")[0]),
-        }
-        left = [_word(row[place] - known[predictor](place)) for place, (predictor, _) in enumerate(choices)]
+        left = [
+            _word(row[place] - _predicted(predictor, place, row, last, before, facts, motor))
+            for place, (predictor, _) in enumerate(choices)
+        ]
         out.append((b"I" if key else b"P") + encoded(left, [encoding for _, encoding in choices]))
         last, before = row, (row if key else last)
     return out

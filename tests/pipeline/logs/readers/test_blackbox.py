@@ -91,7 +91,11 @@ def test_every_encoding_and_predictor_is_undone(tmp_path):
 
 
 @settings(max_examples=20)
-@given(values=st.lists(st.lists(st.integers(-(2**31), 2**31 - 1), min_size=3, max_size=3), min_size=2, max_size=9))
+@given(
+    values=st.lists(
+        st.lists(st.integers(-(2**31), 2**31 - 1), min_size=3, max_size=3), min_size=2, max_size=9
+    )
+)
 def test_numbers_of_32_bits_survive(tmp_path_factory, values):
     fields = (*CLOCK, *(Field(f"debug[{place}]", between=(2, writer.TAG2_3S32)) for place in range(3)))
     small = np.array(values) // 8  # so that what a straight line misses fits into 32 bits
