@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from simgap.logs.layouts.flights import flights_of
+from simgap.logs.layouts.flights import flights_of, full_thrust
 from simgap.logs.layouts.quad_x import MOTOR_ORDER, Turning, directions_of, turning_of
-from simgap.logs.log import Log, Signal
+from simgap.logs.log import Log, Signal, Span
 from simgap.logs.mapping import Source
 from simgap.logs.proposal import Proposal, Proposed
 
@@ -17,6 +17,7 @@ _DIGITAL = (48.0, 2047.0)  # values of DSHOT that mean no and full throttle
 _ANALOGUE = (1000.0, 2000.0)  # µs of a pulse
 _DEFINED, _LIKELY, _OPPOSED = 0.95, 0.7, 0.4
 _PER_POLE_PAIR = 2.0
+_STANDARD_GRAVITY = 9.80665  # m/s², the g of accelerometers
 _USUAL_POLES = 14.0  # of a motor of a racing quadrotor, and the firmware's own default
 
 
@@ -50,7 +51,7 @@ def propose(log: Log, kind: str | None) -> Proposal | None:
         "quadrotor",
         columns,
         windows=flights,
-        notes=tuple(_notes(log, turning, step)),
+        notes=(*_notes(log, turning, step), *_strength(log, time, commands, flights)),
         rate=_RATE if step * _RATE < 1.0 else None,
     )
 
@@ -121,6 +122,19 @@ def _battery(log: Log) -> dict[str, Proposed]:
     if name is None or log.signals[name].unit != "V" or not np.any(log.signals[name].values > 0):
         return {}
     return {"battery_voltage": Proposed(Source(name, "V"), _DEFINED, "battery, by the firmware's own scale")}
+
+
+def _strength(log: Log, time: np.ndarray, commands: np.ndarray, flights: tuple[Span, ...]) -> Iterator[str]:
+    """Yield what the log says of three numbers of the platform file that few people know."""
+    force = log.signals.get("accSmooth[2]")
+    if force is None or force.unit != "g" or len(force.values) != len(time):
+        return
+    strength = full_thrust(time, _STANDARD_GRAVITY * force.values, commands, flights)
+    if strength is not None and strength > 0.0:
+        yield (
+            f"thrust_coefficient · motor_speed_max² / mass is near {strength:.3g} m/s² in these flights: choose the "
+            "three numbers of the platform file so, if you do not know them better."
+        )
 
 
 def _unit(log: Log, name: str, usual: str) -> str:

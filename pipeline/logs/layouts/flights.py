@@ -1,5 +1,7 @@
 """Where a log holds flights: the motors carry the machine, and the throttle is up."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,6 +38,28 @@ def flights_of(log: Log, time: NDArray[np.float64], commands: NDArray[np.float64
         within = (time >= span.begin) & (time <= span.end)
         found += _stretches(time[within], carried[within])
     return tuple(Span(f"flight {number}", *each) for number, each in enumerate(found, 1))
+
+
+def full_thrust(
+    time: NDArray[np.float64],
+    force: NDArray[np.float64],
+    commands: NDArray[np.float64],
+    flights: Sequence[Span],
+) -> float | None:
+    """Return thrust_coefficient · motor_speed_max² / mass of a rotor, m/s², by the specific force that commands give.
+
+    Args:
+        time: s, (samples,).
+        force: specific force along body z, m/s², (samples,).
+        commands: of the motors, 0 to 1, (samples, motors).
+        flights: where they carry the machine.
+    """
+    flown = np.zeros(len(time), bool)
+    for flight in flights:
+        flown |= (time >= flight.begin) & (time <= flight.end)
+    asked = (commands[flown] ** 2).sum(axis=1)
+    energy = float(asked @ asked)
+    return float(asked @ force[flown]) / energy if energy > 0.0 else None
 
 
 def _averaged(values: NDArray[np.float64], samples: int) -> NDArray[np.float64]:

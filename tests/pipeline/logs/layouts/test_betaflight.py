@@ -84,6 +84,12 @@ def test_the_log_tells_which_way_the_motors_turn(tmp_path, reversed_motors):
     assert other not in note
 
 
+def test_the_log_tells_how_strong_the_rotors_are(tmp_path):
+    """A rotor of the flights above gives 9.81 m/s² at full command, and 30 ms of lag hardly change that."""
+    (note,) = (n for n in proposal_of(tmp_path, blackbox_of(own_flight())).notes if "motor_speed_max²" in n)
+    assert float(note.split(" near ")[1].split()[0]) == pytest.approx(9.81, rel=0.05)
+
+
 def test_rates_that_oppose_the_motors_are_not_sure(tmp_path):
     flown = own_flight()
     proposal = proposal_of(tmp_path, blackbox_of(flown.assign(body_rate_y=-flown["body_rate_y"])))
