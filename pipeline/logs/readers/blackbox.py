@@ -144,32 +144,47 @@ def _seconds(clock: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.
 
 
 def _signals(logs: Sequence[_Decoded], begins: NDArray[np.float64]) -> dict[str, Signal]:
-    """Return the fields of all logs, each on the common clock."""
-    pieces: dict[str, list[tuple[NDArray[np.float64], NDArray[np.float64], str | None, bool]]] = {}
+    """Return the fields of all logs, each on the common clock; fields of one kind of frame share their times."""
+    parts: dict[str, list[_Part]] = {}
     for log, begin in zip(logs, begins, strict=False):
-        for kind, (time, rows), held in (
-            ("I", (log.time, log.main), False),
-            ("S", log.slow, True),
-            ("G", log.gps, False),
-        ):
-            if kind not in log.header.frames or not len(time):
-                continue
-            frames = log.header.frames[kind]
-            for place, name in enumerate(frames.names):
-                if name not in ("time", "loopIteration"):
-                    scale, unit = scale_of(name, log.header)
-                    bits = rows[:, place] if frames.table[2, place] else rows[:, place].view(np.uint32)
-                    values = bits.astype(np.float64)
-                    values *= scale
-                    pieces.setdefault(name, []).append((time + begin, values, unit, held))
-    return {name: _joined(name, parts) for name, parts in pieces.items()}
+        for kind, (time, rows) in {"I": (log.time, log.main), "S": log.slow, "G": log.gps}.items():
+            if kind in log.header.frames and len(time):
+                for part in _parts(log.header, kind, time + begin, rows):
+                    parts.setdefault(part.name, []).append(part)
+    clocks = {tuple(id(part.time) for part in each): each for each in parts.values()}
+    joined = {key: np.concatenate([part.time for part in each]) for key, each in clocks.items()}
+    return {
+        name: Signal(
+            name,
+            joined[tuple(id(part.time) for part in each)],
+            np.concatenate([part.scale * part.numbers for part in each]),
+            each[0].unit,
+            each[0].held,
+        )
+        for name, each in parts.items()
+    }
 
 
-def _joined(
-    name: str, parts: list[tuple[NDArray[np.float64], NDArray[np.float64], str | None, bool]]
-) -> Signal:
-    time, values = (np.concatenate([part[place] for part in parts]) for place in (0, 1))  # type: ignore[misc]
-    return Signal(name, time, values, parts[0][2], parts[0][3])
+@dataclass(frozen=True)
+class _Part:
+    """A field of one log: its values are scale · numbers."""
+
+    name: str
+    time: NDArray[np.float64]
+    numbers: NDArray[np.int32] | NDArray[np.uint32]
+    scale: float
+    unit: str | None
+    held: bool
+
+
+def _parts(header: Header, kind: str, time: NDArray[np.float64], rows: NDArray[np.int32]) -> Iterator[_Part]:
+    """Yield the fields of one kind of frame of one log, in the units of its header."""
+    frames = header.frames[kind]
+    for place, name in enumerate(frames.names):
+        if name not in ("time", "loopIteration"):
+            numbers = rows[:, place] if frames.table[2, place] else rows[:, place].view(np.uint32)
+            scale, unit = scale_of(name, header)
+            yield _Part(name, time, numbers, scale, unit, held=kind == "S")
 
 
 def _remarks(logs: Sequence[_Decoded], in_file: int) -> Iterator[str]:

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-Integers = NDArray[np.int64]
+from simgap.logs.readers.blackbox_encodings import Integers, residuals, signed, unsigned_bytes
 
 INTRA, INTER, SLOW, GPS, HOME, EVENT, OTHER = range(7)
 """Kinds of frames, in the order of their letters I, P, S, G, H and E; and what is none."""
@@ -23,162 +23,6 @@ _LETTERS = np.frombuffer(b"IPSGHE", dtype=np.uint8)
 
 MIN_THROTTLE, BATTERY, MIN_MOTOR, NUMERATOR, DENOMINATOR, KEY_INTERVAL, TIME, MOTOR = range(8)
 """Places in the settings that `decode` takes."""
-
-
-@njit(cache=True)
-def _byte(data: NDArray[np.uint8], at: int) -> int:
-    """Return a byte as a number of 64 bits, in which it can be shifted."""
-    return np.int64(data[at])  # type: ignore[return-value]
-
-
-@njit(cache=True)
-def _signed(value: int, bits: int) -> int:
-    """Return the two's complement number in the lowest bits."""
-    half = 1 << (bits - 1)
-    return ((value & ((1 << bits) - 1)) ^ half) - half
-
-
-@njit(cache=True)
-def _unsigned_bytes(data: NDArray[np.uint8], at: int, end: int) -> tuple[int, int]:
-    """Return a number of seven bits a byte, and the place behind it; −1 where there is none."""
-    value = 0
-    for place in range(5):
-        if at + place >= end:
-            break
-        byte = _byte(data, at + place)
-        value |= (byte & 0x7F) << (7 * place)
-        if byte < 0x80:
-            return value & _WORD, at + place + 1
-    return 0, -1
-
-
-@njit(cache=True)
-def _signed_bytes(data: NDArray[np.uint8], at: int, end: int) -> tuple[int, int]:
-    """Return a number with its sign in the lowest bit (ZigZag), and the place behind it; −1 where there is none."""
-    value, at = _unsigned_bytes(data, at, end)
-    return (value >> 1) ^ -(value & 1), at
-
-
-@njit(cache=True)
-def _bits(data: NDArray[np.uint8], bit: int, count: int) -> int:
-    """Return a signed number that begins at a bit of the data, the most significant bit first."""
-    value = 0
-    for place in range(bit, bit + count):
-        value = (value << 1) | ((_byte(data, place >> 3) >> (7 - (place & 7))) & 1)
-    return _signed(value, count)
-
-
-@njit(cache=True)
-def _three(data: NDArray[np.uint8], at: int, end: int, uneven: bool, out: Integers) -> int:
-    """Read three values behind a tag of two bits (TAG2_3S32 and TAG2_3SVARIABLE); return the place behind them.
-
-    Args:
-        data: bytes.
-        at: of the tag.
-        end: of the data.
-        uneven: whether the short forms have 5, 5, 4 and 8, 7, 7 bits instead of 4 and 6 each.
-        out: for the values, (3,).
-    """
-    if at >= end:
-        return -1
-    tag = _byte(data, at) >> 6
-    if tag == 3:
-        lengths = _byte(data, at)
-        at += 1
-        for place in range(3):
-            count = ((lengths >> (2 * place)) & 3) + 1
-            if at + count > end:
-                return -1
-            value = 0
-            for byte in range(count):
-                value |= _byte(data, at + byte) << (8 * byte)
-            out[place] = _signed(value, 8 * count)
-            at += count
-        return at
-    if at + tag + 1 > end:
-        return -1
-    bit = 8 * at + 2
-    for place in range(3):
-        count = 2
-        if uneven and tag == 1:
-            count = 5 if place < 2 else 4
-        elif uneven and tag == 2:
-            count = 8 if place == 0 else 7
-        elif tag > 0:
-            count = 2 * (tag + 1)
-            bit = 8 * (at + place) + 2 if tag == 2 else 8 * at + 4 + 4 * place
-        out[place] = _bits(data, bit, count)
-        bit += count
-    return at + tag + 1
-
-
-@njit(cache=True)
-def _four(data: NDArray[np.uint8], at: int, end: int, out: Integers) -> int:
-    """Read four values of 0, 4, 8 or 16 bits (TAG8_4S16); return the place behind them, −1 where there is none."""
-    if at >= end:
-        return -1
-    tags = _byte(data, at)
-    bit = 8 * (at + 1)
-    for place in range(4):
-        tag = (tags >> (2 * place)) & 3
-        count = 0 if tag == 0 else 2 << tag
-        if bit + count > 8 * end:
-            return -1
-        out[place] = _bits(data, bit, count) if count else 0
-        bit += count
-    return (bit + 7) >> 3
-
-
-@njit(cache=True)
-def _eight(data: NDArray[np.uint8], at: int, end: int, out: Integers) -> int:
-    """Read up to eight values, a bit for each that is not zero before them (TAG8_8SVB); one alone has no such bit."""
-    tags = 1
-    if len(out) > 1:
-        if at >= end:
-            return -1
-        tags = _byte(data, at)
-        at += 1
-    if tags >> len(out):
-        return -1
-    for place in range(len(out)):
-        out[place] = 0
-        if (tags >> place) & 1 and at >= 0:
-            out[place], at = _signed_bytes(data, at, end)
-    return at
-
-
-@njit(cache=True)
-def _residuals(data: NDArray[np.uint8], at: int, end: int, encodings: Integers, out: Integers) -> int:
-    """Read what the predictors leave of each field; return the place behind the frame, −1 where it is none."""
-    field, fields = 0, len(encodings)
-    group = np.zeros(4, dtype=np.int64)
-    while field < fields and at >= 0:
-        encoding = encodings[field]
-        taken = 1
-        if encoding == 0:
-            out[field], at = _signed_bytes(data, at, end)
-        elif encoding == 1:
-            out[field], at = _unsigned_bytes(data, at, end)
-        elif encoding == 3:
-            value, at = _unsigned_bytes(data, at, end)
-            out[field] = -_signed(value, 14)
-        elif encoding == 9:
-            out[field] = 0
-        elif encoding == 6:
-            while taken < 8 and field + taken < fields and encodings[field + taken] == 6:
-                taken += 1
-            at = _eight(data, at, end, out[field : field + taken])
-        else:
-            most = 4 if encoding == 8 else 3
-            at = (
-                _four(data, at, end, group) if encoding == 8 else _three(data, at, end, encoding == 10, group)
-            )
-            while taken < most and field + taken < fields and encodings[field + taken] == encoding:
-                taken += 1
-            for place in range(taken):
-                out[field + place] = group[place]
-        field += taken
-    return at
 
 
 @njit(cache=True)
@@ -250,7 +94,7 @@ def _predict(
         elif predictor == 11:
             added = settings[MIN_MOTOR]
         total = (values[field] + added) & _WORD
-        values[field] = _signed(total, 32) if signs[field] else total
+        values[field] = signed(total, 32) if signs[field] else total
 
 
 @njit(cache=True)
@@ -278,7 +122,7 @@ def _event(data: NDArray[np.uint8], at: int, end: int, state: Integers) -> int:
     value = 0
     for _ in range(numbers):
         if at >= 0:
-            value, at = _unsigned_bytes(data, at, end)
+            value, at = unsigned_bytes(data, at, end)
     if kind == 14 and at >= 0:
         state[_TIME] = value
     return at if numbers > 0 else -1
@@ -309,7 +153,7 @@ def _keep(values: Integers, rows: NDArray[np.int32], number: int) -> bool:
     if number >= len(rows):
         return False
     for field in range(len(values)):
-        rows[number, field] = np.int32(_signed(values[field], 32))
+        rows[number, field] = np.int32(signed(values[field], 32))
     return True
 
 
@@ -380,7 +224,7 @@ def decode(
         if kind == EVENT:
             following = _event(data, at + 1, end, state)
         elif kind == INTRA or (kind < EVENT and state[_IN_STEP] == 1 and len(values) > 0):
-            following = _residuals(data, at + 1, end, table[0], values)
+            following = residuals(data, at + 1, end, table[0], values)
         if state[_CLOSED] == 0 and 0 <= following < end and _kind_at(data, following) == OTHER:
             following = -1
         if following >= 0 and kind < EVENT and (kind != INTER or state[_KEYED] == 1):
