@@ -105,6 +105,12 @@ def test_numbers_of_32_bits_survive(tmp_path_factory, values):
         assert log.signals[f"debug[{place}]"].values.tolist() == small[:, place].tolist()
 
 
+@pytest.mark.parametrize("name", ["LOG00353.TXT", "flash.bfl", "LOG.BBS"])
+def test_a_log_is_known_by_its_first_line_or_its_name(tmp_path, name):
+    rows = some_rows(20)
+    assert_rows(read(tmp_path, written(rows), name), rows)
+
+
 def test_a_clock_that_turns_over_goes_on(tmp_path):
     rows = some_rows(100)
     rows[:, 1] = 2**32 - 50_000 + 1000 * np.arange(100)
