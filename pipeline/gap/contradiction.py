@@ -13,6 +13,7 @@ from torch import Tensor
 from simgap.effects import ActuatorEffect
 from simgap.gap.candidates import candidates_for
 from simgap.gap.fit import Problem
+from simgap.gap.limits import excessive_thrust
 from simgap.gap.prepare import Prepared
 from simgap.gap.residuals import channels_on
 from simgap.recordings.contradiction import Contradiction
@@ -55,7 +56,8 @@ def contradictions(recording: Recording, prepared: Prepared) -> list[Contradicti
         prepared: of it.
     """
     found = [*contradicting_rates(recording.frame, recording.kind)] or [
-        *_driven_otherwise(recording, prepared)
+        *_driven_otherwise(recording, prepared),
+        *excessive_thrust(prepared),
     ]
     runs = tuple(dict.fromkeys(recording.frame["run"].astype(str)))
     return [replace(contradiction, runs=runs) for contradiction in found]
