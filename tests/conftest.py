@@ -18,8 +18,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """Check shapes and types at every call, but where slow tests run alone: those would take twice as long."""
     if config.getoption("markexpr") != "slow":
         # What is compiled takes no checks, so it is imported before they are on.
-        for compiled in ("cable_steps", "play_steps"):
-            importlib.import_module(f"simgap.physics.{compiled}")
+        for compiled in ("physics.cable_steps", "physics.play_steps", "logs.readers.blackbox_frames"):
+            importlib.import_module(f"simgap.{compiled}")
         install_import_hook("simgap", "beartype.beartype")
 
 

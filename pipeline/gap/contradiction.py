@@ -14,6 +14,7 @@ from simgap.effects import ActuatorEffect
 from simgap.gap.candidates import candidates_for
 from simgap.gap.fit import Problem
 from simgap.gap.gains import is_told_a_position
+from simgap.gap.limits import excessive_thrust
 from simgap.gap.prepare import Prepared
 from simgap.gap.residuals import channels_on
 from simgap.recordings.contradiction import Contradiction
@@ -57,7 +58,8 @@ def contradictions(recording: Recording, prepared: Prepared) -> list[Contradicti
     """
     told = is_told_a_position(recording)
     found = [*contradicting_rates(recording.frame, recording.kind)] or [
-        *(contradicting_position(recording.frame) if told else _driven_otherwise(recording, prepared))
+        *(contradicting_position(recording.frame) if told else _driven_otherwise(recording, prepared)),
+        *excessive_thrust(prepared),
     ]
     runs = tuple(dict.fromkeys(recording.frame["run"].astype(str)))
     return [replace(contradiction, runs=runs) for contradiction in found]

@@ -12,8 +12,10 @@ from simgap.gap.fit import Problem, channels_of, excess_of
 from simgap.gap.gains import folded, gain_remarks, with_gains
 from simgap.gap.horizon import HorizonError, horizon_errors
 from simgap.gap.learned import LearnedResidual, learn, learned_rows
+from simgap.gap.limits import at_limits
 from simgap.gap.locate import Mismatch, locate
 from simgap.gap.name import Naming, name
+from simgap.gap.observable import observable, unjudged
 from simgap.gap.reading import readings_of
 from simgap.gap.regimes import Regime, regimes_of
 from simgap.gap.residuals import channels_on, noise_of_rows
@@ -98,7 +100,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         InputError: when the recording is too short or of another kind than the platform, or a setting out of its range.
     """
     settings.check()
-    nominal = with_gains(recording, nominal, settings)
+    nominal, aside = observable(recording, with_gains(recording, nominal, settings))
     readings = readings_of(recording, nominal, settings)
     contradicted = contradictions(recording, readings[0].prepared)
     if contradicted:
@@ -128,10 +130,12 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     gap = bool(unnamed) or _is_gap(naming, problem)
     refuted = (*_refuted(naming, validation), *_held_out_only(validation, naming, problem, channels))
     doubts = (
+        *unjudged(aside),
         *_unfinished(naming, settings),
         *gain_remarks(folded(simulator), nominal),
         *undecided,
         *within_tolerance(naming, fitted.time_step),
+        *at_limits(naming.best.fit.simulator),
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
         *_doubts(naming, problem, () if contradicted else memories, held_out),
@@ -152,7 +156,7 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
         fitting=problem,
         proving=proving,
         nominal=nominal,
-        simulator=folded(with_drivers(simulator, fitted.signals)),
+        simulator=folded(with_drivers(simulator.with_effects((*aside, *simulator.effects)), fitted.signals)),
     )
 
 

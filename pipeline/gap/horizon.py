@@ -53,7 +53,7 @@ def horizon_errors(
 ) -> list[HorizonError]:
     """Predict from the first sample of every block with the recorded commands and compare with the recording."""
     steps = min(round(horizon / blocks.time_step), blocks.samples - 1)
-    motion = motion_of(nominal.platform)
+    motion = motion_of(nominal.platform, blocks.signals)
     signals = {name: blocks.inner(series)[:, : steps + 1] for name, series in blocks.signals.items()}
     recorded = motion.pack(signals)
     noise = state_noise(blocks, nominal)
@@ -95,7 +95,7 @@ def _unit(simulator: Simulator, quantity: str) -> str:
 
 def state_noise(blocks: Blocks, simulator: Simulator) -> Tensor:
     """Return the standard deviation of the sensor noise on each component of the state, (n,)."""
-    motion = motion_of(simulator.platform)
+    motion = motion_of(simulator.platform, blocks.signals)
     state = motion.pack({name: blocks.inner(series) for name, series in blocks.signals.items()})
     return torch.stack(
         [sample_noise(state[..., i], blocks.noise_kept).sqrt() for i in range(state.shape[-1])]

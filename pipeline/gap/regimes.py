@@ -33,11 +33,16 @@ def regimes_of(kind: str, signals: Mapping[str, Tensor], position_unit: str = "r
 
 
 def _quadrotor(signals: Mapping[str, Tensor], position_unit: str) -> list[Regime]:
-    velocity, rate = signals["velocity"], signals["body_rate"]
+    rate, place = signals["body_rate"], list[Regime]()
+    if "velocity" in signals:
+        velocity = signals["velocity"]
+        place = [
+            Regime("airspeed", "m/s", velocity.norm(dim=-1)),
+            *(Regime(f"velocity_{axis}", "m/s", velocity[..., i]) for i, axis in enumerate(_AXES)),
+            Regime("height", "m", signals["position"][..., 2]),
+        ]
     return [
-        Regime("airspeed", "m/s", velocity.norm(dim=-1)),
-        *(Regime(f"velocity_{axis}", "m/s", velocity[..., i]) for i, axis in enumerate(_AXES)),
-        Regime("height", "m", signals["position"][..., 2]),
+        *place,
         Regime("turning_rate", "rad/s", rate.norm(dim=-1)),
         *(Regime(f"body_rate_{axis}", "rad/s", rate[..., i]) for i, axis in enumerate(_AXES)),
         Regime("mean_rotor_speed", "rad/s", signals["rotor_speed"].mean(-1)),

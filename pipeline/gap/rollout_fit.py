@@ -102,7 +102,7 @@ def _rollout_problem(simulator: Simulator, problem: Problem, horizon: float) -> 
     inner = {name: blocks.inner(series)[:, : steps + 1] for name, series in blocks.signals.items()}
     noise = state_noise(blocks, simulator).clamp_min(1e-9)
     substeps = substeps_for(simulator, blocks, steps, noise)
-    recorded = motion_of(simulator.platform).pack(inner)
+    recorded = motion_of(simulator.platform, blocks.signals).pack(inner)
     cluster = torch.unique(problem.cluster[part], return_inverse=True)[1]
     return RolloutProblem(
         blocks,

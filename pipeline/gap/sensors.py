@@ -23,7 +23,7 @@ def settle_accelerometer(blocks: Blocks, gravity: float, width: float) -> tuple[
     Returns:
         The blocks with the error taken out, and a sentence about it where it is worth knowing.
     """
-    if "specific_force" not in blocks.signals:
+    if not {"specific_force", "velocity"} <= blocks.signals.keys():
         return blocks, []
     functions = window_functions(blocks.samples, width, blocks.time_step)
     difference = _accelerometer_minus_kinematics(blocks, gravity, functions)  # (blocks, rows, 3)

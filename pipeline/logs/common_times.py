@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simgap.logs.log import Signal
-from simgap.recordings.contract import REQUIRED
+from simgap.recordings.contract import required_channels
 
 _GAP = (
     5.0  # steps of a signal or of the common times; longer gaps stay open, and cleaning counts their samples
@@ -32,7 +32,8 @@ def base_times(signals: Mapping[str, Signal], kind: str, rate: float | None) -> 
         kind: of the platform.
         rate: samples per second.
     """
-    needed = {name: signal for name, signal in signals.items() if name in REQUIRED[kind]} or signals
+    required = required_channels(kind, signals)
+    needed = {name: signal for name, signal in signals.items() if name in required} or signals
     measured = {name: _known(signal) for name, signal in needed.items() if not signal.held}
     bounds = list(measured.values()) or [_known(signal) for signal in needed.values()]
     if any(len(time) < (2 if measured else 1) for time in bounds):

@@ -57,6 +57,7 @@ FORMATS: tuple[Format, ...] = (
         "crazyflie",
         lambda path, head: head[:1] == b"\xbc" and head[1:3] in (b"\1\0", b"\2\0"),
     ),
+    Format("Blackbox", "blackbox", lambda path, head: _is_blackbox(path, head)),
     Format("Parquet", "table", lambda path, head: head.startswith(b"PAR1")),
     Format("numpy archive", "arrays", lambda path, head: _ends(path, ".npz")),
     Format("JSON table", "json_table", lambda path, head: _ends(path, ".json", ".jsonl", ".ndjson")),
@@ -102,6 +103,11 @@ def format_of(path: Path) -> Format:
             return entry
     known = ", ".join(entry.name for entry in FORMATS)
     raise InputError("is of no known format", str(path), f"give one of: {known}")
+
+
+def _is_blackbox(path: Path, head: bytes) -> bool:
+    """Whether a file is a log of Betaflight or INAV: by its first line, or by a name that only these have."""
+    return b"H Product:Blackbox" in head or path.suffix.lower() in (".bbl", ".bfl", ".bbs")
 
 
 def _first_bytes(path: Path) -> bytes:

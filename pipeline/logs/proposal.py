@@ -6,12 +6,21 @@ from dataclasses import dataclass, field
 
 from simgap.logs.log import Log, Span
 from simgap.logs.mapping import Mapping, Source
-from simgap.recordings.contract import ANY_OF, REQUIRED
+from simgap.recordings.contract import ANY_OF, required_channels
 
 SURE = 0.9
 """Confidence from which on a proposed column is used without asking, as a name of 0.9 is right in nine of ten."""
 
-LAYOUTS: tuple[str, ...] = ("wpilib", "sysid_json", "px4", "ardupilot", "ros", "lerobot", "crazyflie")
+LAYOUTS: tuple[str, ...] = (
+    "wpilib",
+    "sysid_json",
+    "px4",
+    "ardupilot",
+    "betaflight",
+    "ros",
+    "lerobot",
+    "crazyflie",
+)
 """Modules in `simgap.logs.layouts` with `propose(log, kind) -> Proposal | None`, each for logs of one software."""
 
 
@@ -41,6 +50,7 @@ class Proposal:
         windows: proposed runs, where the log marks none.
         notes: sentences for a person: what the log shows of the machine, what its rates allow.
         refusal: why a diagnosis makes no sense at all: nothing moves, not a quadrotor; empty where it does.
+        rate: samples per second of the recording; None where the slowest of the measured signals sets them.
     """
 
     kind: str | None
@@ -49,6 +59,7 @@ class Proposal:
     windows: tuple[Span, ...] = ()
     notes: tuple[str, ...] = ()
     refusal: str = ""
+    rate: float | None = None
 
     @property
     def is_sure(self) -> bool:
@@ -63,7 +74,8 @@ class Proposal:
     def mapping(self) -> Mapping:
         """Return the mapping that is proposed; its kind must be known."""
         assert self.kind is not None
-        return Mapping(self.kind, {name: entry.source for name, entry in self.columns.items()}, self.windows)
+        columns = {name: entry.source for name, entry in self.columns.items()}
+        return Mapping(self.kind, columns, self.windows, self.rate)
 
 
 def propose(log: Log, kind: str | None = None) -> Proposal:
@@ -83,7 +95,7 @@ def propose(log: Log, kind: str | None = None) -> Proposal:
 
 def lacking(kind: str, columns: set[str]) -> list[str]:
     """Return the required columns that are not there; of groups of which one is needed, that of the first."""
-    lost = [column for column in REQUIRED[kind] if column not in columns]
+    lost = [column for column in required_channels(kind, columns) if column not in columns]
     groups = ANY_OF[kind]
     if groups and not any(set(group) <= columns for group in groups):
         begun = max(groups, key=lambda group: len(columns & set(group)))

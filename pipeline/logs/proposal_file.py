@@ -32,6 +32,8 @@ def proposal_text(log: Log, proposal: Proposal) -> str:
     if proposal.windows:
         lines.append("runs: # name: [begin, end], s of the log's clock")
         lines += [f"  {_quoted(w.name)}: [{w.begin:.6g}, {w.end:.6g}]" for w in proposal.windows]
+    if proposal.rate is not None:
+        lines.append(f"rate: {proposal.rate:g} # samples per second")
     return "\n".join(lines) + "\n"
 
 

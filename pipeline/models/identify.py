@@ -46,6 +46,10 @@ def identify(
         InputError: when the recording is too short, or `motors` does not fit its runs.
     """
     runs = [run for run in recording.runs if recording.split.get(run) != "holdout"]
+    if isinstance(platform, Quadrotor) and "velocity_x" not in recording.frame:
+        return Identified(
+            warnings=("no velocity and attitude were recorded: drag and coefficients need them",)
+        )
     if isinstance(platform, Quadrotor):
         found = identify_quadrotor(recording, platform, runs, settings)
         metrics = {name: {"explained": share} for name, share in found.explained.items()}

@@ -18,7 +18,8 @@ class QuadrotorMechanism(Mechanism):
     """Newton and Euler in the body frame (FLU).
 
     Signals: `velocity` body-frame airspeed (..., 3) m/s, `body_rate` (..., 3) rad/s, `attitude` (..., 4),
-    `rotor_speed` (..., 4) rad/s or `motor_command` (..., 4) 0..1.
+    `rotor_speed` (..., 4) rad/s or `motor_command` (..., 4) 0..1. Without velocity and attitude there are the torques,
+    and with an accelerometer the force along body z, which is thrust less the drag along z.
     Force channels are mass-normalised (what an ideal accelerometer reads), m/s²; torque channels are N·m.
     Source: Mahony, Kumar & Corke 2012, "Multirotor aerial vehicles", eqs. 1–4.
     """
@@ -38,9 +39,10 @@ class QuadrotorMechanism(Mechanism):
         self.platform = platform
 
     def channels_of(self, signals: Signals) -> tuple[Channel, ...]:
-        """Return the six of the body, and one per rotor where both its command and its speed are recorded."""
+        """Return those of the body, and one per rotor where both its command and its speed are recorded."""
         both = self.actuator_output in signals and self.actuator_input in signals
-        return (*self.channels, *self.rotors) if both else self.channels
+        body = tuple(channel for channel in self.channels if _is_tested(channel, signals))
+        return (*body, *self.rotors) if both else body
 
     def readings(self, signals: Signals, constants: Constants) -> dict[str, tuple[Real, Real]]:
         """Return the recorded rotor speeds beside those that the command makes, rad/s."""
@@ -92,17 +94,20 @@ class QuadrotorMechanism(Mechanism):
 
     def inertial(self, signals: Signals, constants: Constants) -> Channels:
         """Gravity and the transport terms ω × u of the body frame, and the gyroscopic torque ω × Jω."""
-        rate, velocity = signals["body_rate"], signals["velocity"]
+        rate = signals["body_rate"]
+        torque = _named("torque", -rotations.cross(rate, constants["inertia"].to(rate) * rate))
+        if "velocity" not in signals:
+            return torque
+        velocity = signals["velocity"]
         down = torch.zeros_like(velocity)
         down[..., 2] = -constants["gravity"]
         force = rotations.rotate_inverse(signals["attitude"], down) - rotations.cross(rate, velocity)
-        torque = -rotations.cross(rate, constants["inertia"].to(rate) * rate)
-        return _named("force", force) | _named("torque", torque)
+        return _named("force", force) | torque
 
     def momentum(self, signals: Signals, constants: Constants) -> Channels:
-        """Body-frame velocity (mass-normalised momentum) and angular momentum."""
-        angular = constants["inertia"].to(signals["body_rate"]) * signals["body_rate"]
-        return _named("force", signals["velocity"]) | _named("torque", angular)
+        """Body-frame velocity (mass-normalised momentum), where it is known, and angular momentum."""
+        angular = _named("torque", constants["inertia"].to(signals["body_rate"]) * signals["body_rate"])
+        return _named("force", signals["velocity"]) | angular if "velocity" in signals else angular
 
     def inertia(self, constants: Constants) -> dict[str, float]:
         """One for the mass-normalised forces, the principal moments for the torques."""
@@ -110,6 +115,12 @@ class QuadrotorMechanism(Mechanism):
         return {f"force_{axis}": 1.0 for axis in _AXES} | {
             f"torque_{axis}": moment for axis, moment in zip(_AXES, moments, strict=True)
         }
+
+
+def _is_tested(channel: Channel, signals: Signals) -> bool:
+    """Whether signals can test an equation: a force needs the velocity; the one along z is thrust, which is sensed."""
+    sensed = channel.name == "force_z" and "specific_force" in signals
+    return channel.group == "torque" or "velocity" in signals or sensed
 
 
 def rotor_thrust(signals: Signals, constants: Constants) -> PerModule:

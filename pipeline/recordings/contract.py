@@ -1,6 +1,6 @@
 """The contract of recordings: column names, units and required columns."""
 
-from collections.abc import Collection
+from collections.abc import Iterable
 
 KINDS = ("quadrotor", "swerve", "joint")
 
@@ -65,7 +65,7 @@ SLIDING_JOINT_UNITS = {"position": "m", "velocity": "m/s", "effort": "N", "posit
 """Units of a joint whose position is measured in metres."""
 
 REQUIRED: dict[str, tuple[str, ...]] = {
-    "quadrotor": tuple(QUADROTOR_STATE),
+    "quadrotor": tuple(_axes("body_rate", "")),
     "swerve": tuple(_SWERVE_REQUIRED),
     "joint": ("position",),
 }
@@ -73,6 +73,13 @@ REQUIRED: dict[str, tuple[str, ...]] = {
 
 DERIVED_FROM: dict[str, dict[str, str]] = {"joint": {"velocity": "position"}}
 """Channels, by kind, that are derived from another one where a recording lacks them, and needed where it has them."""
+
+TOGETHER: dict[str, tuple[str, ...]] = {
+    "quadrotor": tuple(column for column in QUADROTOR_STATE if not column.startswith("body_rate")),
+    "swerve": (),
+    "joint": (),
+}
+"""Channels that a recording has all or none of: a flight controller often logs no position, velocity and attitude."""
 
 ANY_OF: dict[str, tuple[tuple[str, ...], ...]] = {
     "quadrotor": (tuple(_four("motor_speed", "")), tuple(_four("motor_command", ""))),
@@ -98,12 +105,17 @@ def channel_units(kind: str, sliding: bool = False) -> dict[str, str]:
     return COLUMNS[kind] | (SLIDING_JOINT_UNITS if sliding and kind == "joint" else {})
 
 
-def always_needed(kind: str, columns: Collection[str]) -> list[str]:
-    """Return the required channels, and those in `columns` that would be derived if they were not there."""
-    return [*REQUIRED[kind], *(column for column in DERIVED_FROM.get(kind, {}) if column in columns)]
+def required_channels(kind: str, columns: Iterable[str]) -> list[str]:
+    """Return the channels that a recording with these columns must have.
+
+    Those of `TOGETHER` count if it has one of them, those of `DERIVED_FROM` if they are there.
+    """
+    present = set(columns)
+    together = TOGETHER[kind] if set(TOGETHER[kind]) & present else ()
+    return [*together, *REQUIRED[kind], *(name for name in DERIVED_FROM.get(kind, {}) if name in present)]
 
 
 def needed_channels(kind: str, columns: set[str]) -> list[str]:
-    """Return `always_needed` and the channels of every any-of group that is whole in `columns`."""
+    """Return `required_channels` and the channels of every any-of group that is whole in `columns`."""
     groups = [group for group in ANY_OF[kind] if set(group) <= columns]
-    return [*always_needed(kind, columns), *(column for group in groups for column in group)]
+    return [*required_channels(kind, columns), *(column for group in groups for column in group)]

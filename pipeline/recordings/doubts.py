@@ -20,11 +20,22 @@ def doubts(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> tuple[str, 
         units: unit of each channel.
     """
     return (
+        *_without_position(frame, kind),
         *_gaps(frame),
         *_constant(frame, units),
         *implausible_units(frame, kind, units),
         *_single_run(frame),
     )
+
+
+def _without_position(frame: pd.DataFrame, kind: str) -> Iterator[str]:
+    if kind == "quadrotor" and "position_x" not in frame:
+        thrust = " and the thrust along body z" if "specific_force_z" in frame else ""
+        yield (
+            f"Position, velocity and attitude were not recorded: the rotation{thrust} can be judged, and the motors. "
+            "Drag, wind, ground effect and all else that depends on speed, height or attitude can be neither found nor "
+            "ruled out."
+        )
 
 
 def _gaps(frame: pd.DataFrame) -> Iterator[str]:

@@ -40,7 +40,7 @@ def contradicting_rates(frame: pd.DataFrame, kind: str) -> Iterator[Contradictio
     """Yield a contradiction for each rate that is not that of its angle or position."""
     for rate, angle in (pair for pair in _PAIRS[kind] if set(pair) <= {*frame.columns}):
         yield from _compare(rate, angle, *recorded_and_derived(frame, rate, angle))
-    if kind == "quadrotor":
+    if kind == "quadrotor" and "attitude_w" in frame:
         for axis in "xyz":
             yield from _compare(f"body_rate_{axis}", "attitude", *body_rate_and_derived(frame, axis))
 

@@ -13,9 +13,10 @@ from simgap.recordings.contract import (
     INDEX_COLUMNS,
     KINDS,
     REQUIRED,
+    TOGETHER,
     WHOLE_NUMBERS,
-    always_needed,
     channel_units,
+    required_channels,
 )
 from simgap.recordings.numeric import location, to_numbers
 from simgap.recordings.units import conversion, factor_and_offset
@@ -43,8 +44,7 @@ def resolve_kind(declared: object, expected: str | None, frame: pd.DataFrame, wh
             )
         return str(declared)
     present = set(frame.columns)
-    usual = {kind: {*REQUIRED[kind], *DERIVED_FROM.get(kind, {})} for kind in KINDS}
-    share = {kind: len(present & usual[kind]) / len(usual[kind]) for kind in KINDS}
+    share = {kind: _share_of(kind, present) for kind in KINDS}
     best = max(share, key=lambda kind: share[kind])
     if expected in KINDS and share[best] < 1:
         return str(expected)
@@ -56,6 +56,13 @@ def resolve_kind(declared: object, expected: str | None, frame: pd.DataFrame, wh
             "use the column names of docs/contract.md",
         )
     return best
+
+
+def _share_of(kind: str, present: set[str]) -> float:
+    """Return the share of the columns of a kind that are there; of those that may be absent together, some count."""
+    usual = (*REQUIRED[kind], *DERIVED_FROM.get(kind, {}))
+    sets = (usual, (*usual, *TOGETHER[kind]))
+    return max(len(present & set(columns)) / len(columns) for columns in sets)
 
 
 def validate(
@@ -111,7 +118,7 @@ def _is_sliding(kind: str, declared: dict[str, str]) -> bool:
 
 def _require_columns(present: set[str], kind: str, where: str) -> None:
     groups = ANY_OF[kind]
-    for column in ("run", "t", *REQUIRED[kind]):
+    for column in ("run", "t", *required_channels(kind, present)):
         if column not in present:
             raise InputError(f"column {column!r} is missing", where, _remedy(column, present, kind))
     if groups and not any(set(group) <= present for group in groups):
@@ -131,6 +138,9 @@ def _remedy(column: str, present: Iterable[str], kind: str) -> str:
         return f"did you mean {lowered[near[0]]!r}? rename it"
     if column == "run":
         return "add it: the name of the flight, drive or trial, in every row"
+    if column in TOGETHER[kind]:
+        stems = sorted({_vector(name) for name in TOGETHER[kind]})
+        return f"add it, or leave all of {', '.join(stems)} out"
     return f"add it, a {kind} needs it"
 
 
@@ -206,7 +216,7 @@ def _whole_numbers(frame: pd.DataFrame, column: str, where: str) -> pd.Series:
 def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataFrame, list[str]]:
     """Refuse a required channel without values, drop an optional one, and say where a run lacks one."""
     empty = [column for column in frame.columns if column != "run" and frame[column].isna().all()]
-    needed = [*REQUIRED[kind]]
+    needed = required_channels(kind, frame.columns)
     usable = [group for group in ANY_OF[kind] if set(group) <= set(frame.columns) - set(empty)]
     if ANY_OF[kind] and not usable:
         needed += next(group for group in ANY_OF[kind] if set(group) & set(empty))
@@ -217,7 +227,7 @@ def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataF
             )
     remarks = [f"Column {column!r} has no values and was ignored." for column in empty]
     present = [column for column in frame.columns if column not in empty]
-    checked = [*always_needed(kind, present), *(column for group in usable for column in group)]
+    checked = [*required_channels(kind, present), *(column for group in usable for column in group)]
     counted = frame.groupby("run", sort=False)[checked].count()
     for run, counts in counted.iterrows():
         lacking = [str(column) for column in counts.index[counts.to_numpy() == 0]]
@@ -227,6 +237,8 @@ def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataF
 
 
 def _check_quaternions(frame: pd.DataFrame, where: str) -> None:
+    if _QUATERNION[0] not in frame:
+        return
     norm = np.linalg.norm(frame[_QUATERNION].to_numpy(), axis=1)
     wrong = np.abs(norm - 1.0) > _NORM_TOLERANCE
     if wrong.any():

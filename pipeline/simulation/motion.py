@@ -89,6 +89,30 @@ class QuadrotorMotion(Motion):
         return torch.cat([state[..., :3], attitude, state[..., 7:]], dim=-1)
 
 
+class RotationMotion(Motion):
+    """Body rate of a quadrotor alone, where neither position, velocity nor attitude is known."""
+
+    parts: ClassVar = {"body_rate": slice(0, 3)}
+    velocities = ("body_rate",)
+
+    def pack(self, signals: Signals) -> Float[Tensor, "*batch 3"]:
+        """Return (..., 3)."""
+        return signals["body_rate"]
+
+    def signals(
+        self, state: Float[Tensor, "*batch 3"], constants: Mapping[str, Any] | None = None
+    ) -> dict[str, Signal]:
+        """Return the body rate."""
+        return {"body_rate": state}
+
+    def derivative(
+        self, state: Float[Tensor, "*batch 3"], wrench: Mapping[str, Real], constants: Mapping[str, Any]
+    ) -> Float[Tensor, "*batch 3"]:
+        """Euler's equations; torque in the body frame."""
+        torque = torch.stack([wrench[f"torque_{axis}"] for axis in "xyz"], dim=-1)
+        return rigid_body.angular_acceleration(state, torque, constants["inertia"].to(state))
+
+
 class JointMotion(Motion):
     """Position and velocity of the axis."""
 
@@ -167,8 +191,22 @@ def _motor_speed(parts: Signals, constants: Mapping[str, Any]) -> Tensor:
     return driven + constants["coupling_ratio"] * parts["steer_velocity"]
 
 
-def motion_of(platform: Platform) -> Motion:
-    """Return the motion that belongs to a platform."""
+def motion_of(platform: Platform, known: Signals | None = None) -> Motion:
+    """Return the motion that belongs to a platform.
+
+    Args:
+        platform: of any kind.
+        known: recorded signals; without the attitude among them only a quadrotor's rotation can be followed. None where
+            all is known.
+    """
     if isinstance(platform, Swerve):
         return SwerveMotion(platform)
-    return QuadrotorMotion() if platform.kind == "quadrotor" else JointMotion()
+    if platform.kind != "quadrotor":
+        return JointMotion()
+    return QuadrotorMotion() if known is None or "attitude" in known else RotationMotion()
+
+
+def motion_of_state(platform: Platform, state: State) -> Motion:
+    """Return the motion of a platform whose state this is, (..., n)."""
+    only_rotation = platform.kind == "quadrotor" and state.shape[-1] == 3
+    return motion_of(platform, {} if only_rotation else None)

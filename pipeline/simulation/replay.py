@@ -47,7 +47,7 @@ def replay(
     )
     bare = simulator.with_effects(tuple(f for f in simulator.effects if not _is_settled(f.effect)))
     within = slice(blocks.margin, blocks.margin + steps)
-    made = motion_of(simulator.platform).signals(initial).keys()
+    made = motion_of(simulator.platform, blocks.signals).signals(initial).keys()
     outside = {name: _over_steps(series, within) for name, series in signals.items() if name not in made}
     outside |= {name: series[:, within] for name, series in held.items()}
     memory = _lived_through(bare, signals | held, blocks)
@@ -112,7 +112,7 @@ def substeps_for(
         tolerance: of each component of the state, (n,).
     """
     few = blocks.thinned(_TRIAL_BLOCKS)
-    motion = motion_of(simulator.platform)
+    motion = motion_of(simulator.platform, blocks.signals)
     signals = without_sensors(simulator, few.signals, few.time_step)
     initial = motion.pack({name: few.inner(series)[:, 0] for name, series in signals.items()})
     substeps, coarse = 1, replay(simulator, few, initial, steps)
@@ -128,7 +128,7 @@ def substeps_for(
 def replay_error(simulator: Simulator, blocks: Blocks, duration: float) -> dict[str, float]:
     """Return the root mean square error of each part of the state after replaying for a duration, in SI units."""
     steps = max(min(round(duration / blocks.time_step), blocks.samples - 1), 1)
-    motion = motion_of(simulator.platform)
+    motion = motion_of(simulator.platform, blocks.signals)
     signals = without_sensors(simulator, blocks.signals, blocks.time_step)
     recorded = motion.pack({name: blocks.inner(series) for name, series in signals.items()})
     last = replay(simulator, blocks, recorded[:, 0], steps)[:, -1]

@@ -10,7 +10,7 @@ from torch import Tensor
 from simgap.physics.shapes import Signal, Signals, State
 from simgap.simulation.actuation import Memory, actuated, held_through
 from simgap.simulation.integration import INTEGRATORS
-from simgap.simulation.motion import Motion, motion_of
+from simgap.simulation.motion import Motion, motion_of_state
 from simgap.simulation.simulator import Simulator
 
 
@@ -38,7 +38,7 @@ def step(
     Returns:
         The new state and the memory for the next step.
     """
-    motion, constants = motion_of(simulator.platform), constants_like(simulator, state)
+    motion, constants = motion_of_state(simulator.platform, state), constants_like(simulator, state)
     inner = time_step / substeps
     for _ in range(substeps):
         state, memory = _integrate(simulator, motion, constants, state, command, memory, inner, integrator)

@@ -57,7 +57,8 @@ def _quadrotor(frame: pd.DataFrame, held: bool) -> dict[str, Tensor]:
         "battery_voltage": _column(frame, "battery_voltage"),
     }
     present = {name: series for name, series in signals.items() if series is not None}
-    present["velocity"] = rotations.rotate_inverse(present["attitude"], present["velocity"])
+    if "velocity" in present:
+        present["velocity"] = rotations.rotate_inverse(present["attitude"], present["velocity"])
     return present
 
 

@@ -1,6 +1,7 @@
 """Columns of a single axis in a robot's log: voltage, position and velocity of one motor, or of several by SysId."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -72,7 +73,7 @@ def _by_sysid(log: Log, motors: list[Motor]) -> Proposal:
     return _proposal(log, columns, windows=windows, notes=tuple(notes))
 
 
-def _proposal(log: Log, columns: dict[str, Proposed], **more: tuple) -> Proposal:  # type: ignore[type-arg]
+def _proposal(log: Log, columns: dict[str, Proposed], **more: Any) -> Proposal:
     battery = battery_of(log.signals)
     if battery is not None and not any(entry.source.signal.startswith(JOINED) for entry in columns.values()):
         columns["battery_voltage"] = Proposed(Source(battery.name, "V"), _NAMED, "its name")

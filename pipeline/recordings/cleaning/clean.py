@@ -23,7 +23,7 @@ from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.cleaning.spikes import erase_spikes
 from simgap.recordings.cleaning.straight import erase_straight
 from simgap.recordings.cleaning.work import RunUnderCleaning, changes_table
-from simgap.recordings.contract import always_needed
+from simgap.recordings.contract import required_channels
 from simgap.recordings.recording import Recording
 from simgap.recordings.split import Split, split_recording
 
@@ -129,7 +129,7 @@ def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCle
         if "segment" in rows
         else np.zeros(len(time), dtype=np.int64),
         needed=[
-            *always_needed(recording.kind, recording.channels),
+            *required_channels(recording.kind, recording.channels),
             *(needed_groups(rows, recording.kind) if not reason else []),
         ],
         time_step=typical_step(time) if len(time) > 1 else 0.0,

@@ -34,27 +34,34 @@ def cut_crash(run: RunUnderCleaning, margin: float) -> None:
     onset = _onset(run.time, np.any(list(signs.values()), axis=0))
     if onset is None:
         return
-    height = run.channel("position_z")[:, 0]
-    landed = bool(np.nanmax(height[onset:], initial=-np.inf) < np.nanmin(height) + _ON_FLOOR)
+    landed = run.has(POSITION) and _stays_low(run.channel("position_z")[:, 0], onset)
     reason = "on the ground after a hard landing" if landed else "crashed or lost control"
     seen = ", ".join(name for name, mask in signs.items() if mask[onset:].any())
     start = run.time[onset] - (_TOUCHDOWN_MARGIN if landed else margin)
     run.drop(run.time >= start, "crash", reason, f"first sign at t = {run.time[onset]:.6g} s: {seen}")
 
 
+def _stays_low(height: np.ndarray, onset: int) -> bool:
+    """Return whether the flight is near its lowest height from a sample on."""
+    return bool(np.nanmax(height[onset:], initial=-np.inf) < np.nanmin(height) + _ON_FLOOR)
+
+
 def _signs(run: RunUnderCleaning) -> dict[str, np.ndarray]:
-    """Return a mask per sign, each of shape (samples,)."""
-    signs = {
-        "speed": _far_above(np.linalg.norm(run.channel(*VELOCITY), axis=1), "speed"),
-        "body rate": _far_above(np.linalg.norm(run.channel(*BODY_RATE), axis=1), "body rate"),
-        "position jump": _far_above(_position_jump(run), "position jump"),
-    }
+    """Return a mask per sign that the recording can show, each of shape (samples,)."""
+    located, signs = run.has(POSITION), {}
+    if located:
+        signs["speed"] = _far_above(np.linalg.norm(run.channel(*VELOCITY), axis=1), "speed")
+    signs["body rate"] = _far_above(np.linalg.norm(run.channel(*BODY_RATE), axis=1), "body rate")
+    if located:
+        signs["position jump"] = _far_above(_position_jump(run), "position jump")
     if run.has(SPECIFIC_FORCE):
         excess = np.abs(np.linalg.norm(run.channel(*SPECIFIC_FORCE), axis=1) - _GRAVITY)
         signs["specific force"] = _far_above(excess, "specific force")
-    _, x, y, _ = run.channel(*ATTITUDE).T
-    with np.errstate(invalid="ignore"):
-        signs["upside down"] = 1.0 - 2.0 * (x**2 + y**2) < _UPSIDE_DOWN  # z of the body's z axis in the world
+    if run.has(ATTITUDE):
+        _, x, y, _ = run.channel(*ATTITUDE).T
+        with np.errstate(invalid="ignore"):
+            upward = 1.0 - 2.0 * (x**2 + y**2)  # z of the body's z axis in the world
+            signs["upside down"] = upward < _UPSIDE_DOWN
     return signs
 
 

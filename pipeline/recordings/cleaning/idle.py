@@ -7,6 +7,7 @@ from simgap.recordings.cleaning.channels import (
     INPUTS,
     MOTOR_COMMAND,
     MOTOR_SPEED,
+    POSITION,
     RATES,
     VELOCITY,
 )
@@ -26,9 +27,10 @@ def drop_idle(run: RunUnderCleaning, min_idle: float) -> None:
     """Drop what lasts at least `min_idle` s without input and motion (swerve, joint) or on the ground
     (quadrotor)."""
     if run.kind == "quadrotor":
-        off, resting = _rotors_off(run), _resting(run)
-        on_floor = _height(run) < _ON_FLOOR
-        _drop(run, off | resting, min_idle, off & on_floor | resting, "on the ground, not flying")
+        off = _rotors_off(run)
+        if run.has(POSITION):
+            resting, on_floor = _resting(run), _height(run) < _ON_FLOOR
+            _drop(run, off | resting, min_idle, off & on_floor | resting, "on the ground, not flying")
         _drop(run, off, max(min_idle, 1.0), off, "rotors off")
         return
     inputs = [column for column in INPUTS[run.kind] if column in run.columns and column not in _SETPOINTS]

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from simgap.recordings.contract import ANY_OF, always_needed
+from simgap.recordings.contract import ANY_OF, required_channels
 
 _FEWEST_SAMPLES = 2  # samples that make a channel
 _USABLE = 0.5  # share of samples from which on a group counts as recorded
@@ -11,9 +11,8 @@ _USABLE = 0.5  # share of samples from which on a group counts as recorded
 
 def lacking(frame: pd.DataFrame, kind: str) -> str:
     """Return the reason why a run cannot be used; empty if it can."""
-    empty = [
-        column for column in always_needed(kind, frame.columns) if frame[column].count() < _FEWEST_SAMPLES
-    ]
+    needed = required_channels(kind, frame.columns)
+    empty = [column for column in needed if frame[column].count() < _FEWEST_SAMPLES]
     if empty:
         return f"no values in {', '.join(empty)}"
     if ANY_OF[kind] and not needed_groups(frame, kind):

@@ -187,6 +187,18 @@ def test_the_rate_of_momentum_is_what_acts_with_all_effects_and_turning_frames(k
         torch.testing.assert_close(found, balance.rate[name][:, 1], rtol=1e-4, atol=1e-5 * size, msg=name)
 
 
+def test_rotation_alone_is_that_of_the_whole_flight():
+    """Without drag a body turns the same wherever it is, so that its rates can be predicted from rates alone."""
+    simulator, signals = Simulator(MACHINES["quadrotor"]), some_signals("quadrotor", (4,), seed=2)
+    commands = {"rotor_speed": signals["rotor_speed"][:, None].repeat_interleave(20, dim=1)}
+    whole = rollout(simulator, motion_of(simulator.platform).pack(signals), commands, 0.005)
+    rates = {"body_rate": signals["body_rate"]}
+    alone = motion_of(simulator.platform, rates)
+    assert alone.parts.keys() == {"body_rate"}
+    states = rollout(simulator, alone.pack(rates), commands, 0.005)
+    torch.testing.assert_close(states, whole[..., 10:13])
+
+
 def remembers(effect) -> bool:
     """Whether what acts depends on more than the instant."""
     return isinstance(effect, MeasurementEffect) or getattr(effect, "remembers", False)

@@ -1,0 +1,93 @@
+"""How the motors of a quad X turn it, in the order that Betaflight and INAV number them.
+
+Source: betaflight.com/docs/wiki/guides/current/Reversed-motor-direction; the firmware's mixer QUADX.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simgap.logs.log import Span
+
+MOTOR_ORDER = (
+    "1 rear right, 2 front right, 3 rear left, 4 front left. In the platform file rotor_positions has the signs "
+    "[-x, -y], [+x, -y], [-x, +y], [+x, +y] (x forward, y left), in this order."
+)
+
+_MIXER = np.array([[-1.0, -1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, -1.0, -1.0, 1.0]])
+"""Sign of each motor's torque about x (left ones lift), y (rear ones lift) and z (motor 1 clockwise)."""
+_BAND = (1.0, 30.0)  # Hz: faster than drag and wind, slower than the propellers
+_LAGS = (0.004, 0.06)  # s after which motors act; earlier, it is the controller that answers to the rate
+_TELLING = 0.25  # correlation from which a direction is believed
+_FEWEST = 200  # samples
+
+
+@dataclass(frozen=True)
+class Turning:
+    """Correlation of what the motors ask for with the angular acceleration that follows, about x, y and z.
+
+    Attributes:
+        correlation: NaN where the log does not show it.
+    """
+
+    correlation: tuple[float, float, float]
+
+    def agrees(self, axis: int) -> bool:
+        """Whether the machine turns about an axis as its mixer says."""
+        return self.correlation[axis] > _TELLING
+
+    def opposes(self, axis: int) -> bool:
+        """Whether it turns the other way."""
+        return self.correlation[axis] < -_TELLING
+
+
+def turning_of(
+    time: NDArray[np.float64],
+    rate: NDArray[np.float64],
+    command: NDArray[np.float64],
+    flights: Sequence[Span],
+) -> Turning:
+    """Compare the motors with the rotation that they cause.
+
+    Args:
+        time: s, (samples,).
+        rate: body rates, rad/s, (samples, 3).
+        command: of the motors, 0 to 1, (samples, 4).
+        flights: where they carry the machine.
+    """
+    from scipy.signal import butter, sosfiltfilt
+
+    step = float(np.median(np.diff(time)))
+    lags = [round(lag / step) for lag in np.linspace(*_LAGS, 15)]
+    moments = np.zeros((len(lags), 3, 3))  # of asked, answered, and both
+    if _BAND[1] >= 0.4 / step:
+        return Turning((float("nan"),) * 3)
+    band = butter(2, _BAND, "band", fs=1.0 / step, output="sos")
+    for flight in flights:
+        mine = (time >= flight.begin) & (time <= flight.end)
+        if mine.sum() < _FEWEST:
+            continue
+        asked = sosfiltfilt(band, command[mine] ** 2 @ _MIXER.T, axis=0)
+        answered = sosfiltfilt(band, np.gradient(rate[mine], step, axis=0), axis=0)
+        for place, lag in enumerate(lags):
+            before, after = asked[: len(asked) - lag], answered[lag:]
+            moments[place] += [(before**2).sum(0), (after**2).sum(0), (before * after).sum(0)]
+    size = np.sqrt(moments[:, 0] * moments[:, 1])
+    correlation = np.where(size > 0, moments[:, 2] / np.where(size > 0, size, 1.0), np.nan)
+    strongest = np.abs(np.nan_to_num(correlation)).argmax(axis=0)
+    x, y, z = (float(correlation[place, axis]) for axis, place in enumerate(strongest))
+    return Turning((x, y, z))
+
+
+def directions_of(turning: Turning) -> str:
+    """Return a sentence that says which `rotor_directions` the platform file has to have."""
+    if turning.agrees(2):
+        return "The motors turn as is usual (propellers inwards): rotor_directions [1, -1, -1, 1]."
+    if turning.opposes(2):
+        return "The motors turn in reverse (propellers outwards, yaw_motors_reversed): rotor_directions [-1, 1, 1, -1]."
+    return (
+        "Which way the motors turn does not show: rotor_directions is [1, -1, -1, 1] as is usual (propellers inwards), "
+        "or [-1, 1, 1, -1] if yaw_motors_reversed is on."
+    )

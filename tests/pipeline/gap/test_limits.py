@@ -1,0 +1,47 @@
+"""Numbers of a platform that are further off than a fit looks for."""
+
+from dataclasses import replace
+
+import pytest
+
+from simgap.effects import effect_by_key
+from simgap.gap.contradiction import contradictions
+from simgap.gap.limits import at_limits
+from simgap.gap.prepare import prepare
+from simgap.gap.settings import Gap
+from simgap.simulation import FittedEffect, Simulator
+from tests.pipeline.gap.recordings import flown, racer
+
+
+def with_ratio(ratio: float, known: bool = False) -> Simulator:
+    error = effect_by_key("quadrotor", "inertia_error")
+    lag = FittedEffect(effect_by_key("quadrotor", "motor_lag"), {"time_constant": 0.5, "down_ratio": 5.0})
+    return Simulator(racer(), (lag, FittedEffect(error, {"ratio": ratio}, known=known)))
+
+
+@pytest.mark.parametrize("ratio", [3.0, 1 / 3])
+def test_a_ratio_on_its_limit_is_said_with_what_to_do(ratio):
+    (said,) = at_limits(with_ratio(ratio))
+    assert "inertia_error" in said
+    assert f"{ratio:.3g}" in said
+    assert "multiply the number in the platform file" in said
+
+
+def test_a_ratio_inside_is_not_nor_one_that_a_person_gave():
+    assert at_limits(with_ratio(2.9)) == []
+    assert at_limits(with_ratio(3.0, known=True)) == []
+
+
+@pytest.mark.parametrize(("factor", "said"), [(1.0, False), (2.0, False), (5.0, True), (0.2, True)])
+def test_a_thrust_far_from_the_platform_file_is_a_contradiction(factor, said):
+    """Without velocity and attitude it would be named as four faulty rotors."""
+    whole = flown((), seed=2, runs=2)
+    lost = [c for c in whole.frame if str(c).startswith(("position", "attitude", "velocity", "motor_speed"))]
+    recording = replace(whole, frame=whole.frame.drop(columns=lost))
+    believed = replace(racer(), thrust_coefficient=factor * racer().thrust_coefficient)
+    found = contradictions(recording, prepare(recording, Simulator(believed), Gap(), held=False))
+    thrust = [each for each in found if each.column == "specific_force_z"]
+    assert bool(thrust) == said
+    for each in thrust:
+        factor_to_take = float(each.remedy.split("thrust_coefficient by ")[1].split(",")[0])
+        assert factor_to_take * factor == pytest.approx(1.0, abs=0.25)
