@@ -39,8 +39,9 @@ def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
     """
     from simgap.effects import effect_by_key
     from simgap.gap.reading import likeliest_reading
-    from simgap.gap.residuals import noise_of_rows, residual_rows
+    from simgap.gap.residuals import residual_rows
     from simgap.gap.resolution import is_short
+    from simgap.gap.row_noise import noise_of_rows
     from simgap.platforms.settings import SimulatorSettings
     from simgap.recordings.cleaning import clean_with_coverage
     from simgap.simulation.build import build_simulator

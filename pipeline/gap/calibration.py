@@ -30,6 +30,7 @@ MODULES = (
     "reading",
     "refit",
     "residuals",
+    "row_noise",
     "sample_noise",
     "scales",
     "search",

@@ -18,8 +18,9 @@ from simgap.gap.name import Naming, name
 from simgap.gap.observable import observable, unjudged
 from simgap.gap.reading import readings_of
 from simgap.gap.regimes import Regime, regimes_of
-from simgap.gap.residuals import channels_on, noise_of_rows
+from simgap.gap.residuals import channels_on
 from simgap.gap.rollout_fit import refit_through_rollouts
+from simgap.gap.row_noise import noise_of_rows
 from simgap.gap.scoring import cross_validated, folds_of
 from simgap.gap.settings import BELIEVED, BEYOND_NOISE, Gap
 from simgap.gap.tolerated import within_tolerance

@@ -14,7 +14,8 @@ from torch import Tensor
 from simgap.effects import ActuatorEffect, Effect, MeasurementEffect
 from simgap.effects.time_offset import TimeOffset
 from simgap.gap.fit import Fit, Problem
-from simgap.gap.residuals import channel_series, noise_of_rows, rows_without_commands
+from simgap.gap.residuals import channel_series, rows_without_commands
+from simgap.gap.row_noise import noise_of_rows
 from simgap.physics.weak_form import mean_rate_of
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks

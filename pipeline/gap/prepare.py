@@ -7,8 +7,9 @@ import torch
 from simgap.effects.sizes import sizes_of
 from simgap.errors import InputError
 from simgap.gap.fit import Problem
-from simgap.gap.residuals import noise_of_rows, quadrature_of_rows
+from simgap.gap.residuals import quadrature_of_rows
 from simgap.gap.resolution import resolution_of, resolved, with_resolution
+from simgap.gap.row_noise import noise_of_rows
 from simgap.gap.scoring import ENOUGH_CLUSTERS, independent_clusters
 from simgap.gap.sensors import settle_accelerometer, settle_velocity
 from simgap.gap.settings import Gap

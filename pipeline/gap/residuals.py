@@ -1,12 +1,11 @@
 """The residual of a simulator in weak form, channel by channel, and its noise floor."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
-from simgap.gap.sample_noise import sample_noise
 from simgap.physics.weak_form import WindowFunctions, mean_of, mean_rate_of
 from simgap.platforms.mechanism import Channel
 from simgap.simulation import Simulator
@@ -75,7 +74,7 @@ def channel_series(
             predicted = blocks.at_samples(balance.wrench[channel.name])
             series.append(ChannelSeries(channel, sensed, predicted, direct=True))
         else:
-            measured = momentum[channel.name] * _settling(channel.name, simulator, blocks)
+            measured = momentum[channel.name] * settling_of(channel.name, simulator, blocks)
             predicted = blocks.at_samples(balance.rate[channel.name])
             series.append(ChannelSeries(channel, scale * measured, scale * predicted, direct=False))
     return series
@@ -99,7 +98,7 @@ def signals_inside(simulator: Simulator, blocks: Blocks, acting: dict[str, Tenso
     return {name: blocks.acting_inside(series) for name, series in signals.items()}
 
 
-def _settling(channel: str, simulator: Simulator, blocks: Blocks) -> float:
+def settling_of(channel: str, simulator: Simulator, blocks: Blocks) -> float:
     """Return the factor on the momentum of an axis that settles between two samples of a held command.
 
     Between samples the velocity is an exponential, of which the trapezoid rule misses a part; the equation
@@ -207,30 +206,3 @@ def quadrature_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFu
                 start, middle, end = (blocks.at_samples(rate[name]) for rate in rates)
                 missed[..., place] = mean_of(functions, middle - 0.5 * (start + end))
     return missed.square().mean((0, 1)).sqrt()
-
-
-def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
-    """Return the standard deviation that sensor noise and tolerances give each channel's rows, (channels,).
-
-    The noise of a sampled signal is what its fifth difference leaves: physics is smooth over six samples, white noise
-    is not. It is taken of the measured side and of the predicted side, whose inputs are noisy too.
-    Source: Gasser, Sroka & Jennen-Steinmetz 1986, Residual variance and residual pattern (Biometrika 73).
-    """
-    if "derived_velocity" in blocks.signals:
-        from simgap.gap.derived_noise import noise_of_derived  # it needs the rows of this module
-
-        return noise_of_derived(simulator, blocks, functions)
-    deviations, kept = [], blocks.noise_kept
-    # White noise is read off single samples: a mean of two no longer looks like it.
-    for series in channel_series(simulator, replace(blocks, held=False)):
-        mean_gain = functions.weights.square().sum(1).mean()
-        if series.direct:
-            variance = sample_noise(series.measured - series.predicted, kept) * mean_gain
-        else:
-            slopes = functions.differences if blocks.held else functions.slopes
-            rate_gain = slopes.square().sum(1).mean()
-            settling = _settling(series.channel.name, simulator, blocks)
-            variance = settling**2 * sample_noise(series.measured, kept) * rate_gain
-            variance = variance + sample_noise(series.predicted, kept) * mean_gain
-        deviations.append((variance + series.channel.tolerance**2).sqrt())
-    return torch.stack(deviations)

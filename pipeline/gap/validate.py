@@ -6,7 +6,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from simgap.gap.residuals import channels_on, noise_of_rows, residual_rows
+from simgap.gap.residuals import channels_on, residual_rows
+from simgap.gap.row_noise import noise_of_rows
 from simgap.gap.scoring import clusters_of
 from simgap.gap.settings import BEYOND_NOISE
 from simgap.physics.weak_form import WindowFunctions

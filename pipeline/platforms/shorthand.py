@@ -43,7 +43,7 @@ def plain(chosen: type, values: Mapping[str, Any], where: str) -> Plain:
     changed = dict(values)
     assumptions = _sentences(changed.pop(ASSUMPTIONS, None), f"{where}.{ASSUMPTIONS}")
     if chosen is Joint:
-        return _known(_joint(changed, where), assumptions)
+        return Plain(_joint(changed, where), assumptions)
     if chosen is Swerve:
         drive = _with_wheel(_with_motors(changed, where), where)
         return _with_size(drive, assumptions, where)
@@ -56,15 +56,6 @@ def _sentences(given: Any, where: str) -> tuple[str, ...]:
     if isinstance(given, str) or not isinstance(given, Sequence):
         raise InputError(f"a list of sentences is needed, not {given!r}", where, "correct the platform file")
     return tuple(str(sentence) for sentence in given)
-
-
-def _known(values: dict[str, Any], assumptions: tuple[str, ...]) -> Plain:
-    """Leave out a controller that a robot file brought, as long as a joint has no place for one."""
-    fields = {field.name for field in dataclasses.fields(Joint)}
-    if not assumptions or "controller" not in values or "controller" in fields:
-        return Plain(values, assumptions)
-    rest = {key: value for key, value in values.items() if key != "controller"}
-    return Plain(rest, (*assumptions, "The controller of the file is not used."))
 
 
 def _joint(values: dict[str, Any], where: str) -> dict[str, Any]:

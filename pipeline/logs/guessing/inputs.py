@@ -10,7 +10,6 @@ from simgap.logs.guessing.words import said_by
 from simgap.logs.log import Log, Signal
 from simgap.logs.mapping import Source
 from simgap.logs.proposal import SURE, Proposed
-from simgap.recordings.contract import COLUMNS
 from simgap.recordings.units import conversion
 
 _SUPPLY = (3.0, 60.0)  # V: from one lithium cell to the limit of protective low voltage
@@ -65,7 +64,9 @@ def inputs_of(log: Log, named: list[Named], part: Part, unit: str, position: Sig
     wanted = targets or choices(named, "velocity", True, part, near)
     if wanted:
         seen["target"] = wanted[0].name
-    if targets and "position_command" in COLUMNS["joint"] and position is not None:
+    if (
+        targets and position is not None and not columns.keys() & {"effort", "voltage"}
+    ):  # else it does not count
         found = _target(log.signals[targets[0].name], targets[0], unit, position)
         _keep_best(columns, "position_command", found)
     driven = dict(columns)

@@ -149,7 +149,7 @@ def _columns(log: Log, motion: _Motion) -> dict[str, Proposed]:
         sure = units.sure * score * (rivalry if units.sure < 0.95 else 1.0)
         source = Source(motion.velocity.name, units.velocity, sign=units.sign)
         columns["velocity"] = Proposed(source, round(sure, 2), _reason(log, motion, motion.velocity))
-        if not motion.position and "position" in REQUIRED["joint"]:
+        if not motion.position:
             whole = Source(motion.velocity.name, units.velocity, integrate=True)
             why = "no position is there: the integral of the velocity, right for a wheel, not for an arm"
             columns["position"] = Proposed(whole, 0.6, why)

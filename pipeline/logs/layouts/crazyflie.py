@@ -10,6 +10,7 @@ from simgap.logs.layouts.flights import flights, height_of, stretches
 from simgap.logs.layouts.rates import rated, told
 from simgap.logs.log import Log, Span
 from simgap.logs.proposal import Proposal, Proposed, lacking
+from simgap.recordings.contract import TOGETHER
 
 _FULL = 65535  # of a 16-bit command
 _PULSE = (
@@ -47,7 +48,8 @@ def propose(log: Log, kind: str | None = None) -> Proposal | None:
     windows = _flights(log, motors)
     fast = rated(log, columns, _HOW)
     missing = dict(fast.missing)
-    for name in lacking("quadrotor", set(fast.columns)):
+    state = [name for name in TOGETHER["quadrotor"] if name not in fast.columns]
+    for name in [*lacking("quadrotor", set(fast.columns)), *state]:
         missing.setdefault(name, f"add to config.txt on the SD card: {_ADVICE[name.rpartition('_')[0]]}")
     refusal = _refusal(log, motors, windows) or (
         f"is logged too slowly to show physics: {told(fast.refused)}; {_HOW}" if fast.refused else ""

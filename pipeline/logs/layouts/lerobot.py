@@ -7,7 +7,7 @@ import numpy as np
 from simgap.logs.log import Log
 from simgap.logs.mapping import Source
 from simgap.logs.proposal import Proposal, Proposed
-from simgap.recordings.contract import COLUMNS, REQUIRED
+from simgap.recordings.contract import COLUMNS
 
 _STATE, _ACTION = "observation.state", "action"
 _STILL = {"deg": 1.0, "rad": 0.017}  # ten steps of a servo of 4096 counts, 0.09 degrees each
@@ -90,8 +90,6 @@ def _unit(log: Log) -> tuple[str, float, str]:
 
 def _missing(columns: dict[str, Proposed]) -> dict[str, str]:
     missing = {}
-    if "velocity" in REQUIRED["joint"]:
-        missing["velocity"] = "a data set of LeRobot has no velocity of the joint"
     if "position_command" not in columns:
         missing["effort"] = (
             "a data set of LeRobot has no torque; give a recording of the joint with effort or voltage"

@@ -4,6 +4,8 @@ import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from numpy.typing import NDArray
+
 if TYPE_CHECKING:
     from simgap.logs.readers.dataflash_message import Message
 
@@ -32,16 +34,23 @@ def facts_of(messages: "Mapping[str, Message]") -> dict[str, str]:
 
 def texts_of(messages: "Mapping[str, Message]") -> list[str]:
     """Return the messages for the pilot, in order."""
-    if "MSG" not in messages or "Message" not in (messages["MSG"].rows.dtype.names or ()):
+    if "MSG" not in messages or not _holds(messages["MSG"].rows, "Message", "S"):
         return []
     return [_text(raw) for raw in messages["MSG"].rows["Message"].tolist()]
 
 
+def _holds(rows: NDArray[Any], field: str, types: str) -> bool:
+    """Whether records have a field of one of some types: in a damaged log it may be of any."""
+    return field in (rows.dtype.names or ()) and rows.dtype[field].kind in types
+
+
 def parameters_of(messages: "Mapping[str, Message]") -> dict[str, float]:
     """Return the parameters; the last value of each."""
-    if "PARM" not in messages or not {"Name", "Value"} <= set(messages["PARM"].rows.dtype.names or ()):
+    if "PARM" not in messages:
         return {}
     rows = messages["PARM"].rows
+    if not (_holds(rows, "Name", "S") and _holds(rows, "Value", "iuf")):
+        return {}
     names, values = rows["Name"].tolist(), rows["Value"].astype("float64").tolist()
     return {_text(name): value for name, value in zip(names, values, strict=True)}
 

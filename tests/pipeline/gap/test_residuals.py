@@ -12,13 +12,13 @@ from simgap.effects import effect_by_key
 from simgap.gap.prepare import prepare
 from simgap.gap.residuals import (
     channel_series,
-    noise_of_rows,
     quadrature_of_rows,
     residual_rows,
     row_weights,
     sample_noise,
     signals_inside,
 )
+from simgap.gap.row_noise import noise_of_rows
 from simgap.gap.settings import Gap
 from simgap.physics.weak_form import mean_rate_of, window_functions
 from simgap.platforms import Joint, JointMotor

@@ -9,7 +9,8 @@ from simgap.effects import effect_by_key
 from simgap.errors import InputError
 from simgap.gap.diagnosis import diagnose
 from simgap.gap.horizon import horizon_errors
-from simgap.gap.residuals import channels_on, noise_of_rows
+from simgap.gap.residuals import channels_on
+from simgap.gap.row_noise import noise_of_rows
 from simgap.gap.settings import Gap
 from simgap.gap.validate import Validation, gap_closed, validate
 from simgap.simulation import FittedEffect

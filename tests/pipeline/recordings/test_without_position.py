@@ -37,7 +37,7 @@ def test_what_is_known_of_the_state_is_whole_or_absent():
     rates = [f"body_rate_{axis}" for axis in "xyz"]
     assert required_channels("quadrotor", ["t", *rates]) == rates
     assert set(required_channels("quadrotor", ["velocity_x"])) == {*TOGETHER["quadrotor"], *rates}
-    assert required_channels("joint", []) == ["position", "velocity"]
+    assert required_channels("joint", []) == ["position"]
 
 
 def test_a_flight_without_position_is_read_with_a_word_on_what_it_cannot_show():
