@@ -1,0 +1,103 @@
+"""A driven axis against its drive: a joint, and the wheels and modules of a swerve drive."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from simgap.consistency.law import Ratio, Term, law_agreement
+from simgap.consistency.redundancy import Agreement
+from simgap.consistency.samples import Samples
+from simgap.platforms.joint import Joint, JointMotor
+from simgap.platforms.swerve import Swerve, SwerveAxis
+
+INERTIA = Ratio(0.7)
+"""A rotor's inertia behind the gear is rarely published (`effects/joint`, prior of `inertia_error`)."""
+
+MASS = Ratio(0.5)
+BACK_EMF = Ratio(0.3, more=0.3)
+"""A motor constant is known to a third; viscous friction adds to the back-EMF."""
+
+ELECTRIC = Ratio(0.3)
+_CREEP = 0.05  # of the usual speed: within it friction changes its sign
+_PER_MODULE = 0.5  # four modules are alike: their errors are, too
+
+
+def joint_laws(samples: Samples, joint: Joint) -> Iterator[Agreement | None]:
+    """Yield the comparison of a joint's effort or voltage with its motion, and of its current with its voltage."""
+    position, velocity = samples.mean(samples["position"]), samples.mean(samples["velocity"])
+    inertial = joint.inertia * samples.rate(samples["velocity"])
+    others = _other_physics(position, velocity)
+    if "effort" in samples:
+        columns = ("effort", "position", "velocity")
+        name = "'effort' against the motion"
+        drive = samples.mean(samples["effort"])
+        yield law_agreement(name, columns, drive, [Term(inertial, INERTIA)], _with(others, velocity))
+    motor = joint.motor
+    if motor is None or "voltage" not in samples:
+        return
+    volts = samples.mean(samples["voltage"])
+    terms = [
+        Term(motor.resistance / (motor.torque_constant * motor.gear_ratio) * inertial, INERTIA),
+        Term(motor.torque_constant * motor.gear_ratio * velocity, BACK_EMF),
+    ]
+    columns = ("voltage", "position", "velocity")
+    yield law_agreement("'voltage' against the motion", columns, volts, terms, others)
+    if "current" in samples:
+        yield _circuit(samples, motor, volts, velocity)
+
+
+def _circuit(samples: Samples, motor: JointMotor, volts: np.ndarray, velocity: np.ndarray) -> Agreement | None:
+    terms = [
+        Term(motor.resistance * samples.mean(samples["current"]), ELECTRIC),
+        Term(motor.torque_constant * motor.gear_ratio * velocity, ELECTRIC),
+    ]
+    columns = ("current", "voltage", "velocity")
+    return law_agreement("'voltage' against 'current' and the speed", columns, volts, terms, _constant(velocity))
+
+
+def swerve_laws(samples: Samples, swerve: Swerve) -> Iterator[Agreement | None]:
+    """Yield the comparison of each motor's voltage with its motion."""
+    carried = 0.25 * swerve.mass * swerve.wheel_radius**2 / swerve.drive.gear_ratio
+    turned = swerve.steer.inertia
+    for group, axis, inertia, ratio in (
+        ("drive", swerve.drive, carried, MASS),
+        ("steer", swerve.steer, turned, INERTIA),
+    ):
+        for module in "1234":
+            yield _motor(samples, group, module, axis, inertia, ratio)
+
+
+def _motor(
+    samples: Samples, group: str, module: str, axis: SwerveAxis, inertia: float, ratio: Ratio
+) -> Agreement | None:
+    """Compare a motor's voltage with its motion; `inertia` is that at the recorded speed over the gear."""
+    motor, columns = axis.motor, (f"{group}_voltage_{module}", f"{group}_velocity_{module}")
+    velocity = samples.mean(samples[columns[1]])
+    turns = velocity if group == "drive" else axis.gear_ratio * velocity
+    torque = inertia * samples.rate(samples[columns[1]]) / axis.gear_ratio
+    terms = [
+        Term(motor.resistance / motor.torque_constant * torque, ratio),
+        Term(motor.back_emf_constant * turns, BACK_EMF),
+    ]
+    name = f"{columns[0]!r} against the motion"
+    others = np.concatenate([_constant(velocity), _friction(velocity)], axis=-1)
+    return law_agreement(name, columns, samples.mean(samples[columns[0]]), terms, others, _PER_MODULE)
+
+
+def _other_physics(position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Return dry friction, a load, gravity and a spring, (windows, 5)."""
+    gravity = np.stack([np.sin(position), np.cos(position), position], axis=-1)
+    return np.concatenate([_constant(velocity), _friction(velocity), gravity], axis=-1)
+
+
+def _friction(velocity: np.ndarray) -> np.ndarray:
+    usual = float(np.sqrt(np.nanmean(velocity**2))) or 1.0
+    return np.tanh(velocity / (_CREEP * usual))[:, None]
+
+
+def _constant(velocity: np.ndarray) -> np.ndarray:
+    return np.ones((len(velocity), 1))
+
+
+def _with(others: np.ndarray, column: np.ndarray) -> np.ndarray:
+    return np.concatenate([others, column[:, None]], axis=-1)
