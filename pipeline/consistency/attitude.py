@@ -9,27 +9,39 @@ from simgap.consistency.samples import Samples
 
 _GRAVITY = 9.81  # m/s²
 _LEAST_RATE = 0.05  # rad/s: the zero error of a cheap gyroscope
+_LEAST_COMMAND = 0.3  # rad/s: what a controller asks for and does not get
 _LEAST_FORCE = 0.5  # m/s²: the zero error and the vibrations of a cheap accelerometer
 _LEAST_TILT = 1.0  # m/s²: an estimated velocity is smoother than the true one
 
 
-def flight_pairs(samples: Samples) -> Iterator[Pair]:
-    """Yield the comparisons of attitude, body rate, accelerometer and acceleration."""
-    turning = _turning(samples)
+def turning_pairs(samples: Samples) -> Iterator[Pair]:
+    """Yield each body rate against the turning of the attitude."""
     jitter = 2.0 * max(samples.noise_of_rate(samples[f"attitude_{axis}"]) for axis in "wxyz")
-    for axis, derived in zip("xyz", turning.T, strict=True):
+    for axis, derived in zip("xyz", _turning(samples).T, strict=True):
         rate = samples[f"body_rate_{axis}"]
         noise = max(_LEAST_RATE, samples.noise_of_mean(rate), jitter)
         name = f"'body_rate_{axis}' against the turning of the attitude"
         yield Pair(name, (f"body_rate_{axis}", "attitude"), samples.mean(rate), derived, noise)
+
+
+def force_pairs(samples: Samples) -> Iterator[Pair]:
+    """Yield the accelerometer against gravity and acceleration."""
     felt = in_body(samples, acceleration(samples))
-    if samples.has("specific_force", "xyz"):
-        for axis, derived in zip("xyz", felt.T, strict=True):
-            force = samples[f"specific_force_{axis}"]
-            name = f"'specific_force_{axis}' against gravity and the rate of change of the velocity"
-            columns = (f"specific_force_{axis}", "attitude", "velocity")
-            yield Pair(name, columns, samples.mean(force), derived, _LEAST_FORCE)
-    yield from _tilt_pairs(samples)
+    for axis, derived in zip("xyz", felt.T, strict=True):
+        force = samples[f"specific_force_{axis}"]
+        name = f"'specific_force_{axis}' against gravity and the rate of change of the velocity"
+        columns = (f"specific_force_{axis}", "attitude", "velocity")
+        yield Pair(name, columns, samples.mean(force), derived, _LEAST_FORCE)
+
+
+def command_pairs(samples: Samples) -> Iterator[Pair]:
+    """Yield each body rate that was commanded against the recorded one."""
+    for axis in "xyz":
+        commanded, rate = samples[f"body_rate_command_{axis}"], samples[f"body_rate_{axis}"]
+        name = f"'body_rate_command_{axis}' against 'body_rate_{axis}'"
+        columns = (f"body_rate_command_{axis}", f"body_rate_{axis}")
+        noise = max(_LEAST_COMMAND, samples.noise_of_mean(rate))
+        yield Pair(name, columns, samples.mean(commanded), samples.mean(rate), noise)
 
 
 def acceleration(samples: Samples) -> np.ndarray:
@@ -71,7 +83,7 @@ def _turning(samples: Samples) -> np.ndarray:
     return axis * angle / samples.span[:, None]
 
 
-def _tilt_pairs(samples: Samples) -> Iterator[Pair]:
+def tilt_pairs(samples: Samples) -> Iterator[Pair]:
     """Yield the horizontal acceleration against that of a thrust along the body's z axis, both without drag.
 
     The vertical acceleration says how strong the thrust is, the attitude where it points. What goes with the speed,

@@ -26,19 +26,22 @@ def joint_laws(samples: Samples, joint: Joint) -> Iterator[Agreement | None]:
     """Yield the comparison of a joint's effort or voltage with its motion, and of its current with its voltage."""
     position, velocity = samples.mean(samples["position"]), samples.mean(samples["velocity"])
     inertial = joint.inertia * samples.rate(samples["velocity"])
+    jerky, shaky = samples.noise_of_rate(samples["velocity"]), samples.noise_of_mean(samples["velocity"])
     others = _other_physics(position, velocity)
     if "effort" in samples:
         columns = ("effort", "position", "velocity")
         name = "'effort' against the motion"
         drive = samples.mean(samples["effort"])
-        yield law_agreement(name, columns, drive, [Term(inertial, INERTIA)], _with(others, velocity))
+        yield law_agreement(name, columns, drive, [Term(inertial, INERTIA, joint.inertia * jerky)], _with(others, velocity))
     motor = joint.motor
     if motor is None or "voltage" not in samples:
         return
     volts = samples.mean(samples["voltage"])
+    constant = motor.torque_constant * motor.gear_ratio
+    volts_per_torque = motor.resistance / constant
     terms = [
-        Term(motor.resistance / (motor.torque_constant * motor.gear_ratio) * inertial, INERTIA),
-        Term(motor.torque_constant * motor.gear_ratio * velocity, BACK_EMF),
+        Term(volts_per_torque * inertial, INERTIA, volts_per_torque * joint.inertia * jerky),
+        Term(constant * velocity, BACK_EMF, constant * shaky),
     ]
     columns = ("voltage", "position", "velocity")
     yield law_agreement("'voltage' against the motion", columns, volts, terms, others)
@@ -55,16 +58,14 @@ def _circuit(samples: Samples, motor: JointMotor, volts: np.ndarray, velocity: n
     return law_agreement("'voltage' against 'current' and the speed", columns, volts, terms, _constant(velocity))
 
 
-def swerve_laws(samples: Samples, swerve: Swerve) -> Iterator[Agreement | None]:
-    """Yield the comparison of each motor's voltage with its motion."""
+def swerve_laws(samples: Samples, swerve: Swerve, group: str) -> Iterator[Agreement | None]:
+    """Yield the comparison of the voltage of each motor of a group with its motion."""
     carried = 0.25 * swerve.mass * swerve.wheel_radius**2 / swerve.drive.gear_ratio
-    turned = swerve.steer.inertia
-    for group, axis, inertia, ratio in (
-        ("drive", swerve.drive, carried, MASS),
-        ("steer", swerve.steer, turned, INERTIA),
-    ):
-        for module in "1234":
-            yield _motor(samples, group, module, axis, inertia, ratio)
+    axis, inertia, ratio = (
+        (swerve.drive, carried, MASS) if group == "drive" else (swerve.steer, swerve.steer.inertia, INERTIA)
+    )
+    for module in "1234":
+        yield _motor(samples, group, module, axis, inertia, ratio)
 
 
 def _motor(
@@ -74,10 +75,12 @@ def _motor(
     motor, columns = axis.motor, (f"{group}_voltage_{module}", f"{group}_velocity_{module}")
     velocity = samples.mean(samples[columns[1]])
     turns = velocity if group == "drive" else axis.gear_ratio * velocity
-    torque = inertia * samples.rate(samples[columns[1]]) / axis.gear_ratio
+    volts = motor.resistance / motor.torque_constant * inertia / axis.gear_ratio
+    recorded = samples[columns[1]]
+    shaky = samples.noise_of_mean(recorded) * (1.0 if group == "drive" else axis.gear_ratio)
     terms = [
-        Term(motor.resistance / motor.torque_constant * torque, ratio),
-        Term(motor.back_emf_constant * turns, BACK_EMF),
+        Term(volts * samples.rate(recorded), ratio, volts * samples.noise_of_rate(recorded)),
+        Term(motor.back_emf_constant * turns, BACK_EMF, motor.back_emf_constant * shaky),
     ]
     name = f"{columns[0]!r} against the motion"
     others = np.concatenate([_constant(velocity), _friction(velocity)], axis=-1)

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from simgap.consistency.attitude import flight_pairs
 from simgap.consistency.redundancy import Pair
 from simgap.consistency.samples import Samples
 
@@ -13,7 +12,7 @@ _LEAST_SPEED = 0.02  # m/s: an estimate of a velocity drifts by as much
 _LEAST_TURNING = 0.02  # rad/s
 
 
-def kinematic_pairs(samples: Samples) -> Iterator[Pair]:
+def position_pairs(samples: Samples) -> Iterator[Pair]:
     """Yield every comparison of a rate with the derivative of its position."""
     if samples.kind == "joint":
         yield rate_pair(samples, "velocity", "position", 0.0)
@@ -23,7 +22,6 @@ def kinematic_pairs(samples: Samples) -> Iterator[Pair]:
     else:
         for axis in "xyz":
             yield rate_pair(samples, f"velocity_{axis}", f"position_{axis}", _LEAST_SPEED)
-        yield from flight_pairs(samples)
 
 
 def rate_pair(samples: Samples, rate: str, position: str, least: float, wraps: bool = False) -> Pair:

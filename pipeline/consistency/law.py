@@ -10,14 +10,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simgap.consistency.redundancy import FLOOR, INDEPENDENT, Agreement
+from simgap.consistency.redundancy import FLOOR, INDEPENDENT, LAG_COST, LAGS, Agreement, shifted
 
 _COLOURED = 3.0  # times the standard error of white errors: what the law leaves out lasts for several windows
 _EXACT = 0.15  # of a ratio: no law holds better
 _UNKNOWN = 1e-4  # density that any ratio has: something may be at work that nobody thinks of
 _CLEAR = 3.0  # odds of twenty to one
+_DISTURBED = 5.0  # times its noise, from which on a term says something
+_LEAST_EXPLAINED = 0.02  # share; with less, anything fits
+_MUCH = 0.5  # share of the drive's energy that is left
 _FEWEST = 20  # windows
 _LOGARITHMS = np.linspace(-4.0, 4.0, 801)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A coefficient: its value, its error, and the share of variance that it explains beside the others."""
+
+    value: float
+    error: float
+    explained: float
 
 
 @dataclass(frozen=True)
@@ -39,6 +51,17 @@ class Ratio:
         added = np.where(_LOGARITHMS > 0.0, 2.0 * _normal(_LOGARITHMS, 1.0), 0.0)
         return (1.0 - self.more) * usual + self.more * added
 
+    def best_support(self, estimate: Estimate) -> float:
+        """Return the log likelihood of a coefficient that noise in its term may have made too small.
+
+        With noise in both, the true slope lies between that of one side on the other and its reverse, which is one
+        over the explained share times as large [Fuller 1987].
+        """
+        steps = np.linspace(0.0, 1.0, 5) * -np.log(max(estimate.explained, _LEAST_EXPLAINED))
+        return max(
+            self.support(estimate.value * np.exp(step), estimate.error * np.exp(step)) for step in steps
+        )
+
     def support(self, value: float, error: float) -> float:
         """Return the log likelihood of an estimate, zero for an exact one of 1; the unit of the drive cancels."""
         peak = self._likelihood(1.0, _EXACT)
@@ -55,10 +78,17 @@ class Ratio:
 
 @dataclass(frozen=True)
 class Term:
-    """A term of a law: what the platform foretells, (windows,), and how far off it may be."""
+    """A term of a law.
+
+    Attributes:
+        foretold: by the platform, (windows,).
+        ratio: how far off it may be.
+        noise: what sensor noise makes of it, standard deviation.
+    """
 
     foretold: np.ndarray
     ratio: Ratio
+    noise: float = 0.0
 
 
 def law_agreement(
@@ -82,42 +112,71 @@ def law_agreement(
     Returns:
         None where there are too few windows, or the drive never changes.
     """
-    columns_of = np.concatenate([np.stack([term.foretold for term in terms], axis=-1), others], axis=-1)
-    known = np.isfinite(columns_of).all(axis=1) & np.isfinite(drive)
-    motion, recorded = columns_of[known], drive[known]
-    if len(recorded) < max(_FEWEST, 2 * motion.shape[1]) or not np.ptp(recorded) > 0.0:
+    motion = np.concatenate([np.stack([term.foretold for term in terms], axis=-1), others], axis=-1)
+    best: Agreement | None = None
+    for lag in LAGS:
+        found = _compared(name, columns, *shifted(drive, motion, lag), terms, LAG_COST * abs(lag), weight)
+        if found is not None and (best is None or found.support > best.support):
+            best = found
+        if best is None or not best.opposed:
+            break
+    return best
+
+
+def _compared(
+    name: str,
+    columns: tuple[str, ...],
+    drive: np.ndarray,
+    motion: np.ndarray,
+    terms: list[Term],
+    cost: float,
+    weight: float,
+) -> Agreement | None:
+    known = np.isfinite(motion).all(axis=1) & np.isfinite(drive)
+    motion, drive = motion[known], drive[known]
+    if len(drive) < max(_FEWEST, 2 * motion.shape[1]) or not np.ptp(drive) > 0.0:
         return None
-    ratios, errors, left = _regressed(motion, recorded)
+    moves = [np.std(column) > _DISTURBED * term.noise for term, column in zip(terms, motion.T, strict=False)]
+    if not any(moves):
+        return None
+    estimates, left = _regressed(motion, drive, len(terms))
     supports = [
-        term.ratio.support(ratio, error) for term, ratio, error in zip(terms, ratios, errors, strict=False)
+        term.ratio.best_support(estimate) if moving else 0.0
+        for term, estimate, moving in zip(terms, estimates, moves, strict=True)
     ]
-    count = min(INDEPENDENT, 0.5 * len(recorded))
-    support = sum(supports) - 0.5 * count * float(np.log((left + FLOOR) / (1.0 + FLOOR)))
-    figures = "it needs " + " and ".join(f"{ratio:.3g}" for ratio in ratios[: len(terms)])
+    count = min(INDEPENDENT, 0.5 * len(drive))
+    fit = -0.5 * count * float(np.log((left + FLOOR) / (1.0 + FLOOR)))
+    figures = " and ".join(f"{estimate.value:.3g}" for estimate in estimates)
     return Agreement(
         name,
         columns,
-        weight * support,
-        bool(min(supports) < -_CLEAR or left > 0.5),
-        f"{figures} times what the platform file foretells",
-        float(ratios[0]),
+        weight * (sum(supports) + fit - cost),
+        bool(sum(supports) < -_CLEAR or left > _MUCH),
+        f"{figures} times as much as the platform file foretells",
+        estimates[0].value,
     )
 
 
-def _regressed(motion: np.ndarray, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return coefficients, their errors and the share of the drive's energy that is left."""
+def _regressed(motion: np.ndarray, drive: np.ndarray, count: int) -> tuple[list[Estimate], float]:
+    """Return the first coefficients, and the share of the drive's energy that is left."""
     size = np.sqrt(np.mean(motion**2, axis=0))
-    size[size == 0.0] = np.inf
-    scaled = motion / size
+    dead = size == 0.0
+    scaled = motion / np.where(dead, 1.0, size)
     found = np.linalg.lstsq(scaled, drive, rcond=1e-6)[0]
-    rest = drive - scaled @ found
+    rest = float(np.mean((drive - scaled @ found) ** 2))
     normal = np.linalg.pinv(scaled.T @ scaled, rcond=1e-10, hermitian=True)
-    errors = _COLOURED * np.sqrt(np.maximum(np.diag(normal), 0.0) * np.mean(rest**2))
-    finite = np.where(np.isfinite(size), size, 1.0)
-    dead = ~np.isfinite(size)
-    values, spreads = found / finite, errors / finite
-    spreads[dead] = np.inf
-    return values, spreads, float(np.mean(rest**2) / max(np.mean(drive**2), 1e-300))
+    spread = np.sqrt(np.maximum(np.diag(normal), 1e-300) * rest)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        certain = (found / spread) ** 2
+    shown = np.clip(certain / (certain + len(drive)), 0.0, 1.0)  # squared partial correlation
+    return [
+        Estimate(
+            float(found[place] / (size[place] or 1.0)),
+            float(_COLOURED * spread[place] / size[place]) if not dead[place] else np.inf,
+            float(np.nan_to_num(shown[place], nan=1.0)),
+        )
+        for place in range(count)
+    ], rest / max(float(np.mean(drive**2)), 1e-300)
 
 
 def _normal(values: np.ndarray, spread: float) -> np.ndarray:

@@ -19,7 +19,13 @@ FLOOR = 0.05
 """Least misfit that counts: sensors lag and are filtered, so no two series agree to better than a fifth."""
 
 OPPOSED = 0.5
-"""Misfit from which on two series do not say the same. A lag of a seventh of a period gives 0.5."""
+"""Misfit from which on two series do not say the same, at whatever lag."""
+
+LAGS = (0, -1, 1, -2, 2)
+"""Lags that are tried, in half windows: up to 0.1 s lies between a command and what it does, or in a filter."""
+
+LAG_COST = 1.0
+"""Log likelihood that a half window of lag costs."""
 
 UNRELATED = 2.0
 """Misfit of two series that have nothing to do with each other."""
@@ -58,7 +64,8 @@ class Agreement:
         support: log likelihood, 0 for two unrelated series.
         opposed: whether both clearly say different things.
         figures: how they differ, in words.
-        ratio: size of the recorded over that of the derived series, negative where they are opposite.
+        ratio: size of the recorded over that of the derived series.
+        alike: correlation of both; NaN for a law.
     """
 
     name: str
@@ -67,6 +74,7 @@ class Agreement:
     opposed: bool
     figures: str
     ratio: float = np.nan
+    alike: float = np.nan
 
     @property
     def evidence(self) -> str:
@@ -75,8 +83,25 @@ class Agreement:
 
 
 def agreement_of(pair: Pair) -> Agreement | None:
-    """Compare two series; see the module. None where nothing moved."""
-    recorded, derived = pair.recorded, pair.derived
+    """Compare two series; see the module. Where they are opposed, a lag is tried. None where nothing moved."""
+    best: Agreement | None = None
+    for lag in LAGS:
+        found = _compared(pair, *shifted(pair.recorded, pair.derived, lag), LAG_COST * abs(lag))
+        if found is not None and (best is None or found.support > best.support):
+            best = found
+        if best is None or not best.opposed:
+            break
+    return best
+
+
+def shifted(first: np.ndarray, second: np.ndarray, lag: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return two series with the first taken that many windows later."""
+    if lag == 0:
+        return first, second
+    return (first[lag:], second[:-lag]) if lag > 0 else (first[:lag], second[-lag:])
+
+
+def _compared(pair: Pair, recorded: np.ndarray, derived: np.ndarray, cost: float) -> Agreement | None:
     known = np.isfinite(recorded) & np.isfinite(derived)
     recorded, derived = recorded[known], derived[known]
     size = 0.5 * (recorded**2 + derived**2)
@@ -87,12 +112,11 @@ def agreement_of(pair: Pair) -> Agreement | None:
     recorded, derived, size = recorded[moving], derived[moving], size[moving]
     misfit = float(np.mean((recorded - derived) ** 2 / size))
     count = min(INDEPENDENT, 0.5 * float(moving.sum()))
-    support = -0.5 * count * np.log((misfit + FLOOR) / (UNRELATED + FLOOR))
+    support = -0.5 * count * float(np.log((misfit + FLOOR) / (UNRELATED + FLOOR))) - cost
     alike = _correlation(recorded, derived)
     ratio = float(np.mean(np.abs(recorded)) / max(np.mean(np.abs(derived)), 1e-300))
     figures = f"{ratio:.3g} times as large, correlation {alike:.2f}"
-    signed = ratio if alike >= 0.0 else -ratio
-    return Agreement(pair.name, pair.columns, float(support), misfit > OPPOSED, figures, signed)
+    return Agreement(pair.name, pair.columns, support, misfit > OPPOSED, figures, ratio, alike)
 
 
 def _correlation(recorded: np.ndarray, derived: np.ndarray) -> float:

@@ -15,6 +15,9 @@ HALF_WINDOW = 0.05
 MOST_SAMPLES = 20_000
 """Samples that are looked at; more of the same machine would say the same."""
 
+SEARCHED_SAMPLES = 6_000
+"""Samples with which each transformation is tried."""
+
 _GAP_STEPS = 3.0  # usual steps; a window over a longer gap says nothing
 _KEPT_SHARE = 0.8  # of the velocity's variance, which averaging over a window must leave
 _SHORTEST_HALF = 1
@@ -106,6 +109,13 @@ class Samples:
         angles = self.stack(stem, suffixes)
         return np.arctan2(self.mean(np.sin(angles)), self.mean(np.cos(angles)))
 
+    def integral(self, rate: np.ndarray) -> np.ndarray:
+        """Return the integral of a rate by the trapezoid rule, from zero in each run, (samples,)."""
+        step = np.diff(self.columns["t"]) * 0.5 * (np.nan_to_num(rate[1:]) + np.nan_to_num(rate[:-1]))
+        whole = np.concatenate([[0.0], np.cumsum(step)])
+        starts = np.flatnonzero(np.diff(self.run, prepend=self.run[0] - 1))
+        return whole - np.repeat(whole[starts], np.diff(np.append(starts, len(whole))))
+
     def noise_of_mean(self, values: np.ndarray) -> float:
         """Return the standard deviation of a window's mean by sensor noise."""
         return noise_of(values) / float(np.sqrt(2 * self.half))
@@ -145,11 +155,18 @@ def samples_of(recording: Recording, runs: list[str] | None = None) -> Samples:
     return _with_window(samples) if recording.kind == "joint" else samples
 
 
-def _thinned(codes: np.ndarray) -> np.ndarray:
+def thinner(samples: Samples) -> Samples:
+    """Return fewer samples, for a search."""
+    kept = _thinned(samples.run, SEARCHED_SAMPLES)
+    columns = {name: values[kept] for name, values in samples.columns.items()}
+    return Samples(samples.kind, samples.run[kept], columns, samples.half_seconds)
+
+
+def _thinned(codes: np.ndarray, most: int = MOST_SAMPLES) -> np.ndarray:
     """Return the first samples of every run, the same share of each."""
-    if len(codes) <= MOST_SAMPLES:
+    if len(codes) <= most:
         return np.arange(len(codes))
-    share = MOST_SAMPLES / len(codes)
+    share = most / len(codes)
     starts = np.flatnonzero(np.diff(codes, prepend=-1))
     lengths = np.diff(np.append(starts, len(codes)))
     pieces = zip(starts, np.ceil(share * lengths).astype(int), strict=True)

@@ -1,0 +1,198 @@
+"""The decision: does a recording contradict itself, and which transformation makes the contradiction vanish?
+
+The score of an explanation is the log likelihood of all agreements plus the logarithm of its odds. Nothing is said
+unless an explanation beats the recording as it stands by `CLEAR`, or no explanation helps and two exact series differ
+beyond doubt.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from simgap.consistency.families import Agreements, Family, Platform, families_of
+from simgap.consistency.faults import faults_of
+from simgap.consistency.redundancy import Agreement
+from simgap.consistency.samples import Samples, samples_of, thinner
+from simgap.consistency.transformation import Transformation
+from simgap.recordings.contradiction import SUSPECTED, Contradiction
+from simgap.recordings.recording import Recording
+
+CLEAR = 3.0
+"""Difference of scores that counts: odds of twenty to one (Occam's window of `gap/search.py`)."""
+
+_STEPS = 3  # faults of one recording
+_PAIRED = 8  # transformations that are tried with each other one, the most promising first
+_ALIKE = 0.8  # correlation from which on the sizes of two exact series are compared
+_LARGEST = 3.0  # ratio of two exact series that filters and lags cannot make
+
+
+@dataclass(frozen=True)
+class State:
+    """A recording with some transformations undone.
+
+    Attributes:
+        samples: of the recording.
+        found: the agreements of each family.
+        score: of this explanation.
+    """
+
+    samples: Samples
+    found: tuple[Agreements, ...]
+    score: float
+
+    @property
+    def opposed(self) -> list[Agreement]:
+        """What still contradicts, the clearest first."""
+        every = (each for found in self.found for each in found.values() if each.opposed)
+        return sorted(every, key=lambda each: each.support)
+
+
+def contradictions(recording: Recording, platform: Platform | None = None) -> list[Contradiction]:
+    """Return all in a recording that contradicts itself or the platform, so that nothing can be named.
+
+    Args:
+        recording: raw, or cleaned.
+        platform: what is known of the machine; without it, only what needs none is checked.
+    """
+    samples = samples_of(recording)
+    families = families_of(samples, platform)
+    state = _state(samples, families)
+    if not state.opposed:
+        return []
+    names = recording.runs
+    chosen = _concerned(recording, families, names)
+    if len(chosen) < len(names):
+        samples = samples_of(recording, chosen)
+    return [replace(each, runs=tuple(chosen)) for each in _explained(samples, families, recording, platform)]
+
+
+def _concerned(recording: Recording, families: Sequence[Family], names: list[str]) -> list[str]:
+    """Return the runs in which something is opposed; all of them where no run shows it alone."""
+    if len(names) == 1:
+        return names
+    chosen = [name for name in names if _state(samples_of(recording, [name]), families).opposed]
+    return chosen or names
+
+
+def _explained(
+    samples: Samples, families: Sequence[Family], recording: Recording, platform: Platform | None
+) -> list[Contradiction]:
+    small = thinner(samples)
+    state = _state(small, families)
+    sliding = recording.units.get("position") == "m"
+    told: list[Contradiction] = []
+    for _ in range(_STEPS):
+        faults = faults_of(state.samples, platform, sliding)
+        step = _best_step(state, families, faults)
+        if step is None:
+            break
+        told += step.told
+        state = step.state
+    return told or _unexplained(state)
+
+
+@dataclass(frozen=True)
+class _Step:
+    state: State
+    told: list[Contradiction]
+
+
+def _best_step(state: State, families: Sequence[Family], faults: list[Transformation]) -> _Step | None:
+    """Return the best transformation, or the best two, if they make a contradiction vanish."""
+    if not state.opposed:
+        return None
+    tried = _tried(state, families, faults)
+    if tried and tried[0][0].score - state.score > CLEAR:
+        after, fault = tried[0]
+        return _Step(after, [_told(state, after, fault, tried)])
+    best: tuple[State, Transformation, Transformation] | None = None
+    for after, fault in tried[:_PAIRED]:
+        others = [other for other in faults if not set(other.columns) & set(fault.columns)]
+        for both, other in _tried(after, families, others)[:1]:
+            if best is None or both.score > best[0].score:
+                best = (both, fault, other)
+    if best is None or best[0].score - state.score <= CLEAR:
+        return None
+    after, *pair = best
+    return _Step(after, [_told(state, after, fault, []) for fault in pair])
+
+
+def _tried(
+    state: State, families: Sequence[Family], faults: Sequence[Transformation]
+) -> list[tuple[State, Transformation]]:
+    """Return what each transformation that touches an opposed agreement leads to, the best first."""
+    wanted = [index for index, found in enumerate(state.found) if any(each.opposed for each in found.values())]
+    tried = []
+    for fault in faults:
+        if any(families[index].sees(fault.columns) for index in wanted):
+            tried.append((_after(state, families, fault), fault))
+    return sorted(tried, key=lambda entry: -entry[0].score)
+
+
+def _state(samples: Samples, families: Sequence[Family]) -> State:
+    found = tuple(family.agreements(samples) for family in families)
+    return State(samples, found, _support(found))
+
+
+def _after(state: State, families: Sequence[Family], fault: Transformation) -> State:
+    """Return the state in which a transformation is undone; what it does not touch is not compared again."""
+    samples = fault.undo(state.samples)
+    found = tuple(
+        family.agreements(samples) if family.sees(fault.columns) else before
+        for family, before in zip(families, state.found, strict=True)
+    )
+    score = state.score - _support(state.found) + _support(found) + float(np.log(fault.odds))
+    return State(samples, found, score)
+
+
+def _support(found: Sequence[Agreements]) -> float:
+    return sum(each.support for agreements in found for each in agreements.values())
+
+
+def _told(
+    before: State, after: State, fault: Transformation, tried: Sequence[tuple[State, Transformation]]
+) -> Contradiction:
+    gains = {
+        name: agreement.support - then[name].support if name in then else agreement.support
+        for found, then in zip(before.found, after.found, strict=True)
+        for name, agreement in found.items()
+    }
+    worst = min(gains, key=lambda name: gains[name])
+    agreement = next(found[worst] for found in before.found if worst in found)
+    words = f" ({fault.words})" if fault.words else ""
+    sure = f"with {fault.column!r} as {SUSPECTED[fault.suspected]}{words} undone, the recording agrees"
+    rival = _rival(after, fault, tried)
+    return Contradiction(fault.column, fault.suspected, f"{agreement.evidence}; {sure}{rival}", fault.remedy)
+
+
+def _rival(after: State, fault: Transformation, tried: Sequence[tuple[State, Transformation]]) -> str:
+    """Return how sure the cause is against the next one that is another."""
+    others = [
+        (state, other)
+        for state, other in tried
+        if (other.column, other.suspected, other.words) != (fault.column, fault.suspected, fault.words)
+    ]
+    if not others:
+        return ""
+    state, other = others[0]
+    odds = float(np.exp(min(after.score - state.score, np.log(1000.0))))
+    if odds >= 1000.0:
+        return " (odds above 1000 to 1)"
+    return f" (odds {odds:.2g} to 1 against {SUSPECTED[other.suspected]} of {other.column!r})"
+
+
+def _unexplained(state: State) -> list[Contradiction]:
+    """Return what two exact series contradict beyond doubt although no transformation explains it."""
+    told = []
+    for each in state.opposed:
+        rate, *others = each.columns
+        if np.isnan(each.alike):
+            continue
+        other = others[0] if others else rate
+        if each.alike < -_ALIKE:
+            told.append(Contradiction(rate, "sign", each.evidence, f"Negate {rate!r}, or {other!r}."))
+        elif each.alike > _ALIKE and not 1.0 / _LARGEST < each.ratio < _LARGEST:
+            remedy = f"Convert {rate!r} or {other!r}: their units do not agree."
+            told.append(Contradiction(rate, "unit", each.evidence, remedy))
+    return told

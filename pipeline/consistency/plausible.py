@@ -1,0 +1,91 @@
+"""Values against what they can be: a battery, a clock, a command, a voltage under its supply."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from simgap.consistency.law import Ratio
+from simgap.consistency.redundancy import Agreement
+from simgap.consistency.samples import Samples
+from simgap.consistency.transformation import Transformation, scaled
+from simgap.consistency.units import VOLTAGE, in_units
+
+_IMPOSSIBLE = -9.0  # log likelihood of what cannot be: a number in ten thousand is logged that way
+_CLEAR = -3.0
+_PACK = Ratio(0.2)
+"""A lithium cell has 3 to 4.35 V about its nominal 3.7 V."""
+
+_CELL = 3.7  # V, nominal, of a lithium cell
+_PACKS = (2.5, 60.0)  # V of a battery: an empty cell, and fourteen full ones
+_STEP, _DECADES = 0.01, 2.5  # s; natural logarithm: logs have 1 Hz to 10 kHz
+_OVER_SUPPLY = 1.3  # a supply that sags, and is logged on its own
+_FULL = 1.05  # rounding of a command
+
+
+def plausibility(samples: Samples, nominal: float | None) -> Iterator[Agreement]:
+    """Yield how plausible the values of single columns are.
+
+    Args:
+        samples: of the recording.
+        nominal: voltage of the platform's supply, V, where it is known.
+    """
+    yield _clock(samples)
+    if "battery_voltage" in samples:
+        yield from _battery(samples, nominal)
+    if samples.has("motor_command", "1234"):
+        yield _command(samples)
+
+
+def _clock(samples: Samples) -> Agreement:
+    step = samples.time_step
+    support = -0.5 * float(np.log(step / _STEP) / _DECADES) ** 2 if step > 0 else 0.0
+    figures = f"one sample every {step:.3g} s"
+    return Agreement("'t'", ("t",), max(support, _IMPOSSIBLE), support < _CLEAR, figures, step / _STEP)
+
+
+def _battery(samples: Samples, nominal: float | None) -> Iterator[Agreement]:
+    known = samples["battery_voltage"]
+    known = known[np.isfinite(known) & (known != 0.0)]
+    if not len(known):
+        return
+    volts = float(np.median(known))
+    if nominal:
+        support, told = _PACK.support(volts / nominal, 0.05), f" for a nominal {nominal:.3g} V"
+    else:
+        support, told = (0.0 if _PACKS[0] <= volts <= _PACKS[1] else _IMPOSSIBLE), ""
+    name, figures = "'battery_voltage'", f"its median is {volts:.4g} V{told}"
+    yield Agreement(name, ("battery_voltage",), support, support < _CLEAR, figures, volts / (nominal or 12.0))
+    stems = {"joint": ["voltage"], "swerve": [f"{group}_voltage_{m}" for group in ("drive", "steer") for m in "1234"]}
+    columns = [column for column in stems.get(samples.kind, []) if column in samples]
+    if columns:
+        yield _under_supply(samples, columns, volts)
+
+
+def _under_supply(samples: Samples, columns: list[str], volts: float) -> Agreement:
+    largest = max(float(np.nanquantile(np.abs(samples[column]), 0.99)) for column in columns)
+    over = largest > _OVER_SUPPLY * volts
+    figures = f"{largest:.4g} V under a battery of {volts:.4g} V"
+    name = f"{columns[0]!r}"
+    return Agreement(name, (*columns, "battery_voltage"), _IMPOSSIBLE if over else 0.0, over, figures, largest / volts)
+
+
+def _command(samples: Samples) -> Agreement:
+    values = samples.stack("motor_command", "1234")
+    low, high = np.nanquantile(values, [0.01, 0.99])
+    wrong = bool(high > _FULL or low < 1.0 - _FULL)
+    columns = ("motor_command_1..4",)
+    figures = f"from {low:.4g} to {high:.4g}, and not from 0 to 1"
+    return Agreement("'motor_command_1..4'", columns, _IMPOSSIBLE if wrong else 0.0, wrong, figures, float(high))
+
+
+def supply_faults(samples: Samples, nominal: float | None) -> list[Transformation]:
+    """Return the transformations of a battery's voltage."""
+    columns = ("battery_voltage",)
+    if columns[0] not in samples:
+        return []
+    found = in_units(columns[0], columns, VOLTAGE)
+    cells = max(1, round((nominal or 0.0) / _CELL))
+    if cells > 1:
+        words = f"of one cell of {cells}"
+        found.append(scaled("per_cell", columns[0], columns, 1.0 / cells, 0.04, f"scale: {cells}", words))
+    return found
