@@ -94,7 +94,8 @@ def _other_physics(position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
 
 
 def _friction(velocity: np.ndarray) -> np.ndarray:
-    usual = float(np.sqrt(np.nanmean(velocity**2))) or 1.0
+    known = velocity[np.isfinite(velocity)]
+    usual = float(np.sqrt(np.mean(known**2))) if known.any() else 1.0
     return np.tanh(velocity / (_CREEP * usual))[:, None]
 
 

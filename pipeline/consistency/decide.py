@@ -22,7 +22,7 @@ CLEAR = 3.0
 """Difference of scores that counts: odds of twenty to one (Occam's window of `gap/search.py`)."""
 
 _STEPS = 3  # faults of one recording
-_PAIRED = 8  # transformations that are tried with each other one, the most promising first
+_PAIRED = 4  # transformations that are tried with each other one, the most promising first
 _ALIKE = 0.8  # correlation from which on the sizes of two exact series are compared
 _LARGEST = 3.0  # ratio of two exact series that filters and lags cannot make
 
@@ -103,10 +103,12 @@ def _best_step(state: State, families: Sequence[Family], faults: list[Transforma
     if not state.opposed:
         return None
     tried = _tried(state, families, faults)
-    if tried and tried[0][0].score - state.score > CLEAR:
+    if tried and _mass(tried) - state.score > CLEAR:
         after, fault = tried[0]
         return _Step(after, [_told(state, after, fault, tried)])
     best: tuple[State, Transformation, Transformation] | None = None
+    if not any(each.clear for each in state.opposed):
+        return None
     for after, fault in tried[:_PAIRED]:
         others = [other for other in faults if not set(other.columns) & set(fault.columns)]
         for both, other in _tried(after, families, others)[:1]:
@@ -118,6 +120,12 @@ def _best_step(state: State, families: Sequence[Family], faults: list[Transforma
     return _Step(after, [_told(state, after, fault, []) for fault in pair])
 
 
+def _mass(tried: Sequence[tuple[State, Transformation]]) -> float:
+    """Return the logarithm of the sum of what all explanations are worth."""
+    scores = np.array([state.score for state, _ in tried])
+    return float(scores.max() + np.log(np.exp(scores - scores.max()).sum()))
+
+
 def _tried(
     state: State, families: Sequence[Family], faults: Sequence[Transformation]
 ) -> list[tuple[State, Transformation]]:
@@ -126,8 +134,16 @@ def _tried(
     tried = []
     for fault in faults:
         if any(families[index].sees(fault.columns) for index in wanted):
-            tried.append((_after(state, families, fault), fault))
+            after = _after(state, families, fault)
+            if _mends(state, after):
+                tried.append((after, fault))
     return sorted(tried, key=lambda entry: -entry[0].score)
+
+
+def _mends(before: State, after: State) -> bool:
+    """Whether something is no longer opposed, and nothing is that was not."""
+    opposed, still = ({each.name for each in state.opposed} for state in (before, after))
+    return still < opposed
 
 
 def _state(samples: Samples, families: Sequence[Family]) -> State:
@@ -139,11 +155,18 @@ def _after(state: State, families: Sequence[Family], fault: Transformation) -> S
     """Return the state in which a transformation is undone; what it does not touch is not compared again."""
     samples = fault.undo(state.samples)
     found = tuple(
-        family.agreements(samples) if family.sees(fault.columns) else before
+        _beside(family.agreements(samples), before) if family.sees(fault.columns) else before
         for family, before in zip(families, state.found, strict=True)
     )
     score = state.score - _support(state.found) + _support(found) + float(np.log(fault.odds))
     return State(samples, found, score)
+
+
+def _beside(after: Agreements, before: Agreements) -> Agreements:
+    """Return the agreements after a change; one that appears or vanishes with it speaks for neither side."""
+    kept = {name: each if name in before else replace(each, support=min(each.support, 0.0)) for name, each in after.items()}
+    gone = {name: replace(each, support=min(each.support, 0.0)) for name, each in before.items() if name not in after}
+    return kept | gone
 
 
 def _support(found: Sequence[Agreements]) -> float:

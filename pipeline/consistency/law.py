@@ -7,6 +7,7 @@ but the factor of a unit is.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,7 +21,8 @@ _DISTURBED = 5.0  # times its noise, from which on a term says something
 _LEAST_EXPLAINED = 0.02  # share; with less, anything fits
 _MUCH = 0.5  # share of the drive's energy that is left
 _FEWEST = 20  # windows
-_LOGARITHMS = np.linspace(-4.0, 4.0, 801)
+_SLOPES = np.linspace(0.0, 1.0, 3)  # of the way between both regressions
+_LOGARITHMS = np.linspace(-4.0, 4.0, 401)
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Ratio:
     spread: float
     more: float = 0.0
 
-    @property
+    @cached_property
     def density(self) -> np.ndarray:
         """The density of the logarithm on a grid."""
         usual = _normal(_LOGARITHMS, self.spread)
@@ -57,15 +59,18 @@ class Ratio:
         With noise in both, the true slope lies between that of one side on the other and its reverse, which is one
         over the explained share times as large [Fuller 1987].
         """
-        steps = np.linspace(0.0, 1.0, 5) * -np.log(max(estimate.explained, _LEAST_EXPLAINED))
+        steps = _SLOPES * -np.log(max(estimate.explained, _LEAST_EXPLAINED))
         return max(
             self.support(estimate.value * np.exp(step), estimate.error * np.exp(step)) for step in steps
         )
 
     def support(self, value: float, error: float) -> float:
         """Return the log likelihood of an estimate, zero for an exact one of 1; the unit of the drive cancels."""
-        peak = self._likelihood(1.0, _EXACT)
-        return float(np.log(max(self._likelihood(value, error), _UNKNOWN * peak) / peak))
+        return float(np.log(max(self._likelihood(value, error), _UNKNOWN * self._peak) / self._peak))
+
+    @cached_property
+    def _peak(self) -> float:
+        return self._likelihood(1.0, _EXACT)
 
     def _likelihood(self, value: float, error: float) -> float:
         width = float(np.hypot(error, _EXACT * value))
@@ -154,6 +159,7 @@ def _compared(
         bool(sum(supports) < -_CLEAR or left > _MUCH),
         f"{figures} times as much as the platform file foretells",
         estimates[0].value,
+        clear=bool(sum(supports) < -2.0 * _CLEAR),
     )
 
 

@@ -13,6 +13,7 @@ _ORDER = 0.008  # each of the 23 other orders of four motors; together as likely
 _THRUST = 0.04
 _MOTOR_UNITS = (("turns_per_minute", 30.0 / np.pi, 0.06, "unit: rpm"), ("rotations", 0.5 / np.pi, 0.03, "unit: rev/s"))
 _FULL = ((100.0, 0.05), (255.0, 0.02), (1000.0, 0.03), (2000.0, 0.02), (2047.0, 0.02), (65535.0, 0.04))
+_LEAST_COMMAND = 0.3  # largest command of a flight, at least
 _PULSE = (1000.0, 1000.0)  # µs of a servo pulse: the least, and what full command adds
 
 
@@ -53,20 +54,26 @@ def _motors(samples: Samples) -> list[Transformation]:
                 found.append(taken("motor_order", name, sources, share * _ORDER, words))
     if "motor_speed" in stems:
         found += in_units("motor_speed_1..4", _four("motor_speed"), _MOTOR_UNITS)
-    return found + (_commands() if "motor_command" in stems else [])
+    return found + (_commands(samples) if "motor_command" in stems else [])
 
 
 def _four(stem: str) -> tuple[str, ...]:
     return tuple(f"{stem}_{rotor}" for rotor in "1234")
 
 
-def _commands() -> list[Transformation]:
+def _commands(samples: Samples) -> list[Transformation]:
+    """Return the scales of a command that its values allow."""
     name, columns = "motor_command_1..4", _four("motor_command")
+    values = samples.stack("motor_command", "1234")
+    least, largest = np.nanquantile(values, [0.01, 0.99])
     found = [
         scaled("percent" if whole == 100.0 else "full_scale", name, columns, whole, odds, f"scale: {1.0 / whole:.4g}")
         for whole, odds in _FULL
+        if _LEAST_COMMAND * whole < largest <= 1.01 * whole
     ]
-    return [*found, _pulse(name, columns), _thrust(name, columns)]
+    if 0.9 * _PULSE[0] < least and largest < 1.1 * sum(_PULSE):
+        found.append(_pulse(name, columns))
+    return [*found, *([_thrust(name, columns)] if largest <= 1.01 else [])]
 
 
 def _pulse(name: str, columns: tuple[str, ...]) -> Transformation:

@@ -66,6 +66,7 @@ class Agreement:
         figures: how they differ, in words.
         ratio: size of the recorded over that of the derived series.
         alike: correlation of both; NaN for a law.
+        clear: whether no single physical effect explains it: only then two faults at once are looked for.
     """
 
     name: str
@@ -75,6 +76,7 @@ class Agreement:
     figures: str
     ratio: float = np.nan
     alike: float = np.nan
+    clear: bool = True
 
     @property
     def evidence(self) -> str:
@@ -116,7 +118,7 @@ def _compared(pair: Pair, recorded: np.ndarray, derived: np.ndarray, cost: float
     alike = _correlation(recorded, derived)
     ratio = float(np.mean(np.abs(recorded)) / max(np.mean(np.abs(derived)), 1e-300))
     figures = f"{ratio:.3g} times as large, correlation {alike:.2f}"
-    return Agreement(pair.name, pair.columns, support, misfit > OPPOSED, figures, ratio, alike)
+    return Agreement(pair.name, pair.columns, support, misfit > OPPOSED, figures, ratio, alike, misfit > 2.0 * OPPOSED)
 
 
 def _correlation(recorded: np.ndarray, derived: np.ndarray) -> float:

@@ -15,7 +15,7 @@ HALF_WINDOW = 0.05
 MOST_SAMPLES = 20_000
 """Samples that are looked at; more of the same machine would say the same."""
 
-SEARCHED_SAMPLES = 6_000
+SEARCHED_SAMPLES = 5_000
 """Samples with which each transformation is tried."""
 
 _GAP_STEPS = 3.0  # usual steps; a window over a longer gap says nothing
@@ -96,10 +96,13 @@ class Samples:
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Return the mean over each window by the trapezoid rule, (windows, ...); NaN where a value is missing."""
         half = self.half
-        whole = np.cumsum(np.concatenate([np.zeros_like(values[:1]), np.nan_to_num(values)]), axis=0)
-        missing = np.cumsum(np.concatenate([[0], ~np.isfinite(values).reshape(len(values), -1).all(axis=1)]))
         first, past = self.centres - half, self.centres + half + 1
-        before, after = self.ends(np.nan_to_num(values))
+        absent = ~np.isfinite(values).reshape(len(values), -1).all(axis=1)
+        if absent.any():
+            values = np.where(absent.reshape(-1, *[1] * (values.ndim - 1)), 0.0, values)
+        missing = np.cumsum(np.concatenate([[0], absent]))
+        whole = np.cumsum(np.concatenate([np.zeros_like(values[:1]), values]), axis=0)
+        before, after = self.ends(values)
         total = (whole[past] - whole[first] - 0.5 * (before + after)) / (2 * half)
         total[missing[past] > missing[first]] = np.nan
         return total

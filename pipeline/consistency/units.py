@@ -6,7 +6,8 @@ from simgap.consistency.transformation import Transformation, mapping, scaled
 
 _DEGREE, _TURN = 180.0 / np.pi, 1.0 / (2.0 * np.pi)
 
-# Odds: degrees and turns are the units of most tools; the rest is seen in one faulty log out of thirty or so.
+# Odds: degrees are the unit of most tools, rotations that of many motor controllers; the rest is seen in one faulty log
+# out of thirty or so.
 _COMMON, _USUAL, _RARE = 0.06, 0.03, 0.015
 
 Unit = tuple[str, float, float, str]
@@ -14,12 +15,12 @@ Unit = tuple[str, float, float, str]
 
 ANGLE: tuple[Unit, ...] = (
     ("degrees", _DEGREE, _COMMON, "unit: deg"),
-    ("rotations", _TURN, _USUAL, "unit: rev"),
+    ("rotations", _TURN, _COMMON, "unit: rev"),
     ("milli", 1e3, _RARE, "scale: 0.001"),
 )
 ANGULAR_RATE: tuple[Unit, ...] = (
     ("degrees", _DEGREE, _COMMON, "unit: deg/s"),
-    ("rotations", _TURN, _USUAL, "unit: rev/s"),
+    ("rotations", _TURN, _COMMON, "unit: rev/s"),
     ("turns_per_minute", 60.0 * _TURN, _COMMON, "unit: rpm"),
     ("milli", 1e3, _RARE, "scale: 0.001"),
 )
@@ -106,7 +107,7 @@ def duty(column: str, columns: tuple[str, ...], largest: float, supply: float | 
     found = []
     for whole, name, odds in ((1.0, "duty", _COMMON), (100.0, "percent", _USUAL)):
         # A share is one at most; an overdriven motor has a little more.
-        if 0.02 * whole < largest <= 2.0 * whole:
+        if 0.1 * whole < largest <= 2.0 * whole:
             for volts in supplies:
                 key = f"scale: {volts / whole:.4g}"
                 words = f"a {name} of a supply of some {volts:.3g} V"

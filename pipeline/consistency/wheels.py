@@ -45,7 +45,7 @@ def _twist(velocities: np.ndarray, swerve: Swerve, modules: list[int]) -> np.nda
         x, y = swerve.module_positions[module]
         rows += [[1.0, 0.0, -y], [0.0, 1.0, x]]
     inverse = np.linalg.pinv(np.array(rows))
-    return velocities[:, modules].reshape(len(velocities), -1) @ inverse.T
+    return velocities[:, modules].reshape(len(velocities), 2 * len(modules)) @ inverse.T
 
 
 def _carried(twist: np.ndarray, position: tuple[float, float]) -> np.ndarray:
