@@ -13,13 +13,16 @@ from simgap.platforms.swerve import Swerve, SwerveAxis
 INERTIA = Ratio(0.7)
 """A rotor's inertia behind the gear is rarely published (`effects/joint`, prior of `inertia_error`)."""
 
+LOAD = Ratio(0.7, more=0.3)
+"""Other loads and springs add to what the platform tells of."""
+
 MASS = Ratio(0.5)
-BACK_EMF = Ratio(0.3, more=0.3)
-"""A motor constant is known to a third; viscous friction adds to the back-EMF."""
+BACK_EMF = Ratio(0.3, more=0.2)
+"""A motor constant is known to a third; in one axis of five viscous friction is like the back-EMF, and adds to it."""
 
 ELECTRIC = Ratio(0.3)
 _CREEP = 0.05  # of the usual speed: within it friction changes its sign
-_PER_MODULE = 0.5  # four modules are alike: their errors are, too
+_PER_MODULE = 0.75  # four modules are alike: their errors are, too
 
 
 def joint_laws(samples: Samples, joint: Joint) -> Iterator[Agreement | None]:
@@ -27,12 +30,13 @@ def joint_laws(samples: Samples, joint: Joint) -> Iterator[Agreement | None]:
     position, velocity = samples.mean(samples["position"]), samples.mean(samples["velocity"])
     inertial = joint.inertia * samples.rate(samples["velocity"])
     jerky, shaky = samples.noise_of_rate(samples["velocity"]), samples.noise_of_mean(samples["velocity"])
-    others = _other_physics(position, velocity)
+    others = _other_physics(joint, position, velocity)
     if "effort" in samples:
         columns = ("effort", "position", "velocity")
         name = "'effort' against the motion"
         drive = samples.mean(samples["effort"])
-        yield law_agreement(name, columns, drive, [Term(inertial, INERTIA, joint.inertia * jerky)], _with(others, velocity))
+        terms = [Term(inertial, INERTIA, joint.inertia * jerky), *_told_load(joint, position, 1.0)]
+        yield law_agreement(name, columns, drive, terms, _with(others, velocity), fits=False)
     motor = joint.motor
     if motor is None or "voltage" not in samples:
         return
@@ -42,9 +46,10 @@ def joint_laws(samples: Samples, joint: Joint) -> Iterator[Agreement | None]:
     terms = [
         Term(volts_per_torque * inertial, INERTIA, volts_per_torque * joint.inertia * jerky),
         Term(constant * velocity, BACK_EMF, constant * shaky),
+        *_told_load(joint, position, volts_per_torque),
     ]
     columns = ("voltage", "position", "velocity")
-    yield law_agreement("'voltage' against the motion", columns, volts, terms, others)
+    yield law_agreement("'voltage' against the motion", columns, volts, terms, others, fits=False)
     if "current" in samples:
         yield _circuit(samples, motor, volts, velocity)
 
@@ -87,10 +92,18 @@ def _motor(
     return law_agreement(name, columns, samples.mean(samples[columns[0]]), terms, others, _PER_MODULE)
 
 
-def _other_physics(position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """Return dry friction, a load, gravity and a spring, (windows, 5)."""
-    gravity = np.stack([np.sin(position), np.cos(position), position], axis=-1)
-    return np.concatenate([_constant(velocity), _friction(velocity), gravity], axis=-1)
+def _told_load(joint: Joint, position: np.ndarray, scale: float) -> list[Term]:
+    """Return the gravity torque and the spring that the platform tells of."""
+    told = [(joint.gravity_torque, np.sin(position)), (joint.stiffness, position)]
+    return [Term(scale * size * shape, LOAD) for size, shape in told if size != 0.0]
+
+
+def _other_physics(joint: Joint, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Return dry friction, a constant load, and gravity and a spring that the platform does not tell of."""
+    shapes = [np.cos(position)]
+    shapes += [np.sin(position)] if joint.gravity_torque == 0.0 else []
+    shapes += [position] if joint.stiffness == 0.0 else [position**3]
+    return np.concatenate([_constant(velocity), _friction(velocity), np.stack(shapes, axis=-1)], axis=-1)
 
 
 def _friction(velocity: np.ndarray) -> np.ndarray:

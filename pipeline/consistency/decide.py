@@ -104,7 +104,7 @@ def _best_step(state: State, families: Sequence[Family], faults: list[Transforma
         return None
     tried = _tried(state, families, faults)
     if tried and _mass(tried) - state.score > CLEAR:
-        after, fault = tried[0]
+        after, fault = _likeliest(tried)
         return _Step(after, [_told(state, after, fault, tried)])
     best: tuple[State, Transformation, Transformation] | None = None
     if not any(each.clear for each in state.opposed):
@@ -120,6 +120,14 @@ def _best_step(state: State, families: Sequence[Family], faults: list[Transforma
     return _Step(after, [_told(state, after, fault, []) for fault in pair])
 
 
+def _likeliest(tried: Sequence[tuple[State, Transformation]]) -> tuple[State, Transformation]:
+    """Return the best member of the likeliest cause: a duty may be of one of several supplies."""
+    causes: dict[tuple[str, str], list[tuple[State, Transformation]]] = {}
+    for state, fault in tried:
+        causes.setdefault((fault.column, fault.suspected), []).append((state, fault))
+    return max(causes.values(), key=_mass)[0]
+
+
 def _mass(tried: Sequence[tuple[State, Transformation]]) -> float:
     """Return the logarithm of the sum of what all explanations are worth."""
     scores = np.array([state.score for state, _ in tried])
@@ -130,10 +138,10 @@ def _tried(
     state: State, families: Sequence[Family], faults: Sequence[Transformation]
 ) -> list[tuple[State, Transformation]]:
     """Return what each transformation that touches an opposed agreement leads to, the best first."""
-    wanted = [index for index, found in enumerate(state.found) if any(each.opposed for each in found.values())]
+    wanted = tuple({column.removesuffix("_1..4") for each in state.opposed for column in each.columns})
     tried = []
     for fault in faults:
-        if any(families[index].sees(fault.columns) for index in wanted):
+        if any(column.startswith(wanted) or column == "t" for column in fault.columns):
             after = _after(state, families, fault)
             if _mends(state, after):
                 tried.append((after, fault))
@@ -194,7 +202,7 @@ def _rival(after: State, fault: Transformation, tried: Sequence[tuple[State, Tra
     others = [
         (state, other)
         for state, other in tried
-        if (other.column, other.suspected, other.words) != (fault.column, fault.suspected, fault.words)
+        if (other.column, other.suspected) != (fault.column, fault.suspected)
     ]
     if not others:
         return ""

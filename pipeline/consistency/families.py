@@ -8,7 +8,7 @@ from simgap.consistency.axes import joint_laws, swerve_laws
 from simgap.consistency.kinematics import position_pairs
 from simgap.consistency.plausible import plausibility
 from simgap.consistency.redundancy import Agreement, Pair, agreement_of
-from simgap.consistency.rotors import rotor_laws
+from simgap.consistency.rotors import rotor_laws, speed_laws
 from simgap.consistency.samples import Samples
 from simgap.consistency.wheels import wheel_pairs
 from simgap.platforms.joint import Joint
@@ -63,6 +63,8 @@ def families_of(samples: Samples, platform: Platform | None) -> list[Family]:
             if samples.has(stem, "1234"):
                 rotors = (stem, "attitude", "velocity", "body_rate")
                 found.append(Family(rotors, _rotors(platform, stem)))
+        motors = ("motor_speed", "motor_command")
+        found.append(Family(motors, lambda changed: speed_laws(changed, platform)))
     return found
 
 

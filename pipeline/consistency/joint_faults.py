@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from simgap.consistency.plausible import supply_of
 from simgap.consistency.samples import Samples
 from simgap.consistency.transformation import Transformation, scaled, taken
 from simgap.consistency.units import (
@@ -22,7 +23,7 @@ from simgap.platforms.joint import Joint
 
 _SIGN = 0.06  # odds: the commonest fault beside units
 _SIGN_OF_BOTH = 0.02  # the drive is turned more often than both sensors
-_GEAR = 0.04
+_GEAR = 0.06
 
 
 def joint_faults(samples: Samples, joint: Joint | None, sliding: bool) -> list[Transformation]:
@@ -58,15 +59,8 @@ def _drives(samples: Samples, sliding: bool) -> list[Transformation]:
             found.append(taken("sign", column, {column: f"-{column}"}, _SIGN))
     if "voltage" in samples:
         largest = float(np.nanquantile(np.abs(samples["voltage"]), 0.999))
-        found += duty("voltage", ("voltage",), largest, _supply(samples))
+        found += duty("voltage", ("voltage",), largest, supply_of(samples))
     return found
-
-
-def _supply(samples: Samples) -> float | None:
-    if "battery_voltage" not in samples:
-        return None
-    volts = float(np.nanmedian(samples["battery_voltage"]))
-    return volts if 1.0 < volts < 100.0 else None
 
 
 def _geared(samples: Samples, gear: float) -> list[Transformation]:

@@ -16,7 +16,7 @@ from simgap.consistency.redundancy import FLOOR, INDEPENDENT, LAG_COST, LAGS, Ag
 _COLOURED = 3.0  # times the standard error of white errors: what the law leaves out lasts for several windows
 _EXACT = 0.15  # of a ratio: no law holds better
 _UNKNOWN = 1e-4  # density that any ratio has: something may be at work that nobody thinks of
-_CLEAR = 3.0  # odds of twenty to one
+_DOUBTED, _CLEAR = 1.0, 6.0  # log likelihood below which a law is doubted, and two faults at once are looked for
 _DISTURBED = 5.0  # times its noise, from which on a term says something
 _LEAST_EXPLAINED = 0.02  # share; with less, anything fits
 _MUCH = 0.5  # share of the drive's energy that is left
@@ -103,6 +103,7 @@ def law_agreement(
     terms: list[Term],
     others: np.ndarray,
     weight: float = 1.0,
+    fits: bool = True,
 ) -> Agreement | None:
     """Compare a drive with the motion.
 
@@ -113,6 +114,7 @@ def law_agreement(
         terms: of the law.
         others: what else may be at work, (windows, columns).
         weight: of the evidence, below one where the same is asked of several motors.
+        fits: whether a drive that the motion does not explain at all is a contradiction.
 
     Returns:
         None where there are too few windows, or the drive never changes.
@@ -120,7 +122,7 @@ def law_agreement(
     motion = np.concatenate([np.stack([term.foretold for term in terms], axis=-1), others], axis=-1)
     best: Agreement | None = None
     for lag in LAGS:
-        found = _compared(name, columns, *shifted(drive, motion, lag), terms, LAG_COST * abs(lag), weight)
+        found = _compared(name, columns, *shifted(drive, motion, lag), terms, LAG_COST * abs(lag), weight, fits)
         if found is not None and (best is None or found.support > best.support):
             best = found
         if best is None or not best.opposed:
@@ -136,6 +138,7 @@ def _compared(
     terms: list[Term],
     cost: float,
     weight: float,
+    fits: bool,
 ) -> Agreement | None:
     known = np.isfinite(motion).all(axis=1) & np.isfinite(drive)
     motion, drive = motion[known], drive[known]
@@ -156,10 +159,10 @@ def _compared(
         name,
         columns,
         weight * (sum(supports) + fit - cost),
-        bool(sum(supports) < -_CLEAR or left > _MUCH),
+        bool(sum(supports) < -_DOUBTED or (fits and left > _MUCH)),
         f"{figures} times as much as the platform file foretells",
         estimates[0].value,
-        clear=bool(sum(supports) < -2.0 * _CLEAR),
+        clear=bool(sum(supports) < -_CLEAR),
     )
 
 
@@ -168,9 +171,9 @@ def _regressed(motion: np.ndarray, drive: np.ndarray, count: int) -> tuple[list[
     size = np.sqrt(np.mean(motion**2, axis=0))
     dead = size == 0.0
     scaled = motion / np.where(dead, 1.0, size)
-    found = np.linalg.lstsq(scaled, drive, rcond=1e-6)[0]
-    rest = float(np.mean((drive - scaled @ found) ** 2))
     normal = np.linalg.pinv(scaled.T @ scaled, rcond=1e-10, hermitian=True)
+    found = normal @ (scaled.T @ drive)
+    rest = float(np.mean((drive - scaled @ found) ** 2))
     spread = np.sqrt(np.maximum(np.diag(normal), 1e-300) * rest)
     with np.errstate(divide="ignore", invalid="ignore"):
         certain = (found / spread) ** 2

@@ -18,6 +18,7 @@ _PACK = Ratio(0.2)
 _CELL = 3.7  # V, nominal, of a lithium cell
 _PACKS = (2.5, 60.0)  # V of a battery: an empty cell, and fourteen full ones
 _STEP, _DECADES = 0.01, 2.5  # s; natural logarithm: logs have 1 Hz to 10 kHz
+_USUAL_SUPPLY, _SUPPLIES = 12.0, 0.9  # V; natural logarithm: one cell to some sixty volts
 _OVER_SUPPLY = 1.3  # a supply that sags, and is logged on its own
 _FULL = 1.05  # rounding of a command
 
@@ -30,8 +31,8 @@ def plausibility(samples: Samples, nominal: float | None) -> Iterator[Agreement]
         nominal: voltage of the platform's supply, V, where it is known.
     """
     yield _clock(samples)
-    if "battery_voltage" in samples:
-        yield from _battery(samples, nominal)
+    yield from _battery(samples, nominal)
+    yield from _voltages(samples, nominal)
     if samples.has("motor_command", "1234"):
         yield _command(samples)
 
@@ -44,29 +45,44 @@ def _clock(samples: Samples) -> Agreement:
 
 
 def _battery(samples: Samples, nominal: float | None) -> Iterator[Agreement]:
-    known = samples["battery_voltage"]
-    known = known[np.isfinite(known) & (known != 0.0)]
-    if not len(known):
+    volts = supply_of(samples)
+    if np.isnan(volts):
         return
-    volts = float(np.median(known))
     if nominal:
         support, told = _PACK.support(volts / nominal, 0.05), f" for a nominal {nominal:.3g} V"
     else:
         support, told = (0.0 if _PACKS[0] <= volts <= _PACKS[1] else _IMPOSSIBLE), ""
     name, figures = "'battery_voltage'", f"its median is {volts:.4g} V{told}"
     yield Agreement(name, ("battery_voltage",), support, support < _CLEAR, figures, volts / (nominal or 12.0))
-    stems = {"joint": ["voltage"], "swerve": [f"{group}_voltage_{m}" for group in ("drive", "steer") for m in "1234"]}
-    columns = [column for column in stems.get(samples.kind, []) if column in samples]
-    if columns:
-        yield _under_supply(samples, columns, volts)
 
 
-def _under_supply(samples: Samples, columns: list[str], volts: float) -> Agreement:
-    largest = max(float(np.nanquantile(np.abs(samples[column]), 0.99)) for column in columns)
-    over = largest > _OVER_SUPPLY * volts
-    figures = f"{largest:.4g} V under a battery of {volts:.4g} V"
-    name = f"{columns[0]!r}"
-    return Agreement(name, (*columns, "battery_voltage"), _IMPOSSIBLE if over else 0.0, over, figures, largest / volts)
+def supply_of(samples: Samples) -> float:
+    """Return the usual voltage of the battery, V, NaN where none was recorded; zero is no voltage of a battery."""
+    if "battery_voltage" not in samples:
+        return np.nan
+    known = samples["battery_voltage"]
+    known = known[np.isfinite(known) & (known != 0.0)]
+    return float(np.median(known)) if len(known) else np.nan
+
+
+def _voltages(samples: Samples, nominal: float | None) -> Iterator[Agreement]:
+    """Yield the largest voltage of the motors against that of the supply, or against what supplies there are."""
+    groups = {"joint": [["voltage"]], "swerve": [[f"{g}_voltage_{m}" for m in "1234"] for g in ("drive", "steer")]}
+    known = supply_of(samples)
+    supply = known if known == known else (nominal or np.nan)
+    for columns in groups.get(samples.kind, []):
+        if columns[0] not in samples:
+            continue
+        largest = max(float(np.nanquantile(np.abs(samples[column]), 0.99)) for column in columns)
+        name, touched = f"{columns[0]!r}", (*columns, "battery_voltage")
+        if supply == supply:
+            over = largest > _OVER_SUPPLY * supply
+            figures = f"{largest:.4g} V under a supply of {supply:.4g} V"
+            yield Agreement(name, touched, _IMPOSSIBLE if over else 0.0, over, figures, largest / supply)
+        elif largest > 0.0:
+            support = max(-0.5 * float(np.log(largest / _USUAL_SUPPLY) / _SUPPLIES) ** 2, _IMPOSSIBLE)
+            figures = f"up to {largest:.4g} V"
+            yield Agreement(name, touched, support, support == _IMPOSSIBLE, figures, largest / _USUAL_SUPPLY)
 
 
 def _command(samples: Samples) -> Agreement:

@@ -18,8 +18,11 @@ INDEPENDENT = 20
 FLOOR = 0.05
 """Least misfit that counts: sensors lag and are filtered, so no two series agree to better than a fifth."""
 
-OPPOSED = 0.5
-"""Misfit from which on two series do not say the same, at whatever lag."""
+OPPOSED = 0.2
+"""Misfit from which on two series do not say the same, at whatever lag: as much as a share of a tenth that is spoilt."""
+
+CLEAR = 1.0
+"""Misfit that no filter makes: only then two faults at once are looked for."""
 
 LAGS = (0, -1, 1, -2, 2)
 """Lags that are tried, in half windows: up to 0.1 s lies between a command and what it does, or in a filter."""
@@ -118,7 +121,7 @@ def _compared(pair: Pair, recorded: np.ndarray, derived: np.ndarray, cost: float
     alike = _correlation(recorded, derived)
     ratio = float(np.mean(np.abs(recorded)) / max(np.mean(np.abs(derived)), 1e-300))
     figures = f"{ratio:.3g} times as large, correlation {alike:.2f}"
-    return Agreement(pair.name, pair.columns, support, misfit > OPPOSED, figures, ratio, alike, misfit > 2.0 * OPPOSED)
+    return Agreement(pair.name, pair.columns, support, misfit > OPPOSED, figures, ratio, alike, misfit > CLEAR)
 
 
 def _correlation(recorded: np.ndarray, derived: np.ndarray) -> float:

@@ -13,7 +13,11 @@ from simgap.platforms.quadrotor import Quadrotor
 THRUST = Ratio(0.4)
 """Mass and thrust coefficient are known to a third; the battery takes as much."""
 
+SPEED = Ratio(0.3)
+"""A battery and a propeller that is not the nominal one change the speed that a command makes."""
+
 TORQUE = Ratio(0.7)
+_STATE = {"attitude": "wxyz", "velocity": "xyz", "body_rate": "xyz"}
 _ALIKE = 0.5  # speeds and commands of the motors say much the same
 
 
@@ -25,10 +29,8 @@ def rotor_laws(samples: Samples, quadrotor: Quadrotor, stem: str) -> Iterator[Ag
         quadrotor: the platform.
         stem: `motor_speed` or `motor_command`.
     """
-    felt = in_body(samples, acceleration(samples))
-    velocity = in_body(samples, samples.mean(samples.stack("velocity", "xyz")))
-    rates = samples.mean(samples.stack("body_rate", "xyz"))
-    others = np.concatenate([np.ones((len(felt), 1)), rates, velocity], axis=-1)
+    columns = [f"{name}_{part}" for name, parts in _STATE.items() for part in parts]
+    felt, needed, others = samples.once("motion", columns, lambda same: _motion(same, quadrotor))
     thrusts, reactions = _rotors(samples, quadrotor, stem)
     group = f"{stem}_1..4"
     lift = thrusts.sum(axis=-1) / quadrotor.mass
@@ -38,9 +40,21 @@ def rotor_laws(samples: Samples, quadrotor: Quadrotor, stem: str) -> Iterator[Ag
     yield law_agreement(name, (group, "attitude", "velocity"), felt[:, 2], [Term(lift, THRUST)], none)
     positions = np.array(quadrotor.rotor_positions)
     torques = (thrusts @ positions[:, 1], -thrusts @ positions[:, 0], reactions.sum(axis=-1))
-    for axis, made, needed in zip("xyz", torques, _needed_torques(samples, quadrotor).T, strict=True):
+    for axis, made, needed in zip("xyz", torques, needed.T, strict=True):
         name = f"the torque about {axis} of {group!r} against the turning"
         yield law_agreement(name, (group, f"body_rate_{axis}"), needed, [Term(made, TORQUE)], others, _ALIKE)
+
+
+def speed_laws(samples: Samples, quadrotor: Quadrotor) -> Iterator[Agreement | None]:
+    """Yield the comparison of each rotor's speed with its command."""
+    if not (samples.has("motor_speed", "1234") and samples.has("motor_command", "1234")):
+        return
+    for rotor in "1234":
+        speed = samples.mean(samples[f"motor_speed_{rotor}"])
+        told = quadrotor.motor_speed_max * samples.mean(samples[f"motor_command_{rotor}"])
+        columns = (f"motor_speed_{rotor}", f"motor_command_{rotor}")
+        name = f"{columns[0]!r} against {columns[1]!r}"
+        yield law_agreement(name, columns, speed, [Term(told, SPEED)], np.ones((len(speed), 0)), _ALIKE)
 
 
 def _rotors(samples: Samples, quadrotor: Quadrotor, stem: str) -> tuple[np.ndarray, np.ndarray]:
@@ -51,6 +65,15 @@ def _rotors(samples: Samples, quadrotor: Quadrotor, stem: str) -> tuple[np.ndarr
     thrusts = quadrotor.thrust_coefficient * np.array(quadrotor.thrust_ratios or alike) * squared
     turned = np.array(quadrotor.rotor_directions) * np.array(quadrotor.torque_ratios or alike)
     return thrusts, quadrotor.torque_coefficient * turned * squared
+
+
+def _motion(samples: Samples, quadrotor: Quadrotor) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the specific force, (windows, 3), the torques that the turning needs, and what else may bring torques."""
+    felt = in_body(samples, acceleration(samples))
+    velocity = in_body(samples, samples.mean(samples.stack("velocity", "xyz")))
+    rates = samples.mean(samples.stack("body_rate", "xyz"))
+    others = np.concatenate([np.ones((len(felt), 1)), rates, velocity], axis=-1)
+    return felt, _needed_torques(samples, quadrotor), others
 
 
 def _needed_torques(samples: Samples, quadrotor: Quadrotor) -> np.ndarray:

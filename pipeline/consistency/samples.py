@@ -1,8 +1,9 @@
 """A recording as plain arrays, and averages of it over short windows."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,7 @@ HALF_WINDOW = 0.05
 MOST_SAMPLES = 20_000
 """Samples that are looked at; more of the same machine would say the same."""
 
-SEARCHED_SAMPLES = 5_000
+SEARCHED_SAMPLES = 3_000
 """Samples with which each transformation is tried."""
 
 _GAP_STEPS = 3.0  # usual steps; a window over a longer gap says nothing
@@ -32,12 +33,14 @@ class Samples:
         run: number of the run of each sample, (samples,).
         columns: `t` (s) and the channels, (samples,) each; NaN where missing.
         half_seconds: half of a window, s.
+        known: results that were worked out from some columns, which other samples may share.
     """
 
     kind: str
     run: np.ndarray
     columns: Mapping[str, np.ndarray]
     half_seconds: float = HALF_WINDOW
+    known: dict[str, tuple[list[np.ndarray], Any]] = field(default_factory=dict, repr=False, compare=False)
 
     def __contains__(self, column: str) -> bool:
         return column in self.columns
@@ -47,7 +50,25 @@ class Samples:
 
     def having(self, changed: Mapping[str, np.ndarray]) -> "Samples":
         """Return the samples with some columns changed."""
-        return Samples(self.kind, self.run, {**self.columns, **changed}, self.half_seconds)
+        after = Samples(self.kind, self.run, {**self.columns, **changed}, self.half_seconds, self.known)
+        return after if "t" not in changed else with_window(after)
+
+    def once(self, name: str, columns: list[str], work: Callable[["Samples"], Any]) -> Any:
+        """Return what follows from some columns; while they stay the same, it is worked out once.
+
+        Args:
+            name: of the result.
+            columns: that it follows from.
+            work: how.
+        """
+        arrays = [self.columns[column] for column in ("t", *columns)]
+        if name in self.known:
+            before, result = self.known[name]
+            if all(one is other for one, other in zip(arrays, before, strict=True)):
+                return result
+        result = work(self)
+        self.known[name] = (arrays, result)
+        return result
 
     def stack(self, stem: str, suffixes: str) -> np.ndarray:
         """Return the components of a vector, (samples, components)."""
@@ -155,7 +176,7 @@ def samples_of(recording: Recording, runs: list[str] | None = None) -> Samples:
     kept = _thinned(codes)
     columns = {name: frame[name].to_numpy(dtype=float)[kept] for name in ("t", *recording.channels)}
     samples = Samples(recording.kind, codes[kept], columns)
-    return _with_window(samples) if recording.kind == "joint" else samples
+    return with_window(samples)
 
 
 def thinner(samples: Samples) -> Samples:
@@ -176,8 +197,10 @@ def _thinned(codes: np.ndarray, most: int = MOST_SAMPLES) -> np.ndarray:
     return np.concatenate([np.arange(start, start + length) for start, length in pieces])
 
 
-def _with_window(samples: Samples) -> Samples:
-    """Shorten the windows until they show the motion: an axis may go to and fro many times in a tenth of a second."""
+def with_window(samples: Samples) -> Samples:
+    """Return samples with windows that are short enough: a joint may go to and fro many times in a tenth of a second."""
+    if samples.kind != "joint":
+        return Samples(samples.kind, samples.run, samples.columns)
     whole = float(np.nanvar(samples["velocity"]))
     half = HALF_WINDOW
     while half > samples.time_step:

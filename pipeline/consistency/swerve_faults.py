@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from simgap.consistency.plausible import supply_of
 from simgap.consistency.samples import Samples
 from simgap.consistency.transformation import Transformation, scaled, taken
 from simgap.consistency.units import ANGLE, ANGULAR_RATE, CLOCK, SPEED, VOLTAGE, duty, in_two_units, in_units
 from simgap.platforms.swerve import Swerve
 
 _SIGN = 0.06
-_ONE_SIGN = 0.01  # one of four motors that was mounted the other way round
+_ONE_SIGN = 0.02  # one of four motors that was mounted the other way round
 _ORDER = 0.004  # each of the exchanges of two modules or of sides
 _GEAR = 0.05
 _AXES = 0.02
@@ -74,17 +75,12 @@ def _orders() -> list[Transformation]:
 
 def _voltages(samples: Samples) -> list[Transformation]:
     found = []
-    supply = _supply(samples)
+    supply = supply_of(samples)
     for stem in ("drive_voltage", "steer_voltage"):
         largest = float(np.nanquantile(np.abs(samples.stack(stem, "1234")), 0.999))
         found += in_units(f"{stem}_1..4", _four(stem), VOLTAGE)
         found += duty(f"{stem}_1..4", _four(stem), largest, supply)
     return found
-
-
-def _supply(samples: Samples) -> float | None:
-    volts = float(np.nanmedian(samples["battery_voltage"])) if "battery_voltage" in samples else np.nan
-    return volts if 1.0 < volts < 100.0 else None
 
 
 def _chassis(samples: Samples) -> list[Transformation]:

@@ -94,16 +94,16 @@ def _both(
     return Transformation(suspected, column, one.columns, odds, one.mend, lines)
 
 
-def duty(column: str, columns: tuple[str, ...], largest: float, supply: float | None) -> list[Transformation]:
+def duty(column: str, columns: tuple[str, ...], largest: float, supply: float) -> list[Transformation]:
     """Return the transformations in which a voltage is a share of the supply, or a percentage of it.
 
     Args:
         column: as it is named.
         columns: that it touches.
         largest: value in them.
-        supply: V, where it is known.
+        supply: V; NaN where it is not known.
     """
-    supplies = (supply,) if supply else SUPPLIES
+    supplies = (supply,) if 1.0 < supply < 100.0 else SUPPLIES
     found = []
     for whole, name, odds in ((1.0, "duty", _COMMON), (100.0, "percent", _USUAL)):
         # A share is one at most; an overdriven motor has a little more.

@@ -4,7 +4,7 @@ They are written apart from the check: nothing here is taken from `simgap.consis
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,7 @@ class Corruption:
         needs: columns without which it is not possible.
         motor: whether the platform needs a motor.
         sliding: True or False where only a position in m or in rad can be spoilt so.
+        driven: how large a column has to become, at least; a motor that is never driven hard shows no full duty.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Corruption:
     needs: tuple[str, ...] = ()
     motor: bool = False
     sliding: bool | None = None
+    driven: dict[str, float] = field(default_factory=dict)
 
     def possible(self, recording: Recording, platform: dict[str, Any]) -> bool:
         """Whether a recording can be spoilt in this way."""
@@ -48,11 +50,16 @@ class Corruption:
             set(self.needs) <= set(recording.channels)
             and (not self.motor or "motor" in platform)
             and self.sliding in (None, sliding)
+            and all(_size(recording, column) >= least for column, least in self.driven.items())
         )
 
     def of(self, recording: Recording, platform: dict[str, Any]) -> Recording:
         """Return the spoilt recording."""
         return replace(recording, frame=self.change(recording.frame.copy(), platform))
+
+
+def _size(recording: Recording, column: str) -> float:
+    return float(recording.frame[column].abs().quantile(0.999))
 
 
 def names(stem: str, suffixes: str) -> tuple[str, ...]:
@@ -153,8 +160,9 @@ def _joint() -> Iterator[Corruption]:
     for column in ("effort", "voltage"):
         yield Corruption(f"{column} negative", times(-1.0, column), ("sign",), (column, *both), (column,), column == "voltage")
         yield Corruption(f"{column} in thousandths", times(1000.0, column), ("milli",), (column,), (column,), column == "voltage")
-    yield Corruption("duty of 12 V", times(1 / 12, "voltage"), ("duty",), ("voltage",), ("voltage",), True)
-    yield Corruption("percent of 12 V", times(100 / 12, "voltage"), ("percent",), ("voltage",), ("voltage",), True)
+    hard = {"voltage": 6.0}
+    yield Corruption("duty of 12 V", times(1 / 12, "voltage"), ("duty",), ("voltage",), ("voltage",), True, driven=hard)
+    yield Corruption("percent of 12 V", times(100 / 12, "voltage"), ("percent",), ("voltage",), ("voltage",), True, driven=hard)
     yield from _clocks()
 
 
