@@ -15,6 +15,7 @@ from simgap.consistency.faults import faults_of
 from simgap.consistency.redundancy import Agreement
 from simgap.consistency.samples import Samples, samples_of, thinner
 from simgap.consistency.transformation import Transformation
+from simgap.recordings.cleaning.clean import mended
 from simgap.recordings.contradiction import SUSPECTED, Contradiction
 from simgap.recordings.recording import Recording
 
@@ -55,6 +56,8 @@ def contradictions(recording: Recording, platform: Platform | None = None) -> li
         recording: raw, or cleaned.
         platform: what is known of the machine; without it, only what needs none is checked.
     """
+    if not recording.cleaned:
+        recording = mended(recording)
     samples = samples_of(recording)
     families = families_of(samples, platform)
     state = _state(samples, families)

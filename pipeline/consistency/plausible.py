@@ -20,7 +20,7 @@ _PACKS = (2.5, 60.0)  # V of a battery: an empty cell, and fourteen full ones
 _STEP, _DECADES = 0.01, 2.5  # s; natural logarithm: logs have 1 Hz to 10 kHz
 _USUAL_SUPPLY, _SUPPLIES = 12.0, 0.9  # V; natural logarithm: one cell to some sixty volts
 _OVER_SUPPLY = 1.3  # a supply that sags, and is logged on its own
-_FULL = 1.05  # rounding of a command
+_FULL = 0.2  # by which a command may overshoot
 
 
 def plausibility(samples: Samples, nominal: float | None) -> Iterator[Agreement]:
@@ -88,7 +88,7 @@ def _voltages(samples: Samples, nominal: float | None) -> Iterator[Agreement]:
 def _command(samples: Samples) -> Agreement:
     values = samples.stack("motor_command", "1234")
     low, high = np.nanquantile(values, [0.01, 0.99])
-    wrong = bool(high > _FULL or low < 1.0 - _FULL)
+    wrong = bool(high > 1.0 + _FULL or low < -_FULL)
     columns = ("motor_command_1..4",)
     figures = f"from {low:.4g} to {high:.4g}, and not from 0 to 1"
     return Agreement("'motor_command_1..4'", columns, _IMPOSSIBLE if wrong else 0.0, wrong, figures, float(high))

@@ -5,24 +5,20 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from simgap.recordings.plausibility import implausible_units
-
 _GAP_STEPS = 20  # samples missing in a row
 _GAP_SECONDS = 1.0
 
 
-def doubts(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> tuple[str, ...]:
+def doubts(frame: pd.DataFrame, units: dict[str, str]) -> tuple[str, ...]:
     """Return the warnings about a valid frame.
 
     Args:
         frame: `run`, `t` and the channels, in the contract's units.
-        kind: quadrotor, swerve or joint.
         units: unit of each channel.
     """
     return (
         *_gaps(frame),
         *_constant(frame, units),
-        *implausible_units(frame, kind, units),
         *_single_run(frame),
     )
 

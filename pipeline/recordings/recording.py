@@ -103,7 +103,7 @@ def recording_from_table(
     kind = validation.resolve_kind(metadata.get("platform_kind"), kind, table.frame, where)
     frame, units, remarks = validation.validate(table.frame, table.units, kind, where)
     cleaned = bool(metadata.get("simgap.cleaned"))
-    noticed = () if cleaned else (*table.remarks, *remarks, *doubts.doubts(frame, kind, units))
+    noticed = () if cleaned else (*table.remarks, *remarks, *doubts.doubts(frame, units))
     known = tuple(metadata.get("simgap.warnings") or ())
     return Recording(
         frame=frame,
@@ -140,7 +140,7 @@ def recording_from_frame(
     """
     declared = {"position": "m"} if sliding else {}
     checked, units, remarks = validation.validate(frame, declared, kind, where)
-    noticed = doubts.doubts(checked, kind, units)
+    noticed = doubts.doubts(checked, units)
     return Recording(checked, kind, units, warnings=(*warnings, *remarks, *noticed))
 
 

@@ -95,7 +95,7 @@ def ordered(order: str, *stems: str) -> Change:
 
 
 def _attitude(frame: pd.DataFrame) -> Rotation:
-    return Rotation.from_quat(frame[list(names("attitude", "wxyz"))].ffill().bfill().to_numpy(), scalar_first=True)
+    return Rotation.from_quat(frame[list(names("attitude", "wxyz"))].ffill().bfill().to_numpy(copy=True), scalar_first=True)
 
 
 def turned(stem: str, inverse: bool, lift: float = 0.0) -> Change:
@@ -103,7 +103,7 @@ def turned(stem: str, inverse: bool, lift: float = 0.0) -> Change:
 
     def change(frame: pd.DataFrame, platform: dict[str, Any]) -> pd.DataFrame:
         columns = list(names(stem, "xyz"))
-        vectors = _attitude(frame).apply(frame[columns].to_numpy(), inverse=inverse) - [0.0, 0.0, lift]
+        vectors = _attitude(frame).apply(frame[columns].to_numpy(copy=True), inverse=inverse) - [0.0, 0.0, lift]
         return frame.assign(**dict(zip(columns, vectors.T, strict=True)))
 
     return change
