@@ -23,7 +23,8 @@ CLEAR = 3.0
 """Difference of scores that counts: odds of twenty to one (Occam's window of `gap/search.py`)."""
 
 _STEPS = 3  # faults of one recording
-_PAIRED = 4  # transformations that are tried with each other one, the most promising first
+_FEW = 60  # transformations, of which every two can be tried
+_PAIRED = 4  # of more, those that are tried with each other one, the most promising first
 _ALIKE = 0.8  # correlation from which on the sizes of two exact series are compared
 _LARGEST = 3.0  # ratio of two exact series that filters and lags cannot make
 
@@ -102,20 +103,36 @@ class _Step:
 
 
 def _best_step(state: State, families: Sequence[Family], faults: list[Transformation]) -> _Step | None:
-    """Return the best transformation, or the best two, if they make a contradiction vanish."""
+    """Return the best transformation if it makes a contradiction vanish, or the best two if it leaves a clear one."""
     if not state.opposed:
         return None
     tried = _tried(state, families, faults)
+    single: _Step | None = None
     if tried and _mass(tried) - state.score > CLEAR:
         after, fault = _likeliest(tried)
-        return _Step(after, [_told(state, after, fault, tried)])
+        single = _Step(after, [_told(state, after, fault, tried)])
+        if not any(each.clear for each in after.opposed):
+            return single
+    pair = _best_pair(state, families, faults)
+    if single is None or (pair is not None and pair.state.score > single.state.score):
+        return pair
+    return single
+
+
+def _best_pair(
+    state: State,
+    families: Sequence[Family],
+    faults: Sequence[Transformation],
+) -> _Step | None:
+    """Return the best two transformations of different columns, if they make a contradiction vanish."""
     best: tuple[State, Transformation, Transformation] | None = None
     if not any(each.clear for each in state.opposed):
         return None
-    for after, fault in tried[:_PAIRED]:
+    firsts = _tried(state, families, faults, mending=False)
+    for after, fault in firsts if len(faults) <= _FEW else firsts[:_PAIRED]:
         others = [other for other in faults if not set(other.columns) & set(fault.columns)]
         for both, other in _tried(after, families, others)[:1]:
-            if best is None or both.score > best[0].score:
+            if _mends(state, both, 2) and (best is None or both.score > best[0].score):
                 best = (both, fault, other)
     if best is None or best[0].score - state.score <= CLEAR:
         return None
@@ -138,23 +155,30 @@ def _mass(tried: Sequence[tuple[State, Transformation]]) -> float:
 
 
 def _tried(
-    state: State, families: Sequence[Family], faults: Sequence[Transformation]
+    state: State, families: Sequence[Family], faults: Sequence[Transformation], mending: bool = True
 ) -> list[tuple[State, Transformation]]:
-    """Return what each transformation that touches an opposed agreement leads to, the best first."""
+    """Return what each transformation that touches an opposed agreement leads to, the best first.
+
+    Args:
+        state: before.
+        families: of redundancies.
+        faults: that are tried.
+        mending: whether only those count after which something is no longer opposed.
+    """
     wanted = tuple({column.removesuffix("_1..4") for each in state.opposed for column in each.columns})
     tried = []
     for fault in faults:
         if any(column.startswith(wanted) or column == "t" for column in fault.columns):
             after = _after(state, families, fault)
-            if _mends(state, after):
+            if not mending or _mends(state, after):
                 tried.append((after, fault))
     return sorted(tried, key=lambda entry: -entry[0].score)
 
 
-def _mends(before: State, after: State) -> bool:
-    """Whether something is no longer opposed, and nothing is that was not."""
+def _mends(before: State, after: State, least: int = 1) -> bool:
+    """Whether so many are no longer opposed, and nothing is that was not; two faults need two witnesses."""
     opposed, still = ({each.name for each in state.opposed} for state in (before, after))
-    return still < opposed
+    return still <= opposed and len(opposed) - len(still) >= least
 
 
 def _state(samples: Samples, families: Sequence[Family]) -> State:

@@ -53,10 +53,10 @@ def averaged_over(velocity: np.ndarray, position: np.ndarray, time_step: float) 
     def error(expected: np.ndarray) -> float:
         return float(np.mean((velocity - expected)[past:-past] ** 2))
 
-    averages = {
-        width: error(np.concatenate([np.zeros(width), position[width:] - position[:-width]]) / (width * time_step))
-        for width in _WIDTHS
-    }
+    averages = {}
+    for width in _WIDTHS:
+        way = np.concatenate([np.zeros(width), position[width:] - position[:-width]]) / (width * time_step)
+        averages[width] = min(error(way), error(lfilter(np.full(width, 1.0 / width), [1.0], rate)))
     width = min(averages, key=lambda each: averages[each])
     others = [error(np.roll(rate, delay)) for delay in range(max(_WIDTHS) // 2)]
     for lag in _LAGS:

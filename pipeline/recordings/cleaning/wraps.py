@@ -16,9 +16,10 @@ PAIRS["swerve"] = [(f"steer_velocity_{module}", f"steer_angle_{module}") for mod
 _TURN = 2.0 * np.pi
 _JUMP = 0.4  # of the range of a column: a wrap jumps over the most of it
 _ALIKE = 0.1  # of a jump: wraps jump alike
-_FEWEST = 2  # jumps
-_BEFORE, _GAIN = 0.01, 0.5  # misfit that is looked into, and the share of it that may be left
+_FEWEST = 3  # jumps that are alike by themselves; fewer have to be a turn or a power of two
+_BEFORE, _GAIN = 1e-4, 0.5  # misfit that is looked into, and the share of it that may be left
 _ROUNDING = 0.02  # of a size: within it, a whole turn or a power of two is meant
+_BELOW = 0.95  # of a sign bit, which positive numbers stay below
 _MOVING = 0.05  # of the energy of the fastest samples
 
 Candidate = tuple[np.ndarray, np.ndarray, str]
@@ -40,7 +41,7 @@ def _mend(run: RunUnderCleaning, rate: str, position: str, column: str) -> None:
     if not before > _BEFORE:
         return
     best, least = None, _GAIN * before
-    for candidate in _candidates(run.time, values[column], values[position], column == rate):
+    for candidate in _candidates(run.time, values[column], values[position], values[rate], column == rate):
         tried = {**values, column: candidate[0]}
         after = misfit(run.time, tried[position], tried[rate])
         if after < least:
@@ -68,7 +69,7 @@ def misfit(time: np.ndarray, position: np.ndarray, rate: np.ndarray) -> float:
 
 
 def _candidates(
-    time: np.ndarray, values: np.ndarray, position: np.ndarray, is_rate: bool
+    time: np.ndarray, values: np.ndarray, position: np.ndarray, rate: np.ndarray, is_rate: bool
 ) -> Iterator[Candidate]:
     """Yield what the column may have been."""
     known = np.flatnonzero(np.isfinite(values))
@@ -77,9 +78,17 @@ def _candidates(
         return
     steps = np.diff(present)
     jumps = np.flatnonzero(np.abs(steps) > _JUMP * np.ptp(present))
-    if len(jumps) < _FEWEST:
+    if not len(jumps):
         return
-    yield from _placed(values, known, _unwrapped(present, jumps), "wraps")
+    beside = np.convolve(steps, [0.5, 0.0, 0.5], mode="same")  # what the samples beside a jump move
+    usual = np.where(np.abs(beside) < _ALIKE * np.abs(steps), beside, 0.0)
+    yield from _placed(values, known, _unwrapped(present, jumps, usual), "wraps")
+    if not is_rate:
+        speed = np.nan_to_num(rate[known])
+        expected = 0.5 * (speed[1:] + speed[:-1]) * np.diff(time[known])
+        far = np.flatnonzero(np.abs(steps - expected) > _JUMP * np.ptp(present))
+        if len(far):
+            yield from _placed(values, known, _unwrapped(present, far, expected), "wraps")
     yield from _placed(values, known, _signed(present), "has its sign in its highest bit")
     if is_rate:
         yield from _placed(values, known, _wrapped_rate(time[known], present, position[known]), "wraps")
@@ -97,13 +106,16 @@ def _placed(
     yield result, changed, f"{how} at {mended[1]:.6g}"
 
 
-def _unwrapped(present: np.ndarray, jumps: np.ndarray) -> tuple[np.ndarray, float] | None:
-    """Add a period at each jump; all of them have to be alike."""
-    steps = np.diff(present)
-    usual = np.convolve(steps, [0.5, 0.0, 0.5], mode="same")  # what the samples beside a jump move
-    calm = np.abs(usual) < _ALIKE * np.abs(steps)
-    sizes = np.abs(steps - np.where(calm, usual, 0.0))[jumps]
-    period = _rounded(float(np.median(sizes)), _quantum(present))
+def _unwrapped(
+    present: np.ndarray, jumps: np.ndarray, expected: np.ndarray
+) -> tuple[np.ndarray, float] | None:
+    """Add a period at each jump; beyond the steps that are expected, all of them have to be alike."""
+    steps = np.diff(present) - expected
+    sizes = np.abs(steps)[jumps]
+    size = float(np.median(sizes))
+    period = _rounded(size, _quantum(present))
+    if len(jumps) < _FEWEST and period == size:
+        return None
     if np.mean(np.abs(sizes - period) < _ALIKE * period) < 0.9:
         return None
     turns = np.zeros(len(present))
@@ -115,7 +127,7 @@ def _signed(present: np.ndarray) -> tuple[np.ndarray, float] | None:
     """Take what lies above a gap as negative: its distance from the lowest number there is the size."""
     ordered = np.sort(present)
     widest = int(np.argmax(np.diff(ordered)))
-    if ordered[0] < -_ALIKE * np.ptp(present) or ordered[widest] > ordered[widest + 1] * 0.5:
+    if ordered[0] < -_ALIKE * np.ptp(present) or ordered[widest] > ordered[widest + 1] * _BELOW:
         return None
     bit = _rounded(float(ordered[widest + 1]), _quantum(present))
     upper = present >= ordered[widest + 1]
