@@ -54,13 +54,17 @@ def joint_laws(samples: Samples, joint: Joint) -> Iterator[Agreement | None]:
         yield _circuit(samples, motor, volts, velocity)
 
 
-def _circuit(samples: Samples, motor: JointMotor, volts: np.ndarray, velocity: np.ndarray) -> Agreement | None:
+def _circuit(
+    samples: Samples, motor: JointMotor, volts: np.ndarray, velocity: np.ndarray
+) -> Agreement | None:
     terms = [
         Term(motor.resistance * samples.mean(samples["current"]), ELECTRIC),
         Term(motor.torque_constant * motor.gear_ratio * velocity, ELECTRIC),
     ]
     columns = ("current", "voltage", "velocity")
-    return law_agreement("'voltage' against 'current' and the speed", columns, volts, terms, _constant(velocity))
+    return law_agreement(
+        "'voltage' against 'current' and the speed", columns, volts, terms, _constant(velocity)
+    )
 
 
 def swerve_laws(samples: Samples, swerve: Swerve, group: str) -> Iterator[Agreement | None]:

@@ -12,11 +12,11 @@ import numpy as np
 
 from simgap.consistency.families import Agreements, Family, Platform, families_of
 from simgap.consistency.faults import faults_of
-from simgap.consistency.redundancy import Agreement
 from simgap.consistency.samples import Samples, samples_of, thinner
+from simgap.consistency.tell import State, support_of, told, unexplained
 from simgap.consistency.transformation import Transformation
 from simgap.recordings.cleaning.clean import mended
-from simgap.recordings.contradiction import SUSPECTED, Contradiction
+from simgap.recordings.contradiction import Contradiction
 from simgap.recordings.recording import Recording
 
 CLEAR = 3.0
@@ -25,29 +25,6 @@ CLEAR = 3.0
 _STEPS = 3  # faults of one recording
 _FEW = 60  # transformations, of which every two can be tried
 _PAIRED = 4  # of more, those that are tried with each other one, the most promising first
-_ALIKE = 0.8  # correlation from which on the sizes of two exact series are compared
-_LARGEST = 3.0  # ratio of two exact series that filters and lags cannot make
-
-
-@dataclass(frozen=True)
-class State:
-    """A recording with some transformations undone.
-
-    Attributes:
-        samples: of the recording.
-        found: the agreements of each family.
-        score: of this explanation.
-    """
-
-    samples: Samples
-    found: tuple[Agreements, ...]
-    score: float
-
-    @property
-    def opposed(self) -> list[Agreement]:
-        """What still contradicts, the clearest first."""
-        every = (each for found in self.found for each in found.values() if each.opposed)
-        return sorted(every, key=lambda each: each.support)
 
 
 def contradictions(recording: Recording, platform: Platform | None = None) -> list[Contradiction]:
@@ -85,15 +62,15 @@ def _explained(
     small = thinner(samples)
     state = _state(small, families)
     sliding = recording.units.get("position") == "m"
-    told: list[Contradiction] = []
+    found: list[Contradiction] = []
     for _ in range(_STEPS):
         faults = faults_of(state.samples, platform, sliding)
         step = _best_step(state, families, faults)
         if step is None:
             break
-        told += step.told
+        found += step.told
         state = step.state
-    return told or _unexplained(state)
+    return found or unexplained(state)
 
 
 @dataclass(frozen=True)
@@ -110,7 +87,7 @@ def _best_step(state: State, families: Sequence[Family], faults: list[Transforma
     single: _Step | None = None
     if tried and _mass(tried) - state.score > CLEAR:
         after, fault = _likeliest(tried)
-        single = _Step(after, [_told(state, after, fault, tried)])
+        single = _Step(after, [told(state, after, fault, tried)])
         if not any(each.clear for each in after.opposed):
             return single
     pair = _best_pair(state, families, faults)
@@ -137,7 +114,7 @@ def _best_pair(
     if best is None or best[0].score - state.score <= CLEAR:
         return None
     after, *pair = best
-    return _Step(after, [_told(state, after, fault, []) for fault in pair])
+    return _Step(after, [told(state, after, fault, []) for fault in pair])
 
 
 def _likeliest(tried: Sequence[tuple[State, Transformation]]) -> tuple[State, Transformation]:
@@ -183,7 +160,7 @@ def _mends(before: State, after: State, least: int = 1) -> bool:
 
 def _state(samples: Samples, families: Sequence[Family]) -> State:
     found = tuple(family.agreements(samples) for family in families)
-    return State(samples, found, _support(found))
+    return State(samples, found, support_of(found))
 
 
 def _after(state: State, families: Sequence[Family], fault: Transformation) -> State:
@@ -193,64 +170,19 @@ def _after(state: State, families: Sequence[Family], fault: Transformation) -> S
         _beside(family.agreements(samples), before) if family.sees(fault.columns) else before
         for family, before in zip(families, state.found, strict=True)
     )
-    score = state.score - _support(state.found) + _support(found) + float(np.log(fault.odds))
+    score = state.score - support_of(state.found) + support_of(found) + float(np.log(fault.odds))
     return State(samples, found, score)
 
 
 def _beside(after: Agreements, before: Agreements) -> Agreements:
     """Return the agreements after a change; one that appears or vanishes with it speaks for neither side."""
-    kept = {name: each if name in before else replace(each, support=min(each.support, 0.0)) for name, each in after.items()}
-    gone = {name: replace(each, support=min(each.support, 0.0)) for name, each in before.items() if name not in after}
-    return kept | gone
-
-
-def _support(found: Sequence[Agreements]) -> float:
-    return sum(each.support for agreements in found for each in agreements.values())
-
-
-def _told(
-    before: State, after: State, fault: Transformation, tried: Sequence[tuple[State, Transformation]]
-) -> Contradiction:
-    gains = {
-        name: agreement.support - then[name].support if name in then else agreement.support
-        for found, then in zip(before.found, after.found, strict=True)
-        for name, agreement in found.items()
+    kept = {
+        name: each if name in before else replace(each, support=min(each.support, 0.0))
+        for name, each in after.items()
     }
-    worst = min(gains, key=lambda name: gains[name])
-    agreement = next(found[worst] for found in before.found if worst in found)
-    words = f" ({fault.words})" if fault.words else ""
-    sure = f"with {fault.column!r} as {SUSPECTED[fault.suspected]}{words} undone, the recording agrees"
-    rival = _rival(after, fault, tried)
-    return Contradiction(fault.column, fault.suspected, f"{agreement.evidence}; {sure}{rival}", fault.remedy)
-
-
-def _rival(after: State, fault: Transformation, tried: Sequence[tuple[State, Transformation]]) -> str:
-    """Return how sure the cause is against the next one that is another."""
-    others = [
-        (state, other)
-        for state, other in tried
-        if (other.column, other.suspected) != (fault.column, fault.suspected)
-    ]
-    if not others:
-        return ""
-    state, other = others[0]
-    odds = float(np.exp(min(after.score - state.score, np.log(1000.0))))
-    if odds >= 1000.0:
-        return " (odds above 1000 to 1)"
-    return f" (odds {odds:.2g} to 1 against {SUSPECTED[other.suspected]} of {other.column!r})"
-
-
-def _unexplained(state: State) -> list[Contradiction]:
-    """Return what two exact series contradict beyond doubt although no transformation explains it."""
-    told = []
-    for each in state.opposed:
-        rate, *others = each.columns
-        if np.isnan(each.alike):
-            continue
-        other = others[0] if others else rate
-        if each.alike < -_ALIKE:
-            told.append(Contradiction(rate, "sign", each.evidence, f"Negate {rate!r}, or {other!r}."))
-        elif each.alike > _ALIKE and not 1.0 / _LARGEST < each.ratio < _LARGEST:
-            remedy = f"Convert {rate!r} or {other!r}: their units do not agree."
-            told.append(Contradiction(rate, "unit", each.evidence, remedy))
-    return told
+    gone = {
+        name: replace(each, support=min(each.support, 0.0))
+        for name, each in before.items()
+        if name not in after
+    }
+    return kept | gone

@@ -62,11 +62,19 @@ def _attitude() -> list[Transformation]:
     return [
         taken("quaternion_order", "attitude", last, _COMMON, "with w last"),
         taken("conjugate", "attitude", {x: f"-{x}", y: f"-{y}", z: f"-{z}"}, _COMMON, "from world to body"),
-        taken("frame", "attitude", {y: f"-{y}", z: f"-{z}"}, _COMMON, "north-east-down and forward-right-down"),
         taken(
-            "quaternion_order", "attitude", {w: z, x: f"-{w}", y: f"-{x}", z: f"-{y}"}, _RARE, "with w last, inverted"
+            "frame", "attitude", {y: f"-{y}", z: f"-{z}"}, _COMMON, "north-east-down and forward-right-down"
         ),
-        taken("quaternion_order", "attitude", {w: z, x: w, y: f"-{x}", z: f"-{y}"}, _RARE, "with w last, in NED"),
+        taken(
+            "quaternion_order",
+            "attitude",
+            {w: z, x: f"-{w}", y: f"-{x}", z: f"-{y}"},
+            _RARE,
+            "with w last, inverted",
+        ),
+        taken(
+            "quaternion_order", "attitude", {w: z, x: w, y: f"-{x}", z: f"-{y}"}, _RARE, "with w last, in NED"
+        ),
     ]
 
 
@@ -76,7 +84,8 @@ def _vector(stem: str) -> list[Transformation]:
     inverted = {f"{stem}_{axis}": f"-{stem}_{axis}" for axis in "xyz"}
     orders = ("yxz", "xzy", "zyx", "yzx", "zxy")
     exchanged = [
-        {f"{stem}_{axis}": f"{stem}_{source}" for axis, source in zip("xyz", order, strict=True)} for order in orders
+        {f"{stem}_{axis}": f"{stem}_{source}" for axis, source in zip("xyz", order, strict=True)}
+        for order in orders
     ]
     return [
         *signs,
@@ -98,7 +107,11 @@ def _world(name: str, stems: tuple[str, ...], odds: float) -> list[Transformatio
         taken(
             suspected,
             name,
-            {f"{stem}_{axis}": source[:-1] + f"{stem}_{source[-1]}" for stem in stems for axis, source in axes.items()},
+            {
+                f"{stem}_{axis}": source[:-1] + f"{stem}_{source[-1]}"
+                for stem in stems
+                for axis, source in axes.items()
+            },
             odds if words == "north-east-down" else _ODD,
             words,
         )
@@ -107,7 +120,9 @@ def _world(name: str, stems: tuple[str, ...], odds: float) -> list[Transformatio
     ]
 
 
-def _rotated(stem: str, suspected: str, words: str, odds: float, to_world: bool, gravity: float = 0.0) -> Transformation:
+def _rotated(
+    stem: str, suspected: str, words: str, odds: float, to_world: bool, gravity: float = 0.0
+) -> Transformation:
     """Return the transformation in which a vector was logged in the other frame, perhaps without gravity."""
     columns = tuple(f"{stem}_{axis}" for axis in "xyz")
 
@@ -118,7 +133,9 @@ def _rotated(stem: str, suspected: str, words: str, odds: float, to_world: bool,
         return dict(zip(columns, turned.T, strict=True))
 
     other = "world" if to_world else "body"
-    remedy = f"Turn {stem!r} into the frame of the {other} by the attitude" + (", and add gravity." if gravity else ".")
+    remedy = f"Turn {stem!r} into the frame of the {other} by the attitude" + (
+        ", and add gravity." if gravity else "."
+    )
     return Transformation(suspected, stem, columns, odds, mend, remedy, words)
 
 
@@ -134,6 +151,11 @@ def _forces() -> list[Transformation]:
         Transformation("missing_gravity", "specific_force", columns, _COMMON, mend, remedy),
         _rotated("specific_force", "body_frame", "in the frame of the world", _USUAL, to_world=False),
         _rotated(
-            "specific_force", "missing_gravity", "in the frame of the world, without gravity", _USUAL, False, 9.81
+            "specific_force",
+            "missing_gravity",
+            "in the frame of the world, without gravity",
+            _USUAL,
+            False,
+            9.81,
         ),
     ]

@@ -76,5 +76,7 @@ def _geared(samples: Samples, gear: float) -> list[Transformation]:
         )
     ]
     if "effort" in samples:
-        found.append(scaled("gear_ratio", "effort", ("effort",), 1.0 / gear, _GEAR, f"scale: {gear:.4g}", words))
+        found.append(
+            scaled("gear_ratio", "effort", ("effort",), 1.0 / gear, _GEAR, f"scale: {gear:.4g}", words)
+        )
     return found

@@ -18,7 +18,9 @@ def position_pairs(samples: Samples) -> Iterator[Pair]:
         yield rate_pair(samples, "velocity", "position", 0.0)
     elif samples.kind == "swerve":
         for module in "1234":
-            yield rate_pair(samples, f"steer_velocity_{module}", f"steer_angle_{module}", _LEAST_TURNING, True)
+            yield rate_pair(
+                samples, f"steer_velocity_{module}", f"steer_angle_{module}", _LEAST_TURNING, True
+            )
     else:
         for axis in "xyz":
             yield rate_pair(samples, f"velocity_{axis}", f"position_{axis}", _LEAST_SPEED)

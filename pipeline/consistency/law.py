@@ -16,7 +16,10 @@ from simgap.consistency.redundancy import FLOOR, INDEPENDENT, LAG_COST, LAGS, Ag
 _COLOURED = 3.0  # times the standard error of white errors: what the law leaves out lasts for several windows
 _EXACT = 0.15  # of a ratio: no law holds better
 _UNKNOWN = 1e-4  # density that any ratio has: something may be at work that nobody thinks of
-_DOUBTED, _CLEAR = 1.0, 6.0  # log likelihood below which a law is doubted, and two faults at once are looked for
+_DOUBTED, _CLEAR = (
+    1.0,
+    6.0,
+)  # log likelihood below which a law is doubted, and two faults at once are looked for
 _DISTURBED = 5.0  # times its noise, from which on a term says something
 _LEAST_EXPLAINED = 0.02  # share; with less, anything fits
 _MUCH = 0.5  # share of the drive's energy that is left
@@ -122,7 +125,9 @@ def law_agreement(
     motion = np.concatenate([np.stack([term.foretold for term in terms], axis=-1), others], axis=-1)
     best: Agreement | None = None
     for lag in LAGS:
-        found = _compared(name, columns, *shifted(drive, motion, lag), terms, LAG_COST * abs(lag), weight, fits)
+        found = _compared(
+            name, columns, *shifted(drive, motion, lag), terms, LAG_COST * abs(lag), weight, fits
+        )
         if found is not None and (best is None or found.support > best.support):
             best = found
         if best is None or not best.opposed:

@@ -67,7 +67,10 @@ def supply_of(samples: Samples) -> float:
 
 def _voltages(samples: Samples, nominal: float | None) -> Iterator[Agreement]:
     """Yield the largest voltage of the motors against that of the supply, or against what supplies there are."""
-    groups = {"joint": [["voltage"]], "swerve": [[f"{g}_voltage_{m}" for m in "1234"] for g in ("drive", "steer")]}
+    groups = {
+        "joint": [["voltage"]],
+        "swerve": [[f"{g}_voltage_{m}" for m in "1234"] for g in ("drive", "steer")],
+    }
     known = supply_of(samples)
     supply = known if known == known else (nominal or np.nan)
     for columns in groups.get(samples.kind, []):
@@ -91,7 +94,9 @@ def _command(samples: Samples) -> Agreement:
     wrong = bool(high > 1.0 + _FULL or low < -_FULL)
     columns = ("motor_command_1..4",)
     figures = f"from {low:.4g} to {high:.4g}, and not from 0 to 1"
-    return Agreement("'motor_command_1..4'", columns, _IMPOSSIBLE if wrong else 0.0, wrong, figures, float(high))
+    return Agreement(
+        "'motor_command_1..4'", columns, _IMPOSSIBLE if wrong else 0.0, wrong, figures, float(high)
+    )
 
 
 def supply_faults(samples: Samples, nominal: float | None) -> list[Transformation]:

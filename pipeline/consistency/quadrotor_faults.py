@@ -11,7 +11,10 @@ from simgap.consistency.units import ANGULAR_RATE, CLOCK, FORCE, LENGTH, SPEED, 
 
 _ORDER = 0.008  # each of the 23 other orders of four motors; together as likely as all else
 _THRUST = 0.04
-_MOTOR_UNITS = (("turns_per_minute", 30.0 / np.pi, 0.06, "unit: rpm"), ("rotations", 0.5 / np.pi, 0.03, "unit: rev/s"))
+_MOTOR_UNITS = (
+    ("turns_per_minute", 30.0 / np.pi, 0.06, "unit: rpm"),
+    ("rotations", 0.5 / np.pi, 0.03, "unit: rev/s"),
+)
 _FULL = ((100.0, 0.05), (255.0, 0.02), (1000.0, 0.03), (2000.0, 0.02), (2047.0, 0.02), (65535.0, 0.04))
 _LEAST_COMMAND = 0.3  # largest command of a flight, at least
 _PULSE = (1000.0, 1000.0)  # µs of a servo pulse: the least, and what full command adds
@@ -42,11 +45,14 @@ def _three(stem: str) -> tuple[str, ...]:
 def _motors(samples: Samples) -> list[Transformation]:
     stems = [stem for stem in ("motor_speed", "motor_command") if samples.has(stem, "1234")]
     found = []
-    for group in {tuple(stems): None, **{(stem,): None for stem in stems}}:
+    groups = dict.fromkeys([tuple(stems), *((stem,) for stem in stems)])
+    for group in groups:
         name = " and ".join(f"{stem}_1..4" for stem in group)
         for order in permutations("1234"):
             sources = {
-                f"{stem}_{here}": f"{stem}_{there}" for stem in group for here, there in zip("1234", order, strict=True)
+                f"{stem}_{here}": f"{stem}_{there}"
+                for stem in group
+                for here, there in zip("1234", order, strict=True)
             }
             if "".join(order) != "1234":
                 words = f"numbered {', '.join(order)} where the platform file has 1, 2, 3, 4"
@@ -67,7 +73,14 @@ def _commands(samples: Samples) -> list[Transformation]:
     values = samples.stack("motor_command", "1234")
     least, largest = np.nanquantile(values, [0.01, 0.99])
     found = [
-        scaled("percent" if whole == 100.0 else "full_scale", name, columns, whole, odds, f"scale: {1.0 / whole:.4g}")
+        scaled(
+            "percent" if whole == 100.0 else "full_scale",
+            name,
+            columns,
+            whole,
+            odds,
+            f"scale: {1.0 / whole:.4g}",
+        )
         for whole, odds in _FULL
         if _LEAST_COMMAND * whole < largest <= 1.01 * whole
     ]

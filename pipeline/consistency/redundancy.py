@@ -7,7 +7,6 @@ a part of the windows may be spoilt; as it is a ratio, a change of the unit of b
 Gaussian error of unknown size the log likelihood is −½·n·ln D, up to a constant.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +18,7 @@ FLOOR = 0.05
 """Least misfit that counts: sensors lag and are filtered, so no two series agree to better than a fifth."""
 
 OPPOSED = 0.2
-"""Misfit from which on two series do not say the same, at whatever lag: as much as a share of a tenth that is spoilt."""
+"""Misfit from which on two series do not say the same, at whatever lag: as if a tenth of one were spoilt."""
 
 CLEAR = 1.0
 """Misfit that no filter makes: only then two faults at once are looked for."""
@@ -121,7 +120,9 @@ def _compared(pair: Pair, recorded: np.ndarray, derived: np.ndarray, cost: float
     alike = _correlation(recorded, derived)
     ratio = float(np.mean(np.abs(recorded)) / max(np.mean(np.abs(derived)), 1e-300))
     figures = f"{ratio:.3g} times as large, correlation {alike:.2f}"
-    return Agreement(pair.name, pair.columns, support, misfit > OPPOSED, figures, ratio, alike, misfit > CLEAR)
+    return Agreement(
+        pair.name, pair.columns, support, misfit > OPPOSED, figures, ratio, alike, misfit > CLEAR
+    )
 
 
 def _correlation(recorded: np.ndarray, derived: np.ndarray) -> float:
@@ -129,8 +130,3 @@ def _correlation(recorded: np.ndarray, derived: np.ndarray) -> float:
     sides = [side / max(float(np.median(np.abs(side))), 1e-300) for side in (recorded, derived)]
     first, second = (np.clip(side, -np.sqrt(10.0), np.sqrt(10.0)) for side in sides)
     return float((first * second).sum() / np.sqrt(max((first**2).sum() * (second**2).sum(), 1e-300)))
-
-
-def total(agreements: Mapping[str, Agreement]) -> float:
-    """Return the log likelihood of all comparisons together."""
-    return float(sum(each.support for each in agreements.values()))

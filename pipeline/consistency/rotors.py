@@ -30,7 +30,7 @@ def rotor_laws(samples: Samples, quadrotor: Quadrotor, stem: str) -> Iterator[Ag
         stem: `motor_speed` or `motor_command`.
     """
     columns = [f"{name}_{part}" for name, parts in _STATE.items() for part in parts]
-    felt, needed, others = samples.once("motion", columns, lambda same: _motion(same, quadrotor))
+    felt, wanted, others = samples.once("motion", columns, lambda same: _motion(same, quadrotor))
     thrusts, reactions = _rotors(samples, quadrotor, stem)
     group = f"{stem}_1..4"
     lift = thrusts.sum(axis=-1) / quadrotor.mass
@@ -40,7 +40,7 @@ def rotor_laws(samples: Samples, quadrotor: Quadrotor, stem: str) -> Iterator[Ag
     yield law_agreement(name, (group, "attitude", "velocity"), felt[:, 2], [Term(lift, THRUST)], none)
     positions = np.array(quadrotor.rotor_positions)
     torques = (thrusts @ positions[:, 1], -thrusts @ positions[:, 0], reactions.sum(axis=-1))
-    for axis, made, needed in zip("xyz", torques, needed.T, strict=True):
+    for axis, made, needed in zip("xyz", torques, wanted.T, strict=True):
         name = f"the torque about {axis} of {group!r} against the turning"
         yield law_agreement(name, (group, f"body_rate_{axis}"), needed, [Term(made, TORQUE)], others, _ALIKE)
 

@@ -198,7 +198,7 @@ def _thinned(codes: np.ndarray, most: int = MOST_SAMPLES) -> np.ndarray:
 
 
 def with_window(samples: Samples) -> Samples:
-    """Return samples with windows that are short enough: a joint may go to and fro many times in a tenth of a second."""
+    """Return samples with short enough windows: a joint may go to and fro many times in a tenth of a second."""
     if samples.kind != "joint":
         return Samples(samples.kind, samples.run, samples.columns)
     whole = float(np.nanvar(samples["velocity"]))

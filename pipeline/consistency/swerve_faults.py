@@ -15,7 +15,21 @@ _GEAR = 0.05
 _AXES = 0.02
 _QUARTER = 0.01
 _GROUPS = ("drive_voltage", "steer_voltage", "drive_velocity", "steer_velocity", "steer_angle")
-_ORDERS = ("2134", "3214", "4231", "1324", "1432", "1243", "2143", "3412", "4321", "2341", "4123", "2413", "3142")
+_ORDERS = (
+    "2134",
+    "3214",
+    "4231",
+    "1324",
+    "1432",
+    "1243",
+    "2143",
+    "3412",
+    "4321",
+    "2341",
+    "4123",
+    "2413",
+    "3142",
+)
 
 
 def swerve_faults(samples: Samples, swerve: Swerve | None) -> list[Transformation]:
@@ -127,9 +141,23 @@ def _sides_of_gears(swerve: Swerve) -> list[Transformation]:
             "wheel_speed", "drive_velocity_1..4", speed, metres, _GEAR, f"scale: {1.0 / metres:.4g}", "in m/s"
         ),
         scaled(
-            "gear_ratio", "steer_velocity_1..4", _four("steer_velocity"), steer, _GEAR, f"scale: {1 / steer:.4g}", motor
+            "gear_ratio",
+            "steer_velocity_1..4",
+            _four("steer_velocity"),
+            steer,
+            _GEAR,
+            f"scale: {1 / steer:.4g}",
+            motor,
         ),
-        scaled("gear_ratio", "steer_angle_1..4", _four("steer_angle"), steer, _GEAR, f"scale: {1 / steer:.4g}", motor),
+        scaled(
+            "gear_ratio",
+            "steer_angle_1..4",
+            _four("steer_angle"),
+            steer,
+            _GEAR,
+            f"scale: {1 / steer:.4g}",
+            motor,
+        ),
         scaled(
             "gear_ratio",
             "steer_angle_1..4 and steer_velocity_1..4",
@@ -153,4 +181,6 @@ def _turned_zero(angle: float) -> Transformation:
         return {name: samples[name] + angle for name in columns}
 
     remedy = f"Add {np.degrees(angle):.0f}° to each of {', '.join(columns)}."
-    return Transformation("axis_order", "steer_angle_1..4", columns, _QUARTER, mend, remedy, "with zero to a side")
+    return Transformation(
+        "axis_order", "steer_angle_1..4", columns, _QUARTER, mend, remedy, "with zero to a side"
+    )

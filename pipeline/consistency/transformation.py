@@ -39,7 +39,13 @@ class Transformation:
 
 
 def scaled(
-    suspected: str, column: str, columns: tuple[str, ...], factor: float, odds: float, key: str, words: str = ""
+    suspected: str,
+    column: str,
+    columns: tuple[str, ...],
+    factor: float,
+    odds: float,
+    key: str,
+    words: str = "",
 ) -> Transformation:
     """Return the transformation that multiplied columns by a factor.
 
@@ -73,7 +79,9 @@ def renamed(columns: Mapping[str, str]) -> str:
     return "Say in the mapping: " + "; ".join(lines) + "."
 
 
-def taken(suspected: str, column: str, sources: Mapping[str, str], odds: float, words: str = "") -> Transformation:
+def taken(
+    suspected: str, column: str, sources: Mapping[str, str], odds: float, words: str = ""
+) -> Transformation:
     """Return the transformation that exchanged columns or their signs.
 
     Args:

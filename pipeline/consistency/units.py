@@ -56,7 +56,9 @@ CLOCK: tuple[Unit, ...] = (
 )
 
 
-def in_units(column: str, columns: tuple[str, ...], units: tuple[Unit, ...], share: float = 1.0) -> list[Transformation]:
+def in_units(
+    column: str, columns: tuple[str, ...], units: tuple[Unit, ...], share: float = 1.0
+) -> list[Transformation]:
     """Return a transformation for each unit that columns may be in; `share` lowers the odds."""
     return [scaled(name, column, columns, factor, share * odds, key) for name, factor, odds, key in units]
 

@@ -31,11 +31,21 @@ def wheel_pairs(samples: Samples, swerve: Swerve) -> Iterator[Pair]:
         columns = (f"drive_velocity_{module + 1}", "steer_angle", "drive_velocity")
         yield Pair(name, columns, rolling[:, module], expected, _LEAST_SPEED)
     twist = _twist(velocities, swerve, list(range(4)))
-    names = {"chassis_velocity_x": _LEAST_SPEED, "chassis_velocity_y": _LEAST_SPEED, "chassis_rate": _LEAST_TURNING}
+    names = {
+        "chassis_velocity_x": _LEAST_SPEED,
+        "chassis_velocity_y": _LEAST_SPEED,
+        "chassis_rate": _LEAST_TURNING,
+    }
     for place, (column, least) in enumerate(names.items()):
         if column in samples:
             name = f"{column!r} against the wheels"
-            yield Pair(name, (column, "drive_velocity", "steer_angle"), samples.mean(samples[column]), twist[:, place], least)
+            yield Pair(
+                name,
+                (column, "drive_velocity", "steer_angle"),
+                samples.mean(samples[column]),
+                twist[:, place],
+                least,
+            )
 
 
 def _twist(velocities: np.ndarray, swerve: Swerve, modules: list[int]) -> np.ndarray:

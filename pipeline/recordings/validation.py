@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 
 from simgap.errors import InputError
-from simgap.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, WHOLE_NUMBERS, channel_units
 from simgap.recordings.clocks import clock_remedy, runs_of_one_clock
+from simgap.recordings.contract import ANY_OF, INDEX_COLUMNS, KINDS, REQUIRED, WHOLE_NUMBERS, channel_units
 from simgap.recordings.numeric import location, to_numbers
 from simgap.recordings.units import KNOWN, conversion
 

@@ -50,7 +50,9 @@ def _mend(run: RunUnderCleaning, rate: str, position: str, column: str) -> None:
         return
     mended, changed, how = best
     run.replace(changed, column, mended, "wraps", how)
-    run.remarks.append(f"Channel {column!r} {how} in {int(changed.sum())} samples of run {run.name!r}; it was undone.")
+    run.remarks.append(
+        f"Channel {column!r} {how} in {int(changed.sum())} samples of run {run.name!r}; it was undone."
+    )
 
 
 def misfit(time: np.ndarray, position: np.ndarray, rate: np.ndarray) -> float:

@@ -1,4 +1,4 @@
-"""Corruptions of good recordings: every way of the list in which logs come to be wrong, and what has to be said of each.
+"""Corruptions of good recordings: how logs come to be wrong, and what has to be said of each.
 
 They are written apart from the check: nothing here is taken from `simgap.consistency`.
 """
@@ -95,7 +95,9 @@ def ordered(order: str, *stems: str) -> Change:
 
 
 def _attitude(frame: pd.DataFrame) -> Rotation:
-    return Rotation.from_quat(frame[list(names("attitude", "wxyz"))].ffill().bfill().to_numpy(copy=True), scalar_first=True)
+    return Rotation.from_quat(
+        frame[list(names("attitude", "wxyz"))].ffill().bfill().to_numpy(copy=True), scalar_first=True
+    )
 
 
 def turned(stem: str, inverse: bool, lift: float = 0.0) -> Change:
@@ -103,7 +105,11 @@ def turned(stem: str, inverse: bool, lift: float = 0.0) -> Change:
 
     def change(frame: pd.DataFrame, platform: dict[str, Any]) -> pd.DataFrame:
         columns = list(names(stem, "xyz"))
-        vectors = _attitude(frame).apply(frame[columns].to_numpy(copy=True), inverse=inverse) - [0.0, 0.0, lift]
+        vectors = _attitude(frame).apply(frame[columns].to_numpy(copy=True), inverse=inverse) - [
+            0.0,
+            0.0,
+            lift,
+        ]
         return frame.assign(**dict(zip(columns, vectors.T, strict=True)))
 
     return change
@@ -138,9 +144,13 @@ def gear(platform: dict[str, Any]) -> float:
 def _joint() -> Iterator[Corruption]:
     rates = {"degrees": DEGREE, "rotations": TURN, "turns_per_minute": RPM}
     for cause, factor in rates.items():
-        yield Corruption(f"velocity in {cause}", times(factor, "velocity"), (cause,), ("velocity",), sliding=False)
+        yield Corruption(
+            f"velocity in {cause}", times(factor, "velocity"), (cause,), ("velocity",), sliding=False
+        )
     for cause, factor in {"degrees": DEGREE, "rotations": TURN}.items():
-        yield Corruption(f"position in {cause}", times(factor, "position"), (cause,), ("position",), sliding=False)
+        yield Corruption(
+            f"position in {cause}", times(factor, "position"), (cause,), ("position",), sliding=False
+        )
     both = ("position and velocity",)
     for cause, factor in {"degrees": DEGREE, "rotations": TURN}.items():
         # With an effort alone, rotations are an inertia 6.3 times as large: no redundancy tells.
@@ -152,17 +162,51 @@ def _joint() -> Iterator[Corruption]:
         yield Corruption(f"{column} in mm", change, ("millimetres",), (column,), sliding=True)
         causes = ("sign",)
         yield Corruption(f"{column} negative", times(-1.0, column), causes, ("position", "velocity"))
-    yield Corruption("both in mm", times(1000.0, "position", "velocity"), ("millimetres",), both, sliding=True)
-    yield Corruption("velocity in inches", times(1 / INCH, "velocity"), ("inches",), ("velocity",), sliding=True)
-    yield Corruption("velocity of the motor", times(gear, "velocity"), ("gear_ratio",), ("velocity",), motor=True)
-    yield Corruption("position of the motor", times(gear, "position"), ("gear_ratio",), ("position",), motor=True)
-    yield Corruption("both of the motor", times(gear, *both[0].split(" and ")), ("gear_ratio",), both, motor=True)
+    yield Corruption(
+        "both in mm", times(1000.0, "position", "velocity"), ("millimetres",), both, sliding=True
+    )
+    yield Corruption(
+        "velocity in inches", times(1 / INCH, "velocity"), ("inches",), ("velocity",), sliding=True
+    )
+    yield Corruption(
+        "velocity of the motor", times(gear, "velocity"), ("gear_ratio",), ("velocity",), motor=True
+    )
+    yield Corruption(
+        "position of the motor", times(gear, "position"), ("gear_ratio",), ("position",), motor=True
+    )
+    yield Corruption(
+        "both of the motor", times(gear, *both[0].split(" and ")), ("gear_ratio",), both, motor=True
+    )
     for column in ("effort", "voltage"):
-        yield Corruption(f"{column} negative", times(-1.0, column), ("sign",), (column, *both), (column,), column == "voltage")
-        yield Corruption(f"{column} in thousandths", times(1000.0, column), ("milli",), (column,), (column,), column == "voltage")
+        yield Corruption(
+            f"{column} negative",
+            times(-1.0, column),
+            ("sign",),
+            (column, *both),
+            (column,),
+            column == "voltage",
+        )
+        yield Corruption(
+            f"{column} in thousandths",
+            times(1000.0, column),
+            ("milli",),
+            (column,),
+            (column,),
+            column == "voltage",
+        )
     hard = {"voltage": 6.0}
-    yield Corruption("duty of 12 V", times(1 / 12, "voltage"), ("duty",), ("voltage",), ("voltage",), True, driven=hard)
-    yield Corruption("percent of 12 V", times(100 / 12, "voltage"), ("percent",), ("voltage",), ("voltage",), True, driven=hard)
+    yield Corruption(
+        "duty of 12 V", times(1 / 12, "voltage"), ("duty",), ("voltage",), ("voltage",), True, driven=hard
+    )
+    yield Corruption(
+        "percent of 12 V",
+        times(100 / 12, "voltage"),
+        ("percent",),
+        ("voltage",),
+        ("voltage",),
+        True,
+        driven=hard,
+    )
     yield from _clocks()
 
 
@@ -177,7 +221,9 @@ def _swerve() -> Iterator[Corruption]:
         yield Corruption(f"steer_velocity in {cause}", times(factor, *rate), (cause,), ("steer_velocity",))
     for cause, factor in {"degrees": DEGREE, "rotations": TURN}.items():
         yield Corruption(f"steer_angle in {cause}", times(factor, *angle), (cause,), ("steer_angle",))
-        yield Corruption(f"both of steering in {cause}", times(factor, *angle, *rate), (cause,), ("steer_angle",))
+        yield Corruption(
+            f"both of steering in {cause}", times(factor, *angle, *rate), (cause,), ("steer_angle",)
+        )
     yield Corruption("steer_velocity negative", times(-1.0, *rate), ("sign",), ("steer_velocity",))
     yield Corruption("steer_angle negative", times(-1.0, *angle), ("sign",), ("steer_angle",))
     for cause, factor in {"rotations": TURN, "turns_per_minute": RPM}.items():
@@ -196,8 +242,12 @@ def _swerve() -> Iterator[Corruption]:
         yield Corruption(f"{stem} of 2 negative", times(-1.0, volts[1]), ("sign",), (volts[1],))
     yield Corruption("drive_velocity of 3 negative", times(-1.0, speed[2]), ("sign",), (speed[2],))
     yield Corruption("steer_velocity of 1 negative", times(-1.0, rate[0]), ("sign",), (rate[0],))
-    yield Corruption("angles of 1 and 2 exchanged", ordered("2134", "steer_angle"), ("motor_order",), ("steer_angle",))
-    yield Corruption("speeds front to back", ordered("3412", "drive_velocity"), ("motor_order",), ("drive_velocity",))
+    yield Corruption(
+        "angles of 1 and 2 exchanged", ordered("2134", "steer_angle"), ("motor_order",), ("steer_angle",)
+    )
+    yield Corruption(
+        "speeds front to back", ordered("3412", "drive_velocity"), ("motor_order",), ("drive_velocity",)
+    )
     x, y, turning = "chassis_velocity_x", "chassis_velocity_y", "chassis_rate"
     yield Corruption("chassis in feet", times(1 / FOOT, x, y), ("feet",), ("chassis",), (x,))
     yield Corruption("chassis axes exchanged", takes(**{x: y, y: x}), ("axis_order",), ("chassis",), (x,))
@@ -237,7 +287,9 @@ def _quadrotor() -> Iterator[Corruption]:
     for cause, factor in {"degrees": DEGREE, "rotations": TURN}.items():
         yield Corruption(f"body_rate in {cause}", times(factor, *rate), (cause,), ("body_rate",))
     yield Corruption("body_rate_y negative", times(-1.0, "body_rate_y"), ("sign",), ("body_rate_y",))
-    yield Corruption("body_rate forward-right-down", takes(**flipped("body_rate")), ("frame",), ("body_rate",))
+    yield Corruption(
+        "body_rate forward-right-down", takes(**flipped("body_rate")), ("frame",), ("body_rate",)
+    )
     everything = {"attitude_y": "-attitude_y", "attitude_z": "-attitude_z"}
     everything |= flipped("position", "velocity", "body_rate")
     yield Corruption(
@@ -248,14 +300,18 @@ def _quadrotor() -> Iterator[Corruption]:
     yield Corruption("force in mg", times(1e3 / GRAVITY, *force), ("g_units",), ("specific_force",), need)
     yield Corruption("force without gravity", weightless, ("missing_gravity",), ("specific_force",), need)
     lifted = turned("specific_force", False, GRAVITY)
-    yield Corruption("force in the world, no gravity", lifted, ("missing_gravity",), ("specific_force",), need)
+    yield Corruption(
+        "force in the world, no gravity", lifted, ("missing_gravity",), ("specific_force",), need
+    )
     down = takes(**flipped("specific_force"))
     yield Corruption("force forward-right-down", down, ("frame",), ("specific_force",), need)
     # Without drag a quadrotor feels nothing along x: turned round, or forward-right-down, is the same there.
     yield Corruption("force negative", times(-1.0, *force), ("sign", "frame"), ("specific_force",), need)
     yield from _rotors()
     yield from _batteries()
-    cells = times(lambda p: 3.7 / p["nominal_voltage"] if p["nominal_voltage"] > 6 else np.nan, "battery_voltage")
+    cells = times(
+        lambda p: 3.7 / p["nominal_voltage"] if p["nominal_voltage"] > 6 else np.nan, "battery_voltage"
+    )
     yield Corruption("battery of one cell", cells, ("per_cell",), ("battery_voltage",), ("battery_voltage",))
     yield from _clocks()
 
@@ -281,8 +337,12 @@ def _rotors() -> Iterator[Corruption]:
         yield Corruption(f"motor_speed in {cause}", times(factor, *speed), (cause,), ("motor_speed",), speed)
     scales = {"percent": 100.0, "full_scale": 65535.0}
     for cause, factor in scales.items():
-        yield Corruption(f"motor_command {cause}", times(factor, *command), (cause,), ("motor_command",), command)
-    yield Corruption("motor_command in 1/2000", times(2000.0, *command), ("full_scale",), ("motor_command",), command)
+        yield Corruption(
+            f"motor_command {cause}", times(factor, *command), (cause,), ("motor_command",), command
+        )
+    yield Corruption(
+        "motor_command in 1/2000", times(2000.0, *command), ("full_scale",), ("motor_command",), command
+    )
     yield Corruption("motor_command in pulses", pulses, ("pulse_width",), ("motor_command",), command)
     yield Corruption("motor_command of thrust", squared, ("thrust_command",), ("motor_command",), command)
 

@@ -42,7 +42,9 @@ def cases(kind: str, seed: int, count: int) -> list[ConcealedCase]:
     return draw_cases(kind, table, _read("conf/prove/default.yaml")["shares"], machines, seed, count)
 
 
-def good(kind: str, seed: int, count: int, factors: tuple[float, ...] = (1.0,), short: bool = False) -> Iterator[Good]:
+def good(
+    kind: str, seed: int, count: int, factors: tuple[float, ...] = (1.0,), short: bool = False
+) -> Iterator[Good]:
     """Yield recordings of concealed cases; none of them contradicts itself.
 
     Args:
@@ -60,7 +62,11 @@ def good(kind: str, seed: int, count: int, factors: tuple[float, ...] = (1.0,), 
                 case = case.scaled(effect, factor)
             if short:
                 case.record.update(SHORT)
-            yield Good(record_concealed(case)[0], case.platform, f"{kind} {case.number} {case.subject.names} x{factor:g}")
+            yield Good(
+                record_concealed(case)[0],
+                case.platform,
+                f"{kind} {case.number} {case.subject.names} x{factor:g}",
+            )
 
 
 @cache

@@ -1,6 +1,6 @@
 """The large table: every corruption of many recordings, and false alarms on good ones.
 
-    python -m tests.pipeline.consistency.table --kind joint --seed 778 --cases 40
+python -m tests.pipeline.consistency.table --kind joint --seed 778 --cases 40
 """
 
 import argparse
@@ -28,7 +28,9 @@ def tell(corruption: Corruption, one: Good) -> tuple[bool, bool]:
     if not found:
         return False, False
     first = found[0]
-    return True, first.suspected in corruption.causes and any(name in first.column for name in corruption.column)
+    return True, first.suspected in corruption.causes and any(
+        name in first.column for name in corruption.column
+    )
 
 
 def tabulate(
@@ -71,7 +73,9 @@ def show(rows: dict[str, Row]) -> str:
     """Return the table as text."""
     lines = [f"{'corruption':40s} {'tried':>5s} {'caught':>6s} {'right first':>11s}"]
     lines += [f"{name:40s} {row.tried:5d} {row.caught:6d} {row.right:11d}" for name, row in rows.items()]
-    tried, caught, right = (sum(getattr(row, key) for row in rows.values()) for key in ("tried", "caught", "right"))
+    tried, caught, right = (
+        sum(getattr(row, key) for row in rows.values()) for key in ("tried", "caught", "right")
+    )
     share = 100.0 / max(tried, 1)
     lines.append(f"{'all':40s} {tried:5d} {caught * share:5.1f}% {right * share:10.1f}%")
     return "\n".join(lines)
@@ -88,7 +92,9 @@ def main() -> None:
     recordings = list(good(chosen.kind, chosen.seed, chosen.cases, (1.0, 5.0)))
     print(show(tabulate(chosen.kind, (one for one in recordings if one.name.endswith("x1")), chosen.each)))
     count, false = alarms(recordings)
-    print(f"false alarms: {len(false)} of {count} good recordings, effects up to five times as strong as usual")
+    print(
+        f"false alarms: {len(false)} of {count} good recordings, effects up to five times as strong as usual"
+    )
     print(*false, sep="\n")
 
 

@@ -43,7 +43,9 @@ def servo(friction: float = 0.4, scale: float = 1.0, viscous: float = 0.0) -> Re
 
 
 def scaled(recording: Recording, factor: float, *columns: str) -> Recording:
-    return replace(recording, frame=recording.frame.assign(**{name: factor * recording.frame[name] for name in columns}))
+    return replace(
+        recording, frame=recording.frame.assign(**{name: factor * recording.frame[name] for name in columns})
+    )
 
 
 @pytest.mark.parametrize("kind", CORRUPTIONS)
@@ -51,7 +53,9 @@ def test_a_sample_of_every_corruption_is_caught_with_its_cause_first(kind, capsy
     rows = tabulate(kind, sample(kind), limit=1, every=EVERY[kind])
     with capsys.disabled():
         print("\n" + show(rows))
-    tried, caught, right = (sum(getattr(row, key) for row in rows.values()) for key in ("tried", "caught", "right"))
+    tried, caught, right = (
+        sum(getattr(row, key) for row in rows.values()) for key in ("tried", "caught", "right")
+    )
     assert tried >= 3
     assert caught == tried
     assert right == tried
@@ -76,7 +80,9 @@ def test_without_a_platform_only_what_needs_none_is_checked(kind):
     assert found[0].suspected == ("millimetres" if sliding else "degrees")
 
 
-@pytest.mark.parametrize("physics", [{"friction": 2.0}, {"viscous": 0.5}, {"scale": 1.44}, {"scale": 0.7}, {}])
+@pytest.mark.parametrize(
+    "physics", [{"friction": 2.0}, {"viscous": 0.5}, {"scale": 1.44}, {"scale": 0.7}, {}]
+)
 def test_strange_physics_is_no_contradiction(physics):
     assert contradictions(servo(**physics), SERVO) == []
 
@@ -85,7 +91,9 @@ def test_a_duty_names_its_column_its_supply_and_the_line_that_mends_it():
     (found,) = contradictions(servo(scale=6.0), SERVO)
     assert (found.column, found.suspected, found.runs) == ("voltage", "duty", ("run0", "run1", "run2"))
     assert "a duty of a supply of some" in found.evidence
-    supply = float(re.fullmatch(r"Say in the mapping: voltage: {from: voltage, scale: (.*)}\.", found.remedy)[1])
+    supply = float(
+        re.fullmatch(r"Say in the mapping: voltage: {from: voltage, scale: (.*)}\.", found.remedy)[1]
+    )
     assert supply == pytest.approx(6.0, rel=0.3)  # friction takes its part of the voltage
 
 
@@ -108,7 +116,9 @@ def test_two_faults_at_once_are_both_found():
 def test_only_the_runs_that_are_wrong_are_named():
     recording = servo()
     wrong = recording.frame["run"] == "run1"
-    frame = recording.frame.assign(velocity=recording.frame["velocity"].where(~wrong, 57.29578 * recording.frame["velocity"]))
+    frame = recording.frame.assign(
+        velocity=recording.frame["velocity"].where(~wrong, 57.29578 * recording.frame["velocity"])
+    )
     (found,) = contradictions(replace(recording, frame=frame), SERVO)
     assert (found.suspected, found.runs) == ("degrees", ("run1",))
 

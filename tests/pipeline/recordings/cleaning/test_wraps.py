@@ -26,7 +26,14 @@ def motion(seed: int = 0, size: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
 def recording(position: np.ndarray, velocity: np.ndarray, **more: np.ndarray) -> Recording:
     runs = [
         pd.DataFrame(
-            {"run": run, "t": TIME, "position": position, "velocity": velocity, "voltage": np.sin(TIME), **more}
+            {
+                "run": run,
+                "t": TIME,
+                "position": position,
+                "velocity": velocity,
+                "voltage": np.sin(TIME),
+                **more,
+            }
         )
         for run in ("one", "two")
     ]

@@ -77,7 +77,10 @@ def test_types_and_time(imported):
 def test_rates_are_those_of_what_they_are_the_rate_of(imported):
     """Within noise and lag; the wrong unit, sign or frame is off by far more."""
     samples = samples_of(imported)
-    pairs = [*position_pairs(samples), *(list(turning_pairs(samples))[:2] if imported.kind == "quadrotor" else [])]
+    pairs = [
+        *position_pairs(samples),
+        *(list(turning_pairs(samples))[:2] if imported.kind == "quadrotor" else []),
+    ]
     found = [agreement for pair in pairs if (agreement := agreement_of(pair)) is not None]
     assert found
     for agreement in found:
