@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -158,7 +159,10 @@ def _number(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
 
 
 def _sentence(text: Any) -> bool:
-    return isinstance(text, str) and len(text) > 10 and "{" not in text and "\n" not in text
+    """Whether a text is a sentence with nothing left to fill in; a line of a mapping has braces of its own."""
+    if not isinstance(text, str):
+        return False
+    return len(text) > 10 and "{" not in re.sub(r"{from: [^{}]*}", "", text) and "\n" not in text
 
 
 def _check_mismatch(mismatch: dict[str, Any]) -> None:

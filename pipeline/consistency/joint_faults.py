@@ -9,6 +9,7 @@ from simgap.consistency.units import (
     ANGLE,
     ANGULAR_RATE,
     CLOCK,
+    COUNTS,
     CURRENT,
     LENGTH,
     PUSH,
@@ -39,6 +40,8 @@ def joint_faults(samples: Samples, joint: Joint | None, sliding: bool) -> list[T
     found = [
         *in_units("velocity", ("velocity",), rates),
         *in_units("position", ("position",), lengths),
+        *in_units("velocity", ("velocity",), COUNTS),
+        *in_units("position", ("position",), COUNTS),
         *in_two_units("position and velocity", ((("position",), lengths), (("velocity",), rates))),
         *in_units("t", ("t",), CLOCK),
         taken("sign", "velocity", {"velocity": "-velocity"}, _SIGN),

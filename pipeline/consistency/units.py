@@ -30,6 +30,10 @@ LENGTH: tuple[Unit, ...] = (
     ("feet", 1.0 / 0.3048, _USUAL, "scale: 0.3048"),
     ("inches", 1.0 / 0.0254, _USUAL, "scale: 0.0254"),
 )
+COUNTS: tuple[Unit, ...] = (
+    ("counts", 0.5, _RARE, "scale: 2"),
+    ("counts", 2.0, _RARE, "scale: 0.5"),
+)
 SPEED: tuple[Unit, ...] = (
     ("millimetres", 1e3, _COMMON, "unit: mm/s"),
     ("centimetres", 1e2, _USUAL, "unit: cm/s"),

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 SUSPECTED = {
-    "sign": "another sign",
+    "sign": "another sign or frame",
     "degrees": "degrees instead of radians",
     "rotations": "rotations instead of radians",
     "turns_per_minute": "turns per minute instead of rad/s",
@@ -12,6 +12,7 @@ SUSPECTED = {
     "feet": "feet instead of metres",
     "inches": "inches instead of metres",
     "per_minute": "a rate per minute instead of per second",
+    "counts": "a sensor that counts half or double",
     "milli": "thousandths of the unit",
     "centi": "hundredths of the unit",
     "g_units": "multiples of g instead of m/s²",

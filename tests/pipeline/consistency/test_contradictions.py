@@ -104,6 +104,12 @@ def test_rotations_of_position_and_velocity_together_are_found():
     assert "velocity: {from: velocity, unit: rev/s}" in found.remedy
 
 
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_sensor_that_counts_half_or_double_is_found(factor):
+    (found,) = contradictions(scaled(servo(), factor, "velocity"), SERVO)
+    assert (found.column, found.suspected) == ("velocity", "counts")
+
+
 def test_two_faults_at_once_are_both_found():
     twice = scaled(scaled(servo(), 180.0 / np.pi, "position"), 30.0 / np.pi, "velocity")
     found = contradictions(twice, SERVO)
