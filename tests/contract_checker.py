@@ -7,7 +7,11 @@ from pathlib import Path
 from typing import Any
 
 VERDICTS = {"missing_physics", "parameter_mismatch", "none", "unexplained", "contradiction"}
-SUSPECTED = {"sign", "degrees", "millimetres", "turns_per_minute", "motor_order", "unit"}
+SUSPECTED = set(
+    "sign degrees rotations turns_per_minute millimetres centimetres feet inches per_minute milli centi g_units "
+    "missing_gravity duty percent full_scale pulse_width thrust_command per_cell counts time_unit gear_ratio "
+    "wheel_speed motor_order axis_order quaternion_order conjugate frame body_frame unit".split()
+)
 ACTS_ON = {
     "quadrotor": {"command", "actuator", "force", "torque", "measurement"},
     "joint": {"command", "actuator", "force", "torque", "measurement"},

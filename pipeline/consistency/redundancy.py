@@ -47,6 +47,7 @@ class Pair:
         recorded: (windows,).
         derived: (windows,).
         least: what noise makes of either, and the size below which a difference says nothing, in the unit of both.
+        doubted: misfit from which on they are opposed; less where only exchanges of alike columns are at stake.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Pair:
     recorded: np.ndarray
     derived: np.ndarray
     least: float = 0.0
+    doubted: float = OPPOSED
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,7 @@ def _compared(pair: Pair, recorded: np.ndarray, derived: np.ndarray, cost: float
     ratio = float(np.mean(np.abs(recorded)) / max(np.mean(np.abs(derived)), 1e-300))
     figures = f"{ratio:.3g} times as large, correlation {alike:.2f}"
     return Agreement(
-        pair.name, pair.columns, support, misfit > OPPOSED, figures, ratio, alike, misfit > CLEAR
+        pair.name, pair.columns, support, misfit > pair.doubted, figures, ratio, alike, misfit > CLEAR
     )
 
 

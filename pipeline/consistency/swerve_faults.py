@@ -50,7 +50,7 @@ def swerve_faults(samples: Samples, swerve: Swerve | None) -> list[Transformatio
         *in_units("t", ("t",), CLOCK),
         *_signs(),
         *_orders(),
-        *_voltages(samples),
+        *_voltages(samples, swerve),
         *_chassis(samples),
     ]
     return found + (_sides_of_gears(swerve) if swerve is not None else [])
@@ -87,9 +87,11 @@ def _orders() -> list[Transformation]:
     return found
 
 
-def _voltages(samples: Samples) -> list[Transformation]:
+def _voltages(samples: Samples, swerve: Swerve | None) -> list[Transformation]:
     found = []
     supply = supply_of(samples)
+    if np.isnan(supply) and swerve is not None:
+        supply = swerve.drive.motor.nominal_voltage
     for stem in ("drive_voltage", "steer_voltage"):
         largest = float(np.nanquantile(np.abs(samples.stack(stem, "1234")), 0.999))
         found += in_units(f"{stem}_1..4", _four(stem), VOLTAGE)

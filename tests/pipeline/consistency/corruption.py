@@ -50,12 +50,18 @@ class Corruption:
             set(self.needs) <= set(recording.channels)
             and (not self.motor or "motor" in platform)
             and self.sliding in (None, sliding)
+            and (recording.kind != "swerve" or "steer" not in self.column[0] or _steers(recording))
             and all(_size(recording, column) >= least for column, least in self.driven.items())
         )
 
     def of(self, recording: Recording, platform: dict[str, Any]) -> Recording:
         """Return the spoilt recording."""
         return replace(recording, frame=self.change(recording.frame.copy(), platform))
+
+
+def _steers(recording: Recording) -> bool:
+    """Whether the modules turn at all: what is done to columns of zeros cannot be seen."""
+    return bool(recording.frame["steer_angle_1"].std() > 0.05)
 
 
 def _size(recording: Recording, column: str) -> float:
