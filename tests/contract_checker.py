@@ -2,11 +2,43 @@
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
 VERDICTS = {"missing_physics", "parameter_mismatch", "none", "unexplained", "contradiction"}
-SUSPECTED = {"sign", "degrees", "millimetres", "turns_per_minute", "motor_order", "unit"}
+SUSPECTED = {
+    "sign",
+    "degrees",
+    "rotations",
+    "turns_per_minute",
+    "millimetres",
+    "centimetres",
+    "feet",
+    "inches",
+    "per_minute",
+    "milli",
+    "centi",
+    "g_units",
+    "missing_gravity",
+    "duty",
+    "percent",
+    "full_scale",
+    "pulse_width",
+    "thrust_command",
+    "per_cell",
+    "counts",
+    "time_unit",
+    "gear_ratio",
+    "wheel_speed",
+    "motor_order",
+    "axis_order",
+    "quaternion_order",
+    "conjugate",
+    "frame",
+    "body_frame",
+    "unit",
+}
 ACTS_ON = {
     "quadrotor": {"command", "actuator", "force", "torque", "measurement"},
     "joint": {"command", "actuator", "force", "torque", "measurement"},
@@ -160,7 +192,10 @@ def _number(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
 
 
 def _sentence(text: Any) -> bool:
-    return isinstance(text, str) and len(text) > 10 and "{" not in text and "\n" not in text
+    """Whether a text is a sentence with nothing left to fill in; a line of a mapping has braces of its own."""
+    if not isinstance(text, str):
+        return False
+    return len(text) > 10 and "{" not in re.sub(r"{from: [^{}]*}", "", text) and "\n" not in text
 
 
 def _check_mismatch(mismatch: dict[str, Any]) -> None:

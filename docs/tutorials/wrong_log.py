@@ -106,7 +106,7 @@ assert any("degrees" in warning for warning in answer.warnings)
 
 # %% [markdown]
 # Position and velocity agree with each other, but not with the effort.
-# A warning asks about degrees.
+# The check finds that degrees would explain it, and says how to mend the log.
 # Say the units, and the log is good again.
 
 # %%

@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from simgap.errors import InputError
 from simgap.gap.settings import Gap
 from simgap.platforms.settings import SimulatorSettings
 from simgap.recordings.cleaning.settings import Cleaning
@@ -110,15 +111,25 @@ def diagnosed(
         InputError: when nothing usable is left after cleaning, or a setting is out of its range.
     """
     from simgap.api.gains import motor_gains
+    from simgap.consistency import contradictions
     from simgap.gap.diagnosis import diagnose
     from simgap.recordings.cleaning import clean_with_coverage
 
-    cleaned = None if recording.cleaned else clean_with_coverage(recording, clean, split, seed)
-    used = cleaned.recording if cleaned else recording
-    with _one_thread():
-        found = diagnose(used, nominal, gap)
-        gains = None if found.contradictions else motor_gains(used, nominal.platform, seed)
-        return Found(found, cleaned, gains)
+    gap.check()
+    # Before cleaning: a column in a wrong unit looks like spikes, and would be cleaned away.
+    contradicted = contradictions(recording, nominal.platform)
+    try:
+        cleaned = None if recording.cleaned else clean_with_coverage(recording, clean, split, seed)
+        used = cleaned.recording if cleaned else recording
+        with _one_thread():
+            found = diagnose(used, nominal, gap, contradicted)
+            gains = None if found.contradictions else motor_gains(used, nominal.platform, seed)
+    except InputError as error:
+        if not contradicted:
+            raise
+        first = contradicted[0]
+        raise InputError(first.evidence, f"column {first.column!r}", first.remedy) from error
+    return Found(found, cleaned, gains)
 
 
 def write_report(folder: Path, target: Path, name: str, simulator: str) -> None:

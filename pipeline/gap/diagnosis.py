@@ -3,16 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from simgap.consistency import contradictions
 from simgap.effects import MeasurementEffect, ParameterError
 from simgap.gap.coarseness import coarse_axes, coarseness_of
 from simgap.gap.confusion import told_apart
-from simgap.gap.contradiction import contradictions
 from simgap.gap.drift import drifts_of
 from simgap.gap.fit import Problem, channels_of, excess_of
 from simgap.gap.gains import folded, gain_remarks, with_gains
 from simgap.gap.horizon import HorizonError, horizon_errors
 from simgap.gap.learned import LearnedResidual, learn, learned_rows
-from simgap.gap.limits import at_limits
+from simgap.gap.limits import at_limits, excessive_thrust
 from simgap.gap.locate import Mismatch, locate
 from simgap.gap.name import Naming, name
 from simgap.gap.observable import observable, unjudged
@@ -89,13 +89,20 @@ class Diagnosis:
         return channels_on(self.nominal, self.fitting.blocks)
 
 
-def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnosis:
+def diagnose(
+    recording: Recording,
+    nominal: Simulator,
+    settings: Gap,
+    contradicted: Sequence[Contradiction] | None = None,
+) -> Diagnosis:
     """Locate the mismatch between a recording and a simulator, name the missing effects, fit and validate them.
 
     Args:
         recording: cleaned, with its runs divided into train, validation and hold-out.
         nominal: what is believed before.
         settings: of the gap engine.
+        contradicted: in what the raw recording contradicts itself or the platform; without it, the cleaned one is
+            checked. Nothing is named if there is any.
 
     Raises:
         InputError: when the recording is too short or of another kind than the platform, or a setting out of its range.
@@ -103,7 +110,9 @@ def diagnose(recording: Recording, nominal: Simulator, settings: Gap) -> Diagnos
     settings.check()
     nominal, aside = observable(recording, with_gains(recording, nominal, settings))
     readings = readings_of(recording, nominal, settings)
-    contradicted = contradictions(recording, readings[0].prepared)
+    if contradicted is None:
+        contradicted = contradictions(recording, nominal.platform)
+    contradicted = contradicted or excessive_thrust(readings[0].prepared)
     if contradicted:
         readings = [replace(reading, catalogue=()) for reading in readings]
     naming = name(readings, settings)

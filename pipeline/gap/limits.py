@@ -47,4 +47,4 @@ def excessive_thrust(prepared: Prepared) -> list[Contradiction]:
         return []
     evidence = f"force_z: the accelerometer reads {ratio:.2g} times the thrust that the platform file gives"
     remedy = f"Multiply thrust_coefficient by {ratio:.2g}, or correct mass, motor_speed_max or the unit."
-    return [Contradiction("specific_force_z", "unit", evidence, remedy)]
+    return [Contradiction("specific_force_z", "unit", evidence, remedy, tuple(map(str, blocks.runs)))]

@@ -5,8 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from simgap.recordings.plausibility import implausible_units
-
 _GAP_STEPS = 20  # samples missing in a row
 _GAP_SECONDS = 1.0
 
@@ -23,7 +21,6 @@ def doubts(frame: pd.DataFrame, kind: str, units: dict[str, str]) -> tuple[str, 
         *_without_position(frame, kind),
         *_gaps(frame),
         *_constant(frame, units),
-        *implausible_units(frame, kind, units),
         *_single_run(frame),
     )
 

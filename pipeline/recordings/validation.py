@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from simgap.errors import InputError
+from simgap.recordings.clocks import clock_remedy, runs_of_one_clock
 from simgap.recordings.contract import (
     ANY_OF,
     DERIVED_FROM,
@@ -95,6 +96,7 @@ def validate(
         expected = "s" if column == "t" else units.get(column, "1")
         numbers = to_numbers(frame[column], runs, where)
         result[column] = _convert(numbers, declared.get(column), expected, f"{where}, column {column!r}")
+    result["run"], restarts = runs_of_one_clock(result["run"], result["t"])
     _check_time(result, where)
     for column in whole:
         result[column] = _whole_numbers(result, column, where)
@@ -106,7 +108,7 @@ def validate(
     return (
         result,
         {column: units[column] for column in result.columns if column in units},
-        (*remarks, *emptied),
+        (*remarks, *restarts, *emptied),
     )
 
 
@@ -200,9 +202,7 @@ def _check_time(frame: pd.DataFrame, where: str) -> None:
     if wrong.any():
         row = int(np.argmax(wrong))
         what = "the same time appears twice" if steps[row] == 0 else f"time goes back by {-steps[row]:.6g} s"
-        raise InputError(
-            what, location(where, frame, row, "t"), "sort the run by time and keep one row per time"
-        )
+        raise InputError(what, location(where, frame, row, "t"), clock_remedy(wrong, bool(steps[row] == 0)))
 
 
 def _whole_numbers(frame: pd.DataFrame, column: str, where: str) -> pd.Series:

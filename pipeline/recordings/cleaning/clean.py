@@ -11,7 +11,9 @@ from simgap.recordings.cleaning.channels import INPUTS
 from simgap.recordings.cleaning.clock import estimate_clock_offset
 from simgap.recordings.cleaning.coverage import coverage
 from simgap.recordings.cleaning.crash import cut_crash
+from simgap.recordings.cleaning.dead import erase_dead
 from simgap.recordings.cleaning.derived import derived_remark, with_derived
+from simgap.recordings.cleaning.filtered import replace_averaged
 from simgap.recordings.cleaning.frozen import erase_frozen
 from simgap.recordings.cleaning.idle import drop_idle
 from simgap.recordings.cleaning.limits import erase_beyond_limits
@@ -23,6 +25,7 @@ from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.cleaning.spikes import erase_spikes
 from simgap.recordings.cleaning.straight import erase_straight
 from simgap.recordings.cleaning.work import RunUnderCleaning, changes_table
+from simgap.recordings.cleaning.wraps import mend_wraps
 from simgap.recordings.contract import required_channels
 from simgap.recordings.recording import Recording
 from simgap.recordings.split import Split, split_recording
@@ -93,6 +96,7 @@ def clean_with_coverage(
         split=split_recording(frame, recording.kind, split, seed),
         clock_offset={run.name: run.clock_offset for run in usable if run.clock_offset is not None},
         noise_kept={run.name: run.noise_kept for run in usable if run.noise_kept < 1.0},
+        warnings=(*recording.warnings, *dict.fromkeys(remark for run in runs for remark in run.remarks)),
         cleaned=True,
     )
     return Cleaned(_completed(result, time_step), changes, coverage(runs))
@@ -146,6 +150,7 @@ def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCle
 def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
     gap = max(settings.max_gap, 1.5 * time_step)
     split_at_gaps(run, gap)
+    mend_rows(run)
     mend_quaternions(run)
     erase_beyond_limits(run)
     erase_straight(run, gap)
@@ -158,6 +163,26 @@ def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> R
     if (run.dropped == "").any():
         _cut(run, settings)
     return run
+
+
+def mend_rows(run: RunUnderCleaning) -> None:
+    """Undo what can be undone, and erase what stands still, before anything else can hide it."""
+    mend_wraps(run)
+    erase_dead(run)
+    replace_averaged(run)
+
+
+def mended(recording: Recording) -> Recording:
+    """Return a recording with wraps undone and dead stretches erased; nothing else is changed."""
+    runs = [_take_up(recording, name, rows) for name, rows in _by_run(recording)]
+    for run in runs:
+        if len(run.time) > 2:
+            mend_rows(run)
+    values = np.concatenate([run.values for run in runs])
+    frame = recording.frame.copy()
+    order = np.argsort(pd.factorize(frame["run"])[0], kind="stable")
+    frame.loc[frame.index[order], recording.channels] = values
+    return dataclasses.replace(recording, frame=frame)
 
 
 def _cut(run: RunUnderCleaning, settings: Cleaning) -> None:

@@ -101,7 +101,7 @@ def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> Run
         run.needed,
         time_step,
     )
-    result.changes = run.changes
+    result.changes, result.remarks = run.changes, run.remarks
     result.noise_kept = noise_kept(grid.recorded, grid.time) if grid.moved else 1.0
     _note_rows(run, result, grid)
     done: set[str] = set()

@@ -31,6 +31,7 @@ class RunUnderCleaning:
         cause: why a value is missing or replaced ("" where it is as recorded), shape (samples, channels).
         dropped: why a sample is dropped, "" where it is kept, shape (samples,).
         changes: the ledger.
+        remarks: what a reader of the result has to know of them, one sentence each.
         noise_kept: share of white noise that a fifth difference still shows after interpolation.
         filled: 1 where an input that is needed was made up, shape (samples,).
         clock_offset: s, how late the state is with respect to the motors; None where that is unknown.
@@ -47,6 +48,7 @@ class RunUnderCleaning:
     cause: np.ndarray = field(init=False)
     dropped: np.ndarray = field(init=False)
     changes: list[Change] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
     clock_offset: float | None = None
     noise_kept: float = 1.0
     filled: np.ndarray = field(init=False)
@@ -86,6 +88,20 @@ class RunUnderCleaning:
             self.values[wanted, place] = np.nan
             self.cause[wanted, place] = step
             self.note(step, column, reason, int(wanted.sum()), detail)
+
+    def replace(self, rows: np.ndarray, column: str, values: np.ndarray, step: str, reason: str) -> None:
+        """Put other values in the place of recorded ones and record the change.
+
+        Args:
+            rows: mask over samples, shape (samples,).
+            column: the channel concerned.
+            values: of the channel, shape (samples,).
+            step: which step of cleaning does it.
+            reason: why, one short sentence.
+        """
+        place = self.columns.index(column)
+        self.values[rows, place] = values[rows]
+        self.note(step, column, reason, int(rows.sum()))
 
     def drop(self, rows: np.ndarray, step: str, reason: str, detail: str = "") -> None:
         """Drop whole samples that are not dropped yet, and record the change."""

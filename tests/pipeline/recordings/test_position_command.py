@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simgap.recordings.plausibility import contradicting_position
+from simgap.consistency import contradictions
 from simgap.recordings.recording import recording_from_frame
 
 TIME = np.arange(400) / 50.0
@@ -21,13 +21,13 @@ def told(command: float = 1.0, position: float = 1.0, load: float = 0.0) -> pd.D
 @pytest.mark.parametrize(
     ("frame", "column", "suspected"),
     [
-        (told(command=-1.0), "position_command", "sign"),
+        (told(command=-1.0), "position", "sign"),
         (told(command=180 / np.pi), "position_command", "degrees"),
         (told(position=180 / np.pi), "position", "degrees"),
     ],
 )
 def test_a_command_of_another_sign_or_unit_contradicts_the_position(frame, column, suspected):
-    (found,) = contradicting_position(frame)
+    (found,) = contradictions(recording_from_frame(frame, "joint"))
     assert (found.column, found.suspected) == (column, suspected)
     assert "\n" not in found.sentence
 
@@ -36,7 +36,7 @@ def test_a_command_of_another_sign_or_unit_contradicts_the_position(frame, colum
     "frame", [told(), told(load=1.5), told(position=0.4), told(position=0.0), told().iloc[:9]]
 )
 def test_lag_load_and_standstill_contradict_nothing(frame):
-    assert list(contradicting_position(frame)) == []
+    assert contradictions(recording_from_frame(frame, "joint")) == []
 
 
 def test_a_position_command_takes_the_unit_of_the_position():

@@ -6,11 +6,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from simgap.consistency import contradictions
+from simgap.consistency.attitude import turning_pairs
+from simgap.consistency.kinematics import position_pairs
+from simgap.consistency.redundancy import agreement_of
+from simgap.consistency.samples import samples_of
 from simgap.errors import InputError
 from simgap.recordings import read_recording, write_recording
 from simgap.recordings.contract import ANY_OF, INDEX_COLUMNS, REQUIRED, channel_units
 from simgap.recordings.importers import IMPORTERS, importer
-from simgap.recordings.rates import body_rate_and_derived, recorded_and_derived
 
 FLYWHEEL = {
     "kind": "joint",
@@ -72,15 +76,21 @@ def test_types_and_time(imported):
 
 def test_rates_are_those_of_what_they_are_the_rate_of(imported):
     """Within noise and lag; the wrong unit, sign or frame is off by far more."""
-    frame = imported.frame
-    if imported.kind == "joint":
-        pairs = [recorded_and_derived(frame, "velocity", "position")]
-    else:
-        pairs = [recorded_and_derived(frame, f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
-        pairs += [body_rate_and_derived(frame, axis) for axis in "xy"]
-    for recorded, derived in pairs:
-        assert np.corrcoef(recorded, derived)[0, 1] > 0.9
-        assert recorded.std() / derived.std() == pytest.approx(1.0, abs=0.2)
+    samples = samples_of(imported)
+    pairs = [
+        *position_pairs(samples),
+        *(list(turning_pairs(samples))[:2] if imported.kind == "quadrotor" else []),
+    ]
+    found = [agreement for pair in pairs if (agreement := agreement_of(pair)) is not None]
+    assert found
+    for agreement in found:
+        assert not agreement.clear
+        assert agreement.alike > 0.75
+        assert agreement.ratio == pytest.approx(1.0, abs=0.25)
+
+
+def test_nothing_contradicts_itself(imported):
+    assert contradictions(imported) == []
 
 
 def test_only_what_is_true_is_doubted(imported):
@@ -91,7 +101,6 @@ def test_only_what_is_true_is_doubted(imported):
         "The supply was not recorded",
         "No voltage was recorded",
         "they are dead-reckoned",
-        "swings over more than two turns",  # a wheel that goes back and forth
     )
     assert all(any(words in warning for words in allowed) for warning in imported.warnings)
 

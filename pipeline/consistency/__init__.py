@@ -1,0 +1,13 @@
+"""Check of a recording against itself and the platform, before anything is named."""
+
+from typing import TYPE_CHECKING
+
+from simgap.lazy import imported_late
+
+if TYPE_CHECKING:
+    from simgap.consistency.decide import contradictions
+
+__all__ = ["contradictions"]
+
+# Whoever reads a recording alone does not wait for the check.
+__getattr__ = imported_late(__name__, decide=("contradictions",))

@@ -1,0 +1,61 @@
+"""Columns that stand still although what they are the rate or the position of moves, and batteries of no voltage."""
+
+import numpy as np
+
+from simgap.recordings.cleaning.work import RunUnderCleaning, stretches_of
+from simgap.recordings.cleaning.wraps import PAIRS
+
+_SHORTEST = 0.1  # s: a filter lags less
+_FEWEST = 5  # samples
+_FAST = 0.3  # of the usual fast speed: slower, a position may repeat, and a speed may be below its threshold
+_MOST = 0.5  # share of a run; a column that is dead for longer is none
+_EMPTY = 0.3  # of the usual voltage: no battery falls to it and comes back
+
+
+def erase_dead(run: RunUnderCleaning) -> None:
+    """Erase a rate or position that repeats one number while the other one moves, and a battery's drop-outs."""
+    for rate, position in PAIRS.get(run.kind, []):
+        if not run.has([rate, position]):
+            continue
+        values, place = run.channel(rate)[:, 0], run.channel(position)[:, 0]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            moved = np.abs(np.gradient(place, run.time)) if len(place) > 1 else np.zeros(len(place))
+        _erase(run, rate, values, moved)
+        _erase(run, position, place, np.abs(values))
+    _erase_empty_battery(run)
+
+
+def _erase(run: RunUnderCleaning, column: str, values: np.ndarray, speed: np.ndarray) -> None:
+    """Erase where a column repeats its last value while a speed is high."""
+    known = speed[np.isfinite(speed)]
+    if len(known) < 2 * _FEWEST:
+        return
+    fast = speed > _FAST * float(np.quantile(known, 0.95))
+    held = np.concatenate([[False], values[1:] == values[:-1]])
+    rows = np.zeros(len(values), dtype=bool)
+    for first, past in stretches_of(held):
+        long = past - first >= _FEWEST and run.time[past - 1] - run.time[first] >= _SHORTEST
+        if long and np.mean(fast[first:past]) > 0.5:
+            rows[first - 1 : past] = True
+    if 0 < rows.sum() < _MOST * len(rows):
+        run.erase(rows, [column], "dead", "repeats one value although the machine moves")
+        run.remarks.append(
+            f"Channel {column!r} repeats one value in {int(rows.sum())} samples of run {run.name!r} although the "
+            "machine moves; these were left out."
+        )
+
+
+def _erase_empty_battery(run: RunUnderCleaning) -> None:
+    if "battery_voltage" not in run.columns:
+        return
+    volts = run.channel("battery_voltage")[:, 0]
+    known = volts[np.isfinite(volts)]
+    if not len(known):
+        return
+    rows = volts < _EMPTY * float(np.median(known))
+    if rows.any():
+        run.erase(rows, ["battery_voltage"], "dead", "no voltage of a battery")
+        run.remarks.append(
+            f"Channel 'battery_voltage' falls to {float(volts[rows].min()):.3g} V in {int(rows.sum())} samples of run "
+            f"{run.name!r}, which no battery does; these were left out."
+        )

@@ -1,0 +1,102 @@
+"""The large table: every corruption of many recordings, and false alarms on good ones.
+
+python -m tests.pipeline.consistency.table --kind joint --seed 778 --cases 40
+"""
+
+import argparse
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from simgap.consistency import contradictions
+from simgap.platforms import platform_from_config
+from tests.pipeline.consistency.corruption import CORRUPTIONS, Corruption
+from tests.pipeline.consistency.plants import Good, good
+
+
+@dataclass
+class Row:
+    """What was made of one corruption."""
+
+    tried: int = 0
+    caught: int = 0
+    right: int = 0
+
+
+def tell(corruption: Corruption, one: Good) -> tuple[bool, bool]:
+    """Return whether a corruption is caught, and whether its cause and column come first."""
+    found = contradictions(corruption.of(one.recording, one.platform), platform_from_config(one.platform))
+    if not found:
+        return False, False
+    first = found[0]
+    return True, first.suspected in corruption.causes and any(
+        name in first.column for name in corruption.column
+    )
+
+
+def tabulate(
+    kind: str, recordings: Iterable[Good], limit: int | None = None, every: int = 1
+) -> dict[str, Row]:
+    """Return a row for each corruption.
+
+    Args:
+        kind: of machine.
+        recordings: good ones.
+        limit: how many recordings each corruption is tried on.
+        every: of so many corruptions one is tried.
+    """
+    chosen = CORRUPTIONS[kind][::every]
+    rows = {corruption.name: Row() for corruption in chosen}
+    for one in recordings:
+        for corruption in chosen:
+            row = rows[corruption.name]
+            if not corruption.possible(one.recording, one.platform) or (limit and row.tried >= limit):
+                continue
+            caught, right = tell(corruption, one)
+            row.tried, row.caught, row.right = row.tried + 1, row.caught + caught, row.right + right
+            if not right:
+                print(f"  not right: {corruption.name} of {one.name}", flush=True)
+    return rows
+
+
+def alarms(recordings: Iterable[Good]) -> tuple[int, list[str]]:
+    """Return how many good recordings were checked, and in which something was found."""
+    count, false = 0, []
+    for one in recordings:
+        count += 1
+        found = contradictions(one.recording, platform_from_config(one.platform))
+        if found:
+            false.append(f"{one.name}: {found[0].sentence}")
+    return count, false
+
+
+def show(rows: dict[str, Row]) -> str:
+    """Return the table as text."""
+    lines = [f"{'corruption':40s} {'tried':>5s} {'caught':>6s} {'right first':>11s}"]
+    lines += [f"{name:40s} {row.tried:5d} {row.caught:6d} {row.right:11d}" for name, row in rows.items()]
+    tried, caught, right = (
+        sum(getattr(row, key) for row in rows.values()) for key in ("tried", "caught", "right")
+    )
+    share = 100.0 / max(tried, 1)
+    lines.append(f"{'all':40s} {tried:5d} {caught * share:5.1f}% {right * share:10.1f}%")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Print the table of a kind."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--kind", choices=tuple(CORRUPTIONS), required=True)
+    parser.add_argument("--seed", type=int, default=778)
+    parser.add_argument("--cases", type=int, default=20)
+    parser.add_argument("--each", type=int, default=10, help="recordings that a corruption is tried on")
+    chosen = parser.parse_args()
+    recordings = list(good(chosen.kind, chosen.seed, chosen.cases, (1.0, 5.0)))
+    print(show(tabulate(chosen.kind, (one for one in recordings if one.name.endswith("x1")), chosen.each)))
+    count, false = alarms(recordings)
+    print(
+        f"false alarms: {len(false)} of {count} good recordings, effects up to five times as strong as usual"
+    )
+    print(*false, sep="\n")
+
+
+if __name__ == "__main__":
+    main()
