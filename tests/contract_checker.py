@@ -7,11 +7,38 @@ from pathlib import Path
 from typing import Any
 
 VERDICTS = {"missing_physics", "parameter_mismatch", "none", "unexplained", "contradiction"}
-SUSPECTED = set(
-    "sign degrees rotations turns_per_minute millimetres centimetres feet inches per_minute milli centi g_units "
-    "missing_gravity duty percent full_scale pulse_width thrust_command per_cell counts time_unit gear_ratio "
-    "wheel_speed motor_order axis_order quaternion_order conjugate frame body_frame unit".split()
-)
+SUSPECTED = {
+    "sign",
+    "degrees",
+    "rotations",
+    "turns_per_minute",
+    "millimetres",
+    "centimetres",
+    "feet",
+    "inches",
+    "per_minute",
+    "milli",
+    "centi",
+    "g_units",
+    "missing_gravity",
+    "duty",
+    "percent",
+    "full_scale",
+    "pulse_width",
+    "thrust_command",
+    "per_cell",
+    "counts",
+    "time_unit",
+    "gear_ratio",
+    "wheel_speed",
+    "motor_order",
+    "axis_order",
+    "quaternion_order",
+    "conjugate",
+    "frame",
+    "body_frame",
+    "unit",
+}
 ACTS_ON = {
     "quadrotor": {"command", "actuator", "force", "torque", "measurement"},
     "joint": {"command", "actuator", "force", "torque", "measurement"},
