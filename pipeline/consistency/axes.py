@@ -45,7 +45,7 @@ def joint_laws(samples: Samples, joint: Joint) -> Iterator[Agreement | None]:
     volts_per_torque = motor.resistance / constant
     terms = [
         Term(volts_per_torque * inertial, INERTIA, volts_per_torque * joint.inertia * jerky),
-        Term(constant * velocity, BACK_EMF, constant * shaky),
+        Term(constant * velocity, BACK_EMF, constant * shaky, exact=True),
         *_told_load(joint, position, volts_per_torque),
     ]
     columns = ("voltage", "position", "velocity")
@@ -89,7 +89,7 @@ def _motor(
     shaky = samples.noise_of_mean(recorded) * (1.0 if group == "drive" else axis.gear_ratio)
     terms = [
         Term(volts * samples.rate(recorded), ratio, volts * samples.noise_of_rate(recorded)),
-        Term(motor.back_emf_constant * turns, BACK_EMF, motor.back_emf_constant * shaky),
+        Term(motor.back_emf_constant * turns, BACK_EMF, motor.back_emf_constant * shaky, exact=True),
     ]
     name = f"{columns[0]!r} against the motion"
     others = np.concatenate([_constant(velocity), _friction(velocity)], axis=-1)

@@ -92,11 +92,13 @@ class Term:
         foretold: by the platform, (windows,).
         ratio: how far off it may be.
         noise: what sensor noise makes of it, standard deviation.
+        exact: whether it has so little noise that its coefficient is not attenuated.
     """
 
     foretold: np.ndarray
     ratio: Ratio
     noise: float = 0.0
+    exact: bool = False
 
 
 def law_agreement(
@@ -154,7 +156,7 @@ def _compared(
         return None
     estimates, left = _regressed(motion, drive, len(terms))
     supports = [
-        term.ratio.best_support(estimate) if moving else 0.0
+        _supported(term, estimate) if moving else 0.0
         for term, estimate, moving in zip(terms, estimates, moves, strict=True)
     ]
     count = min(INDEPENDENT, 0.5 * len(drive))
@@ -169,6 +171,12 @@ def _compared(
         estimates[0].value,
         clear=bool(sum(supports) < -_CLEAR),
     )
+
+
+def _supported(term: Term, estimate: Estimate) -> float:
+    if term.exact:
+        return term.ratio.support(estimate.value, estimate.error)
+    return term.ratio.best_support(estimate)
 
 
 def _regressed(motion: np.ndarray, drive: np.ndarray, count: int) -> tuple[list[Estimate], float]:

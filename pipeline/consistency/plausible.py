@@ -19,6 +19,7 @@ _CELL = 3.7  # V, nominal, of a lithium cell
 _PACKS = (2.5, 60.0)  # V of a battery: an empty cell, and fourteen full ones
 _STEP, _DECADES = 0.01, 2.5  # s; natural logarithm: logs have 1 Hz to 10 kHz
 _USUAL_SUPPLY, _SUPPLIES = 12.0, 0.9  # V; natural logarithm: one cell to some sixty volts
+_USED = 1.0  # natural logarithm of the share of the supply that is used
 _OVER_SUPPLY = 1.3  # a supply that sags, and is logged on its own
 _FULL = 0.2  # by which a command may overshoot
 
@@ -81,7 +82,10 @@ def _voltages(samples: Samples, nominal: float | None) -> Iterator[Agreement]:
         if supply == supply:
             over = largest > _OVER_SUPPLY * supply
             figures = f"{largest:.4g} V under a supply of {supply:.4g} V"
-            yield Agreement(name, touched, _IMPOSSIBLE if over else 0.0, over, figures, largest / supply)
+            # A supply is chosen for what the motors need: they hardly ever use a hundredth of it.
+            used = -0.5 * min(float(np.log(max(largest, 1e-300) / supply) / _USED), 0.0) ** 2
+            support = _IMPOSSIBLE if over else max(used, _IMPOSSIBLE)
+            yield Agreement(name, touched, support, over, figures, largest / supply)
         elif largest > 0.0:
             support = max(-0.5 * float(np.log(largest / _USUAL_SUPPLY) / _SUPPLIES) ** 2, _IMPOSSIBLE)
             figures = f"up to {largest:.4g} V"
