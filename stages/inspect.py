@@ -47,7 +47,8 @@ def _doubt(proposal: "Proposal") -> str:
 
 
 def _prospect(log: "Log", proposal: "Proposal") -> Iterator[str]:
-    """Yield what a diagnosis would get: runs, samples, and doubts."""
+    """Yield what a diagnosis would get: runs, samples, doubts, and what the recording contradicts itself in."""
+    from simgap.consistency import contradictions
     from simgap.errors import InputError
     from simgap.logs.apply import recording_of
     from simgap.logs.ratio import without_ratios
@@ -60,6 +61,7 @@ def _prospect(log: "Log", proposal: "Proposal") -> Iterator[str]:
     seconds = recording.frame.groupby("run", sort=False)["t"].agg(lambda t: t.iloc[-1] - t.iloc[0]).sum()
     yield f"{len(recording.runs)} runs, {len(recording.frame)} samples, {seconds:.1f} s"
     yield from recording.warnings
+    yield from (f"Contradiction: {each.sentence}" for each in contradictions(recording))
 
 
 def main(argv: list[str] | None = None) -> NoReturn:
