@@ -11,6 +11,7 @@ _GRAVITY = 9.81  # m/s²
 _LEAST_RATE = 0.05  # rad/s: the zero error of a cheap gyroscope
 _LEAST_COMMAND = 0.3  # rad/s: what a controller asks for and does not get
 _LEAST_FORCE = 0.5  # m/s²: the zero error and the vibrations of a cheap accelerometer
+_DOUBTED = 0.1  # an exact relation, in which gravity hides much of the motion
 _LEAST_TILT = 1.0  # m/s²: an estimated velocity is smoother than the true one
 
 
@@ -31,7 +32,7 @@ def force_pairs(samples: Samples) -> Iterator[Pair]:
         force = samples[f"specific_force_{axis}"]
         name = f"'specific_force_{axis}' against gravity and the rate of change of the velocity"
         columns = (f"specific_force_{axis}", "attitude", "velocity")
-        yield Pair(name, columns, samples.mean(force), derived, _LEAST_FORCE)
+        yield Pair(name, columns, samples.mean(force), derived, _LEAST_FORCE, _DOUBTED)
 
 
 def command_pairs(samples: Samples) -> Iterator[Pair]:

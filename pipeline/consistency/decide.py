@@ -181,7 +181,7 @@ def _beside(after: Agreements, before: Agreements) -> Agreements:
         for name, each in after.items()
     }
     gone = {
-        name: replace(each, support=min(each.support, 0.0))
+        name: replace(each, support=min(each.support, 0.0), opposed=False, clear=False)
         for name, each in before.items()
         if name not in after
     }
