@@ -11,16 +11,23 @@ from simgap.runner.command import report_mistakes
 if TYPE_CHECKING:
     from simgap.logs.log import Log
     from simgap.logs.proposal import Proposal
+    from simgap.recordings.recording import Recording
 
 
 def inspect(path: Path, kind: str | None = None, output: Path | None = None, every: bool = False) -> None:
     """Show what is in a log and what a diagnosis would make of it, and write a mapping that can be corrected."""
     from simgap.logs.formats import read_log
-    from simgap.logs.listing import log_lines
+    from simgap.logs.listing import log_lines, signal_lines
+    from simgap.logs.opening import recording_as_it_is
     from simgap.logs.proposal import propose
     from simgap.logs.proposal_file import write_proposal
 
     log = read_log(path)
+    recording = recording_as_it_is(path, kind)
+    if recording is not None:
+        print(*signal_lines(log, recording.channels, every), "", *_prospect(recording), sep="\n")
+        print("It has the contract's columns, so it needs no mapping.")
+        return
     proposal = propose(log, kind)
     print(*log_lines(log, proposal, every), "", sep="\n")
     if proposal.refusal:
@@ -30,7 +37,7 @@ def inspect(path: Path, kind: str | None = None, output: Path | None = None, eve
         print(f"No diagnosis yet: {_doubt(proposal)}.")
         ending = f"correct it, then simgap diagnose platform=NAME recording={path} mapping="
     else:
-        print(*_prospect(log, proposal), sep="\n")
+        print(*_mapped(log, proposal), sep="\n")
         ending = f"no need to give it, if it is right: simgap diagnose platform=NAME recording={path}"
     written = write_proposal(log, proposal, output or Path(f"{path.name}.mapping.yaml"))
     print(f"wrote {written}: {ending}{written if ending.endswith('=') else ''}")
@@ -46,9 +53,8 @@ def _doubt(proposal: "Proposal") -> str:
     return f"no signal for {', '.join(lost[:4])} was found" if lost else "not every column is sure"
 
 
-def _prospect(log: "Log", proposal: "Proposal") -> Iterator[str]:
-    """Yield what a diagnosis would get: runs, samples, doubts, and what the recording contradicts itself in."""
-    from simgap.consistency import contradictions
+def _mapped(log: "Log", proposal: "Proposal") -> Iterator[str]:
+    """Yield what a diagnosis would get by the proposed mapping."""
     from simgap.errors import InputError
     from simgap.logs.apply import recording_of
     from simgap.logs.ratio import without_ratios
@@ -57,7 +63,14 @@ def _prospect(log: "Log", proposal: "Proposal") -> Iterator[str]:
         recording = recording_of(log, without_ratios(proposal.mapping()))
     except InputError as error:
         yield f"No diagnosis: {error}."
-        return
+    else:
+        yield from _prospect(recording)
+
+
+def _prospect(recording: "Recording") -> Iterator[str]:
+    """Yield what a diagnosis would get: runs, samples, doubts, and what the recording contradicts itself in."""
+    from simgap.consistency import contradictions
+
     seconds = recording.frame.groupby("run", sort=False)["t"].agg(lambda t: t.iloc[-1] - t.iloc[0]).sum()
     yield f"{len(recording.runs)} runs, {len(recording.frame)} samples, {seconds:.1f} s"
     yield from recording.warnings

@@ -1,6 +1,6 @@
 """What a log holds, as lines that a person reads."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -22,13 +22,8 @@ def log_lines(log: Log, proposal: Proposal, every: bool = False) -> Iterator[str
         proposal: of it.
         every: whether to list all signals.
     """
-    yield f"{log.path}: {log.format}, {len(log.signals)} signals"
-    facts = [f"{name}: {value}" for name, value in log.facts.items()]
-    yield from facts if every else facts[:_FACTS]
-    if not every and len(facts) > _FACTS:
-        yield f"and {len(facts) - _FACTS} more facts: --all lists them"
-    yield ""
-    yield from _signal_lines(log, proposal, every)
+    used = dict.fromkeys(entry.source.signal for entry in proposal.columns.values())
+    yield from signal_lines(log, list(used), every)
     yield from _run_lines(log, proposal)
     yield ""
     yield from _column_lines(proposal)
@@ -36,8 +31,20 @@ def log_lines(log: Log, proposal: Proposal, every: bool = False) -> Iterator[str
     yield from (["", *remarks] if remarks else [])
 
 
-def _signal_lines(log: Log, proposal: Proposal, every: bool) -> Iterator[str]:
-    used = dict.fromkeys(entry.source.signal for entry in proposal.columns.values())
+def signal_lines(log: Log, used: Sequence[str], every: bool = False) -> Iterator[str]:
+    """Yield what a log says of itself, and its signals.
+
+    Args:
+        log: as it was read.
+        used: names of the signals that come first.
+        every: whether to list all signals.
+    """
+    yield f"{log.path}: {log.format}, {len(log.signals)} signals"
+    facts = [f"{name}: {value}" for name, value in log.facts.items()]
+    yield from facts if every else facts[:_FACTS]
+    if not every and len(facts) > _FACTS:
+        yield f"and {len(facts) - _FACTS} more facts: --all lists them"
+    yield ""
     names = [
         *(name for name in used if name in log.signals),
         *(name for name in log.signals if name not in used),

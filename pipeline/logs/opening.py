@@ -40,15 +40,31 @@ def open_recording(
     if mapping is not None:
         chosen = read_mapping(mapping)
         return recording_of(read_log(path), chosen, platform)
-    if format_of(path).name in ("Parquet", "CSV") and _is_recording(path):
-        from simgap.logs.sparse import recording_of_sparse
-
-        table = read_table(path)
-        return recording_of_sparse(table, path, kind) or recording_from_table(table, kind, str(path))
+    found = recording_as_it_is(path, kind)
+    if found is not None:
+        return found
     log = read_log(path)
     proposal = propose(log, kind)
     _require(log, proposal, path)
     return recording_of(log, proposal.mapping(), platform)
+
+
+def recording_as_it_is(path: Path, kind: str | None = None) -> Recording | None:
+    """Read a table with the contract's columns; None for any other log, which needs a mapping.
+
+    Args:
+        path: a file, or the folder of a format that has several files.
+        kind: quadrotor, swerve or joint, where the platform says it.
+
+    Raises:
+        InputError: when there is no such file, or it cannot be used.
+    """
+    if format_of(path).name not in ("Parquet", "CSV") or not _is_recording(path):
+        return None
+    from simgap.logs.sparse import recording_of_sparse
+
+    table = read_table(path)
+    return recording_of_sparse(table, path, kind) or recording_from_table(table, kind, str(path))
 
 
 def _is_recording(path: Path) -> bool:

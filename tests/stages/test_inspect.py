@@ -38,6 +38,24 @@ def test_a_log_is_shown_and_a_mapping_written(log: Path, capsys: pytest.CaptureF
     assert Path("log.csv.mapping.yaml").read_text().count("kind: joint") == 1
 
 
+def test_a_recording_needs_no_mapping_and_its_contradictions_are_shown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    t = np.arange(600) / 100
+    columns = np.stack([t, np.sin(t), -np.cos(t), np.cos(t)], -1)
+    header = "t,position,velocity,effort,run"
+    rows = "\n".join(",".join(f"{value:.6f}" for value in row) + ",one" for row in columns)
+    Path("turned.csv").write_text(f"{header}\n{rows}\n")
+    with pytest.raises(SystemExit) as ended:
+        inspect_log(["turned.csv"])
+    shown = capsys.readouterr().out
+    assert not ended.value.code
+    assert "another sign" in shown
+    assert "no mapping" in shown
+    assert not list(tmp_path.glob("*.yaml"))
+
+
 def test_a_written_mapping_is_never_overwritten(log: Path) -> None:
     for _ in range(2):
         with pytest.raises(SystemExit):
