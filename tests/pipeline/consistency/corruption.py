@@ -318,7 +318,14 @@ def _quadrotor() -> Iterator[Corruption]:
     cells = times(
         lambda p: 3.7 / p["nominal_voltage"] if p["nominal_voltage"] > 6 else np.nan, "battery_voltage"
     )
-    yield Corruption("battery of one cell", cells, ("per_cell",), ("battery_voltage",), ("battery_voltage",))
+    yield Corruption(
+        "battery of one cell",
+        cells,
+        ("per_cell",),
+        ("battery_voltage",),
+        ("battery_voltage",),
+        driven={"battery_voltage": 6.0},
+    )
     yield from _clocks()
 
 
