@@ -18,6 +18,8 @@ from tests.pipeline.consistency.table import alarms, show, tabulate
 
 SERVO = Joint(inertia=0.02, motor=JointMotor(resistance=0.5, torque_constant=0.02, gear_ratio=20.0))
 STEP = 0.01
+# Flights and drives are slow to record under type checks at every call.
+KINDS = ["joint", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("swerve", "quadrotor"))]
 EVERY = {"joint": 2, "swerve": 9, "quadrotor": 16}
 """Of so many corruptions a fast test tries one; tests/pipeline/consistency/table.py tries them all."""
 
@@ -48,7 +50,7 @@ def scaled(recording: Recording, factor: float, *columns: str) -> Recording:
     )
 
 
-@pytest.mark.parametrize("kind", CORRUPTIONS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_sample_of_every_corruption_is_caught_with_its_cause_first(kind, capsys):
     rows = tabulate(kind, sample(kind), limit=1, every=EVERY[kind])
     with capsys.disabled():
@@ -61,14 +63,14 @@ def test_a_sample_of_every_corruption_is_caught_with_its_cause_first(kind, capsy
     assert right == tried
 
 
-@pytest.mark.parametrize("kind", CORRUPTIONS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_good_recordings_raise_no_alarm(kind):
     count, false = alarms(sample(kind))
     assert count
     assert false == []
 
 
-@pytest.mark.parametrize("kind", CORRUPTIONS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_without_a_platform_only_what_needs_none_is_checked(kind):
     one = sample(kind)[0]
     assert contradictions(one.recording, None) == []
