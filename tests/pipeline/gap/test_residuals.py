@@ -15,10 +15,10 @@ from simgap.gap.residuals import (
     quadrature_of_rows,
     residual_rows,
     row_weights,
-    sample_noise,
     signals_inside,
 )
 from simgap.gap.row_noise import noise_of_rows
+from simgap.gap.sample_noise import sample_noise
 from simgap.gap.settings import Gap
 from simgap.physics.weak_form import mean_rate_of, window_functions
 from simgap.platforms import Joint, JointMotor
