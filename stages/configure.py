@@ -11,6 +11,7 @@ class ConfigureStage(StageConfig):
     """Every section of the configuration, as composed."""
 
     recording: str | None = None
+    mapping: str | None = None
     platform: dict[str, Any] = field(default_factory=dict)
     dataset: dict[str, Any] = field(default_factory=dict)
     record: dict[str, Any] = field(default_factory=dict)

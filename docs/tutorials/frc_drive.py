@@ -90,7 +90,7 @@ answer
 # `acts_on` says where an effect belongs.
 
 # %%
-friction = answer.effects[0]
+friction = next(effect for effect in answer.effects if effect.name == "coulomb_friction")
 level = friction.parameters["level"]
 print(f"{friction.name} ({friction.acts_on}): {level.value:.3f} N·m")
 

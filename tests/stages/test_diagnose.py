@@ -155,8 +155,8 @@ def test_hopeless_files_are_refused_in_one_line(own, monkeypatch, capsys):
     assert "empty.parquet" in _refused(own, own / "empty.parquet", capsys)
     assert "nowhere.csv" in _refused(own, own / "nowhere.csv", capsys)
     frame = _raw(runs=1).frame
-    frame.drop(columns="velocity").to_csv(own / "lacking.csv", index=False)
-    assert "velocity" in _refused(own, own / "lacking.csv", capsys)
+    frame.drop(columns="position").to_csv(own / "lacking.csv", index=False)
+    assert "position" in _refused(own, own / "lacking.csv", capsys)
     backwards = frame.copy()
     backwards.loc[700, "t"] = 0.1
     backwards.to_csv(own / "backwards.csv", index=False)

@@ -24,7 +24,7 @@ ARGUMENTS = ("platform=servo", "recording=bad.csv", "output=answer", "tracking=n
 
 
 def _missing(frame: pd.DataFrame, path: Path) -> None:
-    frame.drop(columns="velocity").to_csv(path, index=False)
+    frame.drop(columns="position").to_csv(path, index=False)
 
 
 def _garbage(frame: pd.DataFrame, path: Path) -> None:
@@ -42,11 +42,11 @@ def _absent(frame: pd.DataFrame, path: Path) -> None:
 @pytest.mark.parametrize(
     ("stage", "spoil", "words"),
     [
-        ("diagnose", _missing, "column 'velocity' is missing"),
+        ("diagnose", _missing, "column 'position' is missing"),
         ("diagnose", _garbage, "is not a text file"),
         ("diagnose", _without_values, "column 'position': has no values"),
         ("diagnose", _absent, "does not exist"),
-        ("clean", _missing, "column 'velocity' is missing"),
+        ("clean", _missing, "column 'position' is missing"),
     ],
 )
 def test_a_refusal_comes_before_anything_heavy(
