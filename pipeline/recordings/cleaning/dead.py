@@ -19,23 +19,28 @@ def erase_dead(run: RunUnderCleaning) -> None:
             continue
         values, place = run.channel(rate)[:, 0], run.channel(position)[:, 0]
         with np.errstate(invalid="ignore", divide="ignore"):
-            moved = np.abs(np.gradient(place, run.time)) if len(place) > 1 else np.zeros(len(place))
-        _erase(run, rate, values, moved)
-        _erase(run, position, place, np.abs(values))
+            moved = np.gradient(place, run.time) if len(place) > 1 else np.zeros(len(place))
+        _erase(run, rate, values, moved, values - moved)
+        _erase(run, position, place, values, values - moved)
     _erase_empty_battery(run)
 
 
-def _erase(run: RunUnderCleaning, column: str, values: np.ndarray, speed: np.ndarray) -> None:
-    """Erase where a column repeats its last value while a speed is high."""
-    known = speed[np.isfinite(speed)]
+def _erase(
+    run: RunUnderCleaning, column: str, values: np.ndarray, speed: np.ndarray, apart: np.ndarray
+) -> None:
+    """Erase where a column repeats its last value and is far from what the other one tells.
+
+    A steady speed repeats one value, too, but then both agree.
+    """
+    known = np.abs(speed[np.isfinite(speed)])
     if len(known) < 2 * _FEWEST:
         return
-    fast = speed > _FAST * float(np.quantile(known, 0.95))
+    far = _FAST * float(np.quantile(known, 0.95))
     held = np.concatenate([[False], values[1:] == values[:-1]])
     rows = np.zeros(len(values), dtype=bool)
     for first, past in stretches_of(held):
         long = past - first >= _FEWEST and run.time[past - 1] - run.time[first] >= _SHORTEST
-        if long and np.mean(fast[first:past]) > 0.5:
+        if long and abs(float(np.mean(apart[first:past]))) > far:
             rows[first - 1 : past] = True
     if 0 < rows.sum() < _MOST * len(rows):
         run.erase(rows, [column], "dead", "repeats one value although the machine moves")

@@ -113,6 +113,13 @@ def test_a_dead_stretch_is_left_out(column):
     assert any(f"{column!r} repeats one value" in warning for warning in result.warnings)
 
 
+def test_a_steady_speed_of_a_coarse_sensor_is_not_dead():
+    velocity = np.round(np.clip(8.0 * np.sin(TIME), -4.0, 4.0), 1)
+    position = np.concatenate([[0.0], np.cumsum(velocity[1:] * np.diff(TIME))])
+    result = clean_recording(recording(position, velocity))[0]
+    assert not any("repeats one value" in warning for warning in result.warnings)
+
+
 def test_a_battery_of_no_voltage_is_left_out():
     position, velocity = motion(6)
     volts = np.full(len(TIME), 12.0) - 0.01 * TIME
