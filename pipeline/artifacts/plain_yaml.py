@@ -5,9 +5,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from simgap.artifacts.bounded import whole_of
 from simgap.errors import InputError
 
-_LARGEST = 1 << 20  # bytes; a platform or a mapping takes a few thousand
+_LARGEST = 1  # MB; a platform or a mapping takes a few kB
 _MOST_VALUES = 100_000  # with every alias written out
 
 # YAML 1.1, which PyYAML reads, takes 5e-05 and 1.5e5 for text: it wants a point and a sign. YAML 1.2 (section
@@ -21,14 +22,7 @@ def read_yaml(path: Path) -> Any:
     Raises:
         InputError: when the file cannot be read, is no plain YAML or is too large.
     """
-    try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST + 1)
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", str(path), "check the path") from error
-    if len(content) > _LARGEST:
-        raise InputError("is larger than 1 MB", str(path), "give the file that describes, not a log")
-    return _parsed(content, str(path))
+    return _parsed(whole_of(path, _LARGEST, "give the file that describes, not a log"), str(path))
 
 
 def _parsed(content: bytes, where: str) -> Any:

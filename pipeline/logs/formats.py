@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from simgap.artifacts.bounded import first_bytes
 from simgap.errors import InputError
 from simgap.logs.log import Log
 from simgap.recordings.storage import WORKBOOKS, is_text_table
@@ -97,7 +98,7 @@ def format_of(path: Path) -> Format:
     Raises:
         InputError: when it is missing or of no known format.
     """
-    head = _first_bytes(path)
+    head = b"" if path.is_dir() else first_bytes(path, _HEAD)
     for entry in FORMATS:
         if entry.matches(path, head):
             return entry
@@ -108,18 +109,3 @@ def format_of(path: Path) -> Format:
 def _is_blackbox(path: Path, head: bytes) -> bool:
     """Whether a file is a log of Betaflight or INAV: by its first line, or by a name that only these have."""
     return b"H Product:Blackbox" in head or path.suffix.lower() in (".bbl", ".bfl", ".bbs")
-
-
-def _first_bytes(path: Path) -> bytes:
-    if path.is_dir():
-        return b""
-    try:
-        with path.open("rb") as file:
-            head = file.read(_HEAD)
-    except FileNotFoundError:
-        raise InputError("does not exist", str(path), "check the path of the recording") from None
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", str(path), "check its permissions") from None
-    if not head:
-        raise InputError("is empty", str(path), "record it again, or give another file")
-    return head

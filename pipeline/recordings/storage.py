@@ -11,6 +11,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from simgap.artifacts.bounded import first_bytes
 from simgap.errors import InputError
 from simgap.recordings.contract import WHOLE_NUMBERS
 from simgap.recordings.text_table import read_text_table, text_dialect
@@ -57,7 +58,7 @@ def read_table(path: Path) -> Table:
     Raises:
         InputError: when the file is missing, unreadable, empty or neither of the two.
     """
-    magic = _first_bytes(path)
+    magic = first_bytes(path, len(_MAGIC))
     if magic == _MAGIC:
         return _read_parquet(path)
     if path.suffix.lower() in WORKBOOKS:
@@ -81,28 +82,13 @@ def header_of(path: Path) -> list[str]:
     Raises:
         InputError: when the file is missing, unreadable or empty.
     """
-    if _first_bytes(path) == _MAGIC:
+    if first_bytes(path, len(_MAGIC)) == _MAGIC:
         try:
             return [str(name) for name in pq.read_schema(path).names]
         except (pa.ArrowException, OSError, ValueError) as error:
             reason = str(error).splitlines()[0]
             raise InputError(f"is a damaged Parquet file ({reason})", str(path), "write it again") from None
     return list(text_dialect(path).names)
-
-
-def _first_bytes(path: Path) -> bytes:
-    if path.is_dir():
-        raise InputError("is a folder", str(path), "give the path of one file")
-    try:
-        with path.open("rb") as file:
-            magic = file.read(len(_MAGIC))
-    except FileNotFoundError:
-        raise InputError("does not exist", str(path), "check the path of the recording") from None
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", str(path), "check its permissions") from None
-    if not magic:
-        raise InputError("is empty", str(path), "record it again, or give another file")
-    return magic
 
 
 def _read_parquet(path: Path) -> Table:

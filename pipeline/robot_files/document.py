@@ -4,9 +4,10 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
+from simgap.artifacts.bounded import whole_of
 from simgap.errors import InputError
 
-_LARGEST = 4 << 20  # bytes; robot files without their meshes take some hundred thousand
+_LARGEST = 4  # MB; robot files without their meshes take some hundred kB
 _DEEPEST = 100  # elements in one another; the longest arms have some thirty
 _DECLARATION = re.compile(r"<!(?!--|\[CDATA\[)")  # <!DOCTYPE, <!ENTITY and the like
 
@@ -30,13 +31,7 @@ def read_document(path: Path) -> ElementTree.Element:
 
 
 def _text(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST + 1)
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", str(path), "check the path") from error
-    if len(content) > _LARGEST:
-        raise InputError("is larger than 4 MB", str(path), "keep meshes in files of their own")
+    content = whole_of(path, _LARGEST, "keep meshes in files of their own")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -1,7 +1,7 @@
 """Numbers, places and turning senses of the rotors of quadrotors, as flight controllers count them."""
 
 from collections.abc import Sequence
-from math import cos, radians, sin
+from math import copysign, cos, radians, sin
 
 Rotor = tuple[int, str]
 """Angle from the front, degrees clockwise seen from above; and which way it turns, seen from above: CW or CCW."""
@@ -37,14 +37,26 @@ _PLACES = {
 
 def order_note(rotors: Sequence[Rotor]) -> str:
     """Return what a platform file must have, so that its rotors are those of the recording."""
-    named = ", ".join(
-        f"{number} {_PLACES[int(angle)]} ({sense})" for number, (angle, sense) in enumerate(rotors, 1)
-    )
+    named = [f"{_PLACES[int(angle)]} ({sense})" for angle, sense in rotors]
+    return f"{_placed(named, rotors)} of x and y, and rotor_directions {directions(rotors)}."
+
+
+def places_note(rotors: Sequence[Rotor]) -> str:
+    """Return where the rotors are, in the order of the log, whichever way they turn."""
+    return f"{_placed([_PLACES[int(angle)] for angle, _ in rotors], rotors)} of x and y."
+
+
+def _placed(named: Sequence[str], rotors: Sequence[Rotor]) -> str:
+    numbered = ", ".join(f"{number} {name}" for number, name in enumerate(named, 1))
     signs = ", ".join(f"[{_sign(cos(radians(a)))}, {_sign(-sin(radians(a)))}]" for a, _ in rotors)
-    return (
-        f"Motors, seen from above: {named}. So the platform file needs rotor_positions with the signs [{signs}] "
-        f"of x and y, and rotor_directions {directions(rotors)}."
-    )
+    return f"Motors, seen from above: {numbered}. So the platform file needs rotor_positions with the signs [{signs}]"
+
+
+def mixer_of(rotors: Sequence[Rotor]) -> list[list[float]]:
+    """Return the sign of each rotor's torque about x (left ones lift), y (rear ones lift) and z, 3×4."""
+    left = [copysign(1.0, -sin(radians(angle))) for angle, _ in rotors]
+    rear = [copysign(1.0, -cos(radians(angle))) for angle, _ in rotors]
+    return [left, rear, [float(each) for each in directions(rotors)]]
 
 
 def directions(rotors: Sequence[Rotor]) -> list[int]:

@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from simgap.logs.layouts.airframes import BETAFLIGHT_X, places_note
 from simgap.logs.layouts.powered import flights_of, full_thrust
-from simgap.logs.layouts.quad_x import MOTOR_ORDER, Turning, directions_of, turning_of
+from simgap.logs.layouts.quad_x import Turning, directions_of, turning_of
 from simgap.logs.log import Log, Signal, Span
 from simgap.logs.mapping import Source
 from simgap.logs.proposal import Proposal, Proposed
@@ -143,7 +144,7 @@ def _unit(log: Log, name: str, usual: str) -> str:
 
 def _notes(log: Log, turning: Turning, step: float) -> Iterator[str]:
     """Yield what the platform file has to say, and what a better log would hold."""
-    yield f"Motor order of a quad X: {MOTOR_ORDER}"
+    yield places_note(BETAFLIGHT_X)
     yield directions_of(turning)
     if step > _LONGEST_STEP:
         yield f"One frame every {step:.3g} s shows no motor lag: set blackbox_sample_rate to 500 Hz or more."

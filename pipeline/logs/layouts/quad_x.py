@@ -9,15 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from simgap.logs.layouts.airframes import BETAFLIGHT_X, directions, mixer_of, reversed_
 from simgap.logs.log import Span
 
-MOTOR_ORDER = (
-    "1 rear right, 2 front right, 3 rear left, 4 front left. In the platform file rotor_positions has the signs "
-    "[-x, -y], [+x, -y], [-x, +y], [+x, +y] (x forward, y left), in this order."
-)
-
-_MIXER = np.array([[-1.0, -1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, -1.0, -1.0, 1.0]])
-"""Sign of each motor's torque about x (left ones lift), y (rear ones lift) and z (motor 1 clockwise)."""
+_USUAL, _REVERSED = directions(BETAFLIGHT_X), directions(reversed_(BETAFLIGHT_X))
+_MIXER = np.array(mixer_of(BETAFLIGHT_X))
 _BAND = (1.0, 30.0)  # Hz: faster than drag and wind, slower than the propellers
 _LAGS = (0.004, 0.06)  # s after which motors act; earlier, it is the controller that answers to the rate
 _TELLING = 0.25  # correlation from which a direction is believed
@@ -84,10 +80,11 @@ def turning_of(
 def directions_of(turning: Turning) -> str:
     """Return a sentence that says which `rotor_directions` the platform file has to have."""
     if turning.agrees(2):
-        return "The motors turn as is usual (propellers inwards): rotor_directions [1, -1, -1, 1]."
+        return f"The motors turn as is usual (propellers inwards): rotor_directions {_USUAL}."
     if turning.opposes(2):
-        return "The motors turn in reverse (propellers outwards, yaw_motors_reversed): rotor_directions [-1, 1, 1, -1]."
+        turned = "in reverse (propellers outwards, yaw_motors_reversed)"
+        return f"The motors turn {turned}: rotor_directions {_REVERSED}."
     return (
-        "Which way the motors turn does not show: rotor_directions is [1, -1, -1, 1] as is usual (propellers inwards), "
-        "or [-1, 1, 1, -1] if yaw_motors_reversed is on."
+        f"Which way the motors turn does not show: rotor_directions is {_USUAL} as is usual (propellers inwards), "
+        f"or {_REVERSED} if yaw_motors_reversed is on."
     )

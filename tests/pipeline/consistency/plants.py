@@ -1,27 +1,16 @@
 """Good recordings of all kinds from the project's plants, as the benchmark draws them."""
 
-import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import yaml
-
+from simgap.artifacts.plain_yaml import read_yaml
 from simgap.plants.concealed import ConcealedCase, draw_cases, record_concealed
 from simgap.recordings.recording import Recording
 
 ROOT = Path(__file__).parents[3]
 SHORT = {"runs": 2, "duration": 4.0}
-
-
-class Loader(yaml.SafeLoader):
-    """YAML in which 5e-6 is a number, as the configuration reads it."""
-
-
-Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"^[-+]?\d+(\.\d*)?[eE][-+]?\d+$"), list("-+0123456789")
-)
 
 
 class Good(NamedTuple):
@@ -33,7 +22,7 @@ class Good(NamedTuple):
 
 
 def _read(path: str) -> Any:
-    return yaml.load((ROOT / path).read_text(), Loader)
+    return read_yaml(ROOT / path)
 
 
 def cases(kind: str, seed: int, count: int) -> list[ConcealedCase]:
