@@ -24,6 +24,7 @@ MODULES = (
     "latent_inputs",
     "likelihood",
     "neighbours",
+    "noise_ceiling",
     "posterior",
     "prepare",
     "prior",
@@ -36,6 +37,7 @@ MODULES = (
     "search",
     "starts",
     "temper",
+    "width",
 )
 """The modules beside this one that decide a score. A change of one of them makes the calibration stale."""
 

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import torch
+
 from simgap.consistency import contradictions
 from simgap.effects import MeasurementEffect, ParameterError
 from simgap.gap.coarseness import coarse_axes, coarseness_of
@@ -122,7 +124,9 @@ def diagnose(
     fitted, functions, held_out = problem.blocks, problem.functions, prepared.held_out
     refitted, _ = refit_through_rollouts(naming.fit, problem, settings.fit_horizon, settings.folds)
     naming, simulator = replace(naming, fit=refitted), refitted.simulator
-    problem = replace(problem, noise=noise_of_rows(simulator, fitted, functions))
+    problem = replace(
+        problem, noise=torch.minimum(problem.noise, noise_of_rows(simulator, fitted, functions))
+    )
     channels, regimes = channels_on(nominal, fitted), regimes_on(fitted, simulator)
     mismatches = locate(naming.base.residual, channels, regimes, problem)
     fold = folds_of(fitted, settings.folds)

@@ -31,6 +31,7 @@ class Problem:
         cluster: stretches within which residuals may be correlated, (blocks,).
         temper: how rows count.
         sizes: typical effort, travel and speed of the recording, see `simgap.effects.sizes`.
+        counted: how rows count in a likelihood, see `simgap.gap.likelihood.counted_beside`; the same for all readings.
     """
 
     blocks: Blocks
@@ -40,6 +41,7 @@ class Problem:
     cluster: Tensor
     temper: Temper
     sizes: Mapping[str, float] = field(default_factory=dict)
+    counted: Temper | None = None
 
     def weigh(self, residual: Tensor) -> tuple[Tensor, float]:
         """Return what rows are weighed with, and what they cost.

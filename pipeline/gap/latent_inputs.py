@@ -48,7 +48,10 @@ def _with_driver(reading: Reading, law: "DriverLaw", driven: Sequence[Effect]) -
     problem = prepared.problem
     runs, blocks = len(torch.unique(problem.blocks.run)), len(problem.blocks)
     temper = problem.temper.without(runs / blocks)
-    estimated = replace(problem, blocks=with_signal(problem.blocks, name, law.along(problem)), temper=temper)
+    counted = problem.counted.without(runs / blocks) if problem.counted else None
+    estimated = replace(
+        problem, blocks=with_signal(problem.blocks, name, law.along(problem)), temper=temper, counted=counted
+    )
     proving = with_signal(prepared.proving, name, law.along(_problem_on(prepared.proving, problem)))
     remark = (
         f"{name} was not recorded: its changes within each run were estimated from the motion, its absolute value is "

@@ -16,6 +16,7 @@ from simgap.effects.time_offset import TimeOffset
 from simgap.gap.fit import Fit, Problem
 from simgap.gap.residuals import channel_series, rows_without_commands
 from simgap.gap.row_noise import noise_of_rows
+from simgap.gap.temper import Temper
 from simgap.physics.weak_form import mean_rate_of
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
@@ -63,11 +64,12 @@ class LikelihoodOf:
         self.base = problem.residual(nominal)
         self.still = _without_commands(problem.blocks)
         self.moved = _moved(nominal, problem) if self.keeps_jacobian else None
+        self.temper = problem.counted or counted_beside(problem, self.base)
         self.untouched = self._untouched(nominal)
 
     def __call__(self, fitted: Fit) -> Likelihood:
         """Return the likelihood of a fit."""
-        simulator, problem = fitted.simulator, self.problem
+        simulator = fitted.simulator
         noise, silenced = self.noise(simulator)
         energy = self.energy(simulator)
         explained = (self.base - fitted.residual).square().mean(1)
@@ -75,18 +77,18 @@ class LikelihoodOf:
             explained = torch.minimum(explained, energy)
         noise = noise + _INEXACT**2 * explained
         left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
-        mixture = problem.temper.mixture(left, noise)
-        value = problem.temper.value_of(mixture, left, noise)
-        value = value + 0.5 * problem.temper.lasting * len(left) * energy.log()
+        mixture = self.temper.mixture(left, noise)
+        value = self.temper.value_of(mixture, left, noise)
+        value = value + 0.5 * self.temper.lasting * len(left) * energy.log()
         value = value + self.untouched
-        return Likelihood(float(value.sum()), problem.temper.weight_of(mixture, left, noise), left, noise)
+        return Likelihood(float(value.sum()), self.temper.weight_of(mixture, left, noise), left, noise)
 
     def _untouched(self, nominal: Simulator) -> Tensor:
         """Return the log likelihood of the samples that an estimated driver has used up, (channels,).
 
         They count as the nominal simulator leaves them: an estimate is no evidence for itself.
         """
-        temper = self.problem.temper
+        temper = self.temper
         left = self.base.square().mean(1).clamp_min(_NOTHING)
         return -0.5 * temper.taken * (left / self.energy(nominal)).log().sum(0)
 
@@ -118,6 +120,20 @@ class LikelihoodOf:
             return self.base.square().mean((0, 1)).clamp_min(_NOTHING)
         rows = rows_without_commands(simulator, self.still, self.problem.functions)
         return (rows.square().mean((0, 1)) + self.moved).clamp_min(_NOTHING)
+
+
+def counted_beside(problem: Problem, base: Tensor) -> Temper:
+    """Return how rows count where a law would have to explain what the nominal simulator leaves.
+
+    It would not be exact, and what it leaves then lasts as a discrepancy does. This is the same for all hypotheses: a
+    count that followed what each explains would reward it for explaining more.
+
+    Args:
+        problem: the fitted rows.
+        base: what the nominal simulator leaves of them, (blocks, rows, channels).
+    """
+    noise = problem.noise.square().clamp_min(_NOTHING)
+    return problem.temper.beside(noise, _INEXACT**2 * base.square().mean(1))
 
 
 def _filters(effect: Effect) -> bool:

@@ -80,7 +80,8 @@ class Neighbours:
             self._note(effect.key, series, torch.cat([_contribution(hypothesis, centre), own], dim=-1))
         part = _spread(len(centre.fit.residual))
         self.gram = _gram(torch.cat([each[part] for each in series], dim=-1))
-        self.temper, self.share = problem.temper, len(centre.fit.residual) / len(part)
+        self.temper = centre.reading.likelihood_of.temper.of_blocks(part)
+        self.share = len(centre.fit.residual) / len(part)
         self.noise = centre.likelihood.noise[part]
         left = centre.likelihood.left[part]
         self.mixture, self.present = self.temper.mixture(left, self.noise), self._value(left)

@@ -14,6 +14,7 @@ from simgap.gap.scoring import ENOUGH_CLUSTERS, independent_clusters
 from simgap.gap.sensors import settle_accelerometer, settle_velocity
 from simgap.gap.settings import Gap
 from simgap.gap.temper import temper_of
+from simgap.gap.width import width_of
 from simgap.physics.weak_form import window_functions
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
@@ -29,6 +30,7 @@ class Prepared:
 
     Attributes:
         nominal: the simulator before, with the resolution of the recording.
+        width: of the windows, s.
         problem: the fitted runs.
         proving: the runs for validation.
         held_out: whether those were kept from the fit.
@@ -36,6 +38,7 @@ class Prepared:
     """
 
     nominal: Simulator
+    width: float
     problem: Problem
     proving: Blocks
     held_out: bool
@@ -55,16 +58,18 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool)
         InputError: when the recording is too short or its samples too rare, or no run is left to fit.
     """
     _require_motion(recording)
-    blocks, remarks = _blocks(recording, nominal, settings, held)
+    blocks = _cut(recording, nominal, settings, held)
+    width = width_of(nominal, _fitted(blocks, recording.split, settings), settings.test_width)
+    blocks, remarks = _settled(blocks, recording, nominal, width)
     fitted, proving, held_out = _divide(blocks, recording.split, settings)
     nominal, known_to = resolved(nominal, fitted), resolution_of(nominal, fitted)
     fitted, proving = (with_resolution(blocks, nominal, known_to) for blocks in (fitted, proving))
-    functions = window_functions(fitted.samples, settings.test_width, fitted.time_step)
+    functions = window_functions(fitted.samples, width, fitted.time_step)
     noise, quadrature = (of(nominal, fitted, functions) for of in (noise_of_rows, quadrature_of_rows))
     sizes = sizes_of(recording.kind, fitted.signals, nominal.constants())
-    temper = temper_of(fitted, functions)
+    temper = temper_of(fitted, functions, width)
     problem = Problem(fitted, functions, noise, quadrature, independent_clusters(fitted), temper, sizes)
-    return Prepared(nominal, problem, proving, held_out, remarks)
+    return Prepared(nominal, width, problem, proving, held_out, remarks)
 
 
 def _require_motion(recording: Recording) -> None:
@@ -76,15 +81,19 @@ def _require_motion(recording: Recording) -> None:
         )
 
 
-def _blocks(recording: Recording, nominal: Simulator, settings: Gap, held: bool) -> tuple[Blocks, list[str]]:
+def _cut(recording: Recording, nominal: Simulator, settings: Gap, held: bool) -> Blocks:
     settings = _suiting(settings, recording)
-    lengths = settings.block_duration, settings.margin
-    blocks = cut_blocks(recording, nominal.platform, *lengths, held=held)
+    return cut_blocks(recording, nominal.platform, settings.block_duration, settings.margin, held=held)
+
+
+def _settled(
+    blocks: Blocks, recording: Recording, nominal: Simulator, width: float
+) -> tuple[Blocks, list[str]]:
     remarks: list[str] = []
     if recording.kind == "quadrotor":
-        blocks, remarks = settle_accelerometer(blocks, nominal.platform.gravity, settings.test_width)
+        blocks, remarks = settle_accelerometer(blocks, nominal.platform.gravity, width)
     if recording.kind == "joint":
-        blocks, remarks = settle_velocity(blocks, settings.test_width)
+        blocks, remarks = settle_velocity(blocks, width)
     return _with_clock_deviation(blocks, recording.clock_offset), remarks
 
 
@@ -107,12 +116,16 @@ def _with_clock_deviation(blocks: Blocks, offsets: dict[str, float]) -> Blocks:
     return replace(blocks, signals={**blocks.signals, "clock_deviation": series})
 
 
-def _divide(blocks: Blocks, split: dict[str, str], settings: Gap) -> tuple[Blocks, Blocks, bool]:
-    """Return the blocks to fit, those to prove on, and whether the latter are held out."""
-    kept = [run for run in blocks.runs if split.get(run, "train") != "holdout"]
-    held = [run for run in blocks.runs if split.get(run) == "holdout"]
-    fitted, proving = blocks.of_runs(kept), blocks.of_runs(held)
+def _fitted(blocks: Blocks, split: dict[str, str], settings: Gap) -> Blocks:
+    """Return the blocks to fit."""
+    fitted = blocks.of_runs([run for run in blocks.runs if split.get(run, "train") != "holdout"])
     if not len(fitted):
         raise InputError("no run is left to fit", "dataset.split", "hold out fewer runs")
-    fitted = fitted.thinned(settings.most_blocks)
+    return fitted.thinned(settings.most_blocks)
+
+
+def _divide(blocks: Blocks, split: dict[str, str], settings: Gap) -> tuple[Blocks, Blocks, bool]:
+    """Return the blocks to fit, those to prove on, and whether the latter are held out."""
+    fitted = _fitted(blocks, split, settings)
+    proving = blocks.of_runs([run for run in blocks.runs if split.get(run) == "holdout"])
     return (fitted, proving.thinned(settings.most_blocks), True) if len(proving) else (fitted, fitted, False)

@@ -5,18 +5,22 @@ recorded may follow from the motion. Which of these is right shows only together
 of a recording is one half of a hypothesis and its effects are the other.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+
+import torch
 
 from simgap.effects import Effect
 from simgap.gap.candidates import candidates_for
 from simgap.gap.fit import Problem, fit
-from simgap.gap.likelihood import LikelihoodOf
+from simgap.gap.likelihood import LikelihoodOf, counted_beside
+from simgap.gap.noise_ceiling import noise_ceiling
 from simgap.gap.prepare import Prepared, prepare
 from simgap.gap.scales import Scales, scales_of
 from simgap.gap.settings import Gap
 from simgap.gap.starts import Starts
-from simgap.gap.temper import SECONDS
+from simgap.gap.temper import WIDTHS
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.signals import COMMANDS
@@ -87,8 +91,8 @@ def readings_of(recording: Recording, nominal: Simulator, settings: Gap) -> list
     """
     measured = _reading(recording, nominal, settings, held=False)
     if COMMANDS.isdisjoint(measured.problem.blocks.signals):
-        return [measured]
-    return [measured, _reading(recording, nominal, settings, held=True)]
+        return _alike([measured])
+    return _alike([measured, _reading(recording, nominal, settings, held=True)])
 
 
 def likeliest_reading(recording: Recording, simulator: Simulator, settings: Gap) -> Reading:
@@ -109,5 +113,23 @@ def _reading(recording: Recording, nominal: Simulator, settings: Gap, held: bool
     blocks = prepared.problem.blocks
     catalogue = candidates_for(prepared.nominal, blocks.signals, settings.effects)
     # Of less than that there is not one independent sample of what any law leaves: nothing can be told from it.
-    enough = len(blocks) * blocks.samples * blocks.time_step >= SECONDS
+    enough = len(blocks) * blocks.samples * blocks.time_step >= WIDTHS * prepared.width
     return Reading(held, prepared, tuple(catalogue) if enough else (), odds)
+
+
+def _alike(readings: Sequence[Reading]) -> list[Reading]:
+    """Return readings whose rows have the same noise and count the same: the sensors' noise, however commands act.
+
+    It is at most what all linear laws leave under any of the readings.
+    """
+    ceilings = [noise_ceiling(each.nominal, each.problem, each.catalogue) for each in readings]
+    noises = [each.problem.noise for each in readings]
+    pairs = zip(ceilings, noises, strict=True)
+    shares = [torch.where(noise > ceiling, ceiling / noise, 1.0) for ceiling, noise in pairs]
+    share = torch.stack(shares).amin(0)
+    quiet = [replace(each.problem, noise=share * each.problem.noise) for each in readings]
+    counted = counted_beside(quiet[0], quiet[0].residual(readings[0].nominal))
+    return [
+        replace(each, prepared=replace(each.prepared, problem=replace(problem, counted=counted)))
+        for each, problem in zip(readings, quiet, strict=True)
+    ]

@@ -23,7 +23,7 @@ class Gap:
     block_duration: float = 1.0
     """Length of the stretches that a recording is cut into, s."""
     test_width: float = 0.2
-    """Width of the test functions that residuals are averaged with, s."""
+    """Greatest width of the test functions that residuals are averaged with, s; fast motion gets narrower ones."""
     margin: float = 0.5
     """Time before a block in which effects with memory settle, s."""
     budget: float = 300.0

@@ -9,16 +9,17 @@ channel's discrepancy, the log likelihood of a block with n rows is
     noise alone:      ℓ₀ = −½ · [n·(R − 1) + n_d·log n²]
     a discrepancy:    ℓ₁ = −½ · [n_d·(log D + (ν + 1)·log((ν + s²/D) / (ν + 1))) + (n − n_d)·(1 − 1/R)] − c
 
-with n_d = N_d / blocks. The discrepancy has Student's t with ν degrees of freedom: its size differs from block to
-block, rest from acceleration, and yet a block that is met ever better cannot make up for one that is missed by far
-more. What is left of the noise counts 1/R. A recording is a mixture of both kinds of block, whose share and D are
-fitted: where a hypothesis meets most blocks within the noise, a block that it misses counts against it; where something
-else is at work everywhere, only what it explains counts. Sources: Grünwald & van Ommen 2017, Inconsistency of Bayesian
-inference for misspecified linear models (Bayesian Analysis 12), for the tempering; Lange, Little & Taylor 1989, Robust
-statistical modeling using the t distribution (JASA 84), for t and its fixed point.
+with n_d = N_d / blocks, and n fewer than the independent rows where laws that are not exact add to the noise. The
+discrepancy has Student's t with ν degrees of freedom: its size differs from block to block, rest from acceleration, and
+yet a block that is met ever better cannot make up for one that is missed by far more. What is left of the noise counts
+1/R. A recording is a mixture of both kinds of block, whose share and D are fitted: where a hypothesis meets most blocks
+within the noise, a block that it misses counts against it; where something else is at work everywhere, only what it
+explains counts. Sources: Grünwald & van Ommen 2017, Inconsistency of Bayesian inference for misspecified linear models
+(Bayesian Analysis 12), for the tempering; Lange, Little & Taylor 1989, Robust statistical modeling using the t
+distribution (JASA 84), for t and its fixed point.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
@@ -26,8 +27,10 @@ from torch import Tensor
 from simgap.physics.weak_form import WindowFunctions
 from simgap.simulation.blocks import Blocks
 
-SECONDS = 1.0
-"""Time between independent samples of a discrepancy: of thirteen real joints, a second gave the most right answers."""
+WIDTHS = 5.0
+"""Widths of a window between independent samples of a discrepancy: of thirteen real joints, whose windows are 0.2 s
+wide, a second gave the most right answers. Windows are as wide as the motion is slow, and so is what repeats with it.
+"""
 _FREEDOM = 16.0
 """Degrees of freedom of a discrepancy: it is a smooth function of the state."""
 _SHARES = (0.001, 0.01, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 0.99, 0.999)
@@ -52,13 +55,13 @@ class Temper:
     Attributes:
         rows: in a block.
         lasting: independent samples of a discrepancy.
-        short: independent samples of the noise beyond those.
+        short: independent samples of the noise beyond those; a number, or one for each block and channel.
         taken: independent samples of the discrepancy that what was estimated has used up.
     """
 
     rows: int
     lasting: float
-    short: float
+    short: float | Tensor
     taken: float = 0.0
 
     def value(self, left: Tensor, noise: Tensor) -> Tensor:
@@ -114,8 +117,28 @@ class Temper:
         lasting = max(self.lasting - levels, _LEAST_LASTING * self.lasting)
         return Temper(self.rows, lasting, self.total - lasting, self.lasting - lasting)
 
+    def beside(self, noise: Tensor, inexact: Tensor) -> "Temper":
+        """Return how rows count where what no law is exact to adds to their noise: it lasts as a discrepancy does.
+
+        Of a sum of two mean squares with their own numbers of independent samples, Satterthwaite's number counts.
+        Source: Satterthwaite 1946, An approximate distribution of estimates of variance components (Biometrics
+        Bulletin 2), eq. 17.
+
+        Args:
+            noise: mean square of the noise of the sensors, (blocks, channels) or (channels,).
+            inexact: mean square of what no law is exact to, (blocks, channels).
+        """
+        independent = (noise + inexact).square() / (
+            noise.square() / self.total + inexact.square() / self.lasting
+        )
+        return replace(self, short=independent - self.lasting)
+
+    def of_blocks(self, part: list[int]) -> "Temper":
+        """Return how rows of some blocks count."""
+        return replace(self, short=self.short[part]) if isinstance(self.short, Tensor) else self
+
     @property
-    def total(self) -> float:
+    def total(self) -> float | Tensor:
         """Independent samples of the noise in a block."""
         return self.lasting + self.short
 
@@ -147,11 +170,11 @@ class Mixture:
     usual: Tensor
 
 
-def temper_of(blocks: Blocks, functions: WindowFunctions) -> Temper:
-    """Return how rows of these blocks count."""
+def temper_of(blocks: Blocks, functions: WindowFunctions, width: float) -> Temper:
+    """Return how rows of these blocks count, for windows of a width in s."""
     rows = len(functions.centres)
     seconds = len(blocks) * blocks.samples * blocks.time_step
-    lasting = 1.0 / (SECONDS / seconds + 1.0 / _FREEDOM) / len(blocks)
+    lasting = 1.0 / (WIDTHS * width / seconds + 1.0 / _FREEDOM) / len(blocks)
     lasting = min(lasting, _OVERLAP * rows)
     return Temper(rows, lasting, _OVERLAP * rows - lasting)
 

@@ -12,7 +12,8 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
-_LEAST_HALF = 4  # samples from the centre of a test function to its end
+LEAST_WINDOW = 8
+"""Steps from one end of a test function to the other, at least."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,7 @@ def moving_centres(window: MovingWindow, samples: int) -> Int[Tensor, " windows"
 
 
 def _half(width: float, time_step: float) -> int:
-    return max(round(width / time_step / 2), _LEAST_HALF)
+    return max(round(width / time_step / 2), LEAST_WINDOW // 2)
 
 
 def _test_functions(offset: Tensor, half: int, time_step: float) -> tuple[Tensor, Tensor]:

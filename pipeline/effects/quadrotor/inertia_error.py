@@ -1,6 +1,6 @@
 """Moments of inertia that differ from the platform file."""
 
-from simgap.effects.effect import ParameterError, Values
+from simgap.effects.effect import Parameter, ParameterError, Values
 
 
 class InertiaError(ParameterError):
@@ -9,6 +9,8 @@ class InertiaError(ParameterError):
     name = "inertia_error"
     kind = "quadrotor"
     acts_on = "torque"
+    # Few measure it: it is estimated from arms and masses, and a decade either way happens.
+    parameters = (Parameter("ratio", "1", 1.2, 0.1, 10.0, neutral=1.0),)
     formula = "inertia = ratio · nominal inertia"
     source = "the platform's nominal equations"
     sentence = "The moments of inertia are {ratio} times the values in the platform file; correct them."

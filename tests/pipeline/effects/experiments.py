@@ -134,7 +134,7 @@ def recovered(effect: Effect, blocks: Blocks) -> dict[str, float]:
     noise = torch.full((channels,), _NOISE, dtype=torch.float64)
     functions = window_functions(blocks.samples, 0.05, blocks.time_step)
     problem = Problem(
-        blocks, functions, noise, torch.zeros_like(noise), blocks.run, temper_of(blocks, functions)
+        blocks, functions, noise, torch.zeros_like(noise), blocks.run, temper_of(blocks, functions, 0.05)
     )
     tried = effect.starts_in(blocks.signals, machine.constants())
     starts = [machine.with_effects((FittedEffect(effect, start),)) for start in tried]

@@ -40,7 +40,7 @@ def problem_of(recording: Recording, simulator: Simulator) -> Problem:
     blocks = blocks_of(recording, simulator)
     functions = window_functions(blocks.samples, Gap().test_width, blocks.time_step)
     noise, quadrature = (of(simulator, blocks, functions) for of in (noise_of_rows, quadrature_of_rows))
-    temper = temper_of(blocks, functions)
+    temper = temper_of(blocks, functions, Gap().test_width)
     return Problem(blocks, functions, noise, quadrature, independent_clusters(blocks), temper)
 
 

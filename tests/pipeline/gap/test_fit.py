@@ -211,5 +211,5 @@ def _replayed(*effects: FittedEffect, machines: int = 24, step: float = 0.005) -
         quiet,
         torch.zeros(1).double(),
         torch.arange(machines),
-        temper_of(blocks, functions),
+        temper_of(blocks, functions, 0.2),
     )

@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from simgap.api.answer import Answer
+from simgap.api.diagnosing import diagnose
 from simgap.platforms import platform_from_config
 from simgap.recordings.cleaning import clean_recording
 from simgap.recordings.importers import importer
@@ -61,3 +63,28 @@ def test_the_friction_that_a_simulated_robot_was_given(shared_data):
     level = value_of(found, "coulomb_friction")
     volts = level * motor.resistance / (motor.torque_constant * motor.gear_ratio)
     assert math.isclose(volts, 0.11114, rel_tol=0.02)
+
+
+def _answer_to_case(shared_data: Path, name: str) -> Answer:
+    folder = shared_data.parent / "cases" / "real" / name
+    if not folder.is_dir():
+        pytest.skip("the real cases are not here: they lie in ../cases beside SIMGAP_DATA")
+    return diagnose(folder / "recording.parquet", folder / "platform" / "machine.yaml")
+
+
+@pytest.mark.parametrize(
+    ("case", "known"),
+    [
+        ("hsm150", {"coulomb_friction": 0.0245, "viscous_friction": 1.1e-4}),
+        ("lwa4p_joint3", {"viscous_friction": 11.7}),
+        ("silverbox", {"cubic_stiffness": 3.46, "viscous_friction": 2.25e-4}),
+    ],
+)
+def test_what_a_real_joint_is_known_to_have(shared_data, case, known):
+    """A servo bench, an arm and an oscillator at 68 Hz: a quarter off at most, and no other name is believed."""
+    answer = _answer_to_case(shared_data, case)
+    believed = {effect.name: effect for effect in answer.effects if effect.probability >= 0.5}
+    assert set(believed) == set(known)
+    for name, value in known.items():
+        first = next(iter(believed[name].parameters.values()))
+        assert first.value == pytest.approx(value, rel=0.25)

@@ -5,6 +5,7 @@ import math
 import pytest
 import torch
 
+from simgap.gap.settings import Gap
 from simgap.gap.temper import Temper, energy_of, temper_of
 from tests.pipeline.gap.problems import problem_of, random_like
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
@@ -121,8 +122,26 @@ def test_independent_samples_are_fewer_than_rows_and_saturate_with_time():
     totals = []
     for runs in (1, 3, 12):
         problem = problem_of(joint_recording(Plant(), runs=runs), joint_simulator())
-        temper = temper_of(problem.blocks, problem.functions)
+        temper = temper_of(problem.blocks, problem.functions, Gap().test_width)
         assert temper.rows == len(problem.functions.centres)
         assert temper.total == pytest.approx(0.5 * temper.rows)
         totals.append(temper.lasting * len(problem.blocks))
     assert totals[0] < totals[1] < totals[2] < 16.0
+
+
+def test_rows_count_as_a_discrepancy_where_only_inexact_laws_add_to_them():
+    zero = torch.zeros(1, 1, dtype=torch.float64)
+    noise = torch.ones(1, 1, dtype=torch.float64)
+    assert float(TEMPER.beside(noise, zero).total) == pytest.approx(TEMPER.total)
+    assert float(TEMPER.beside(1e-12 * noise, noise).total) == pytest.approx(TEMPER.lasting)
+
+
+def test_rows_count_no_more_than_both_sources_and_no_less_than_one():
+    """Satterthwaite's number lies between the smaller one and the sum."""
+    inexact = torch.logspace(-3, 3, 13, dtype=torch.float64)[:, None]
+    counts = TEMPER.beside(torch.ones(1, dtype=torch.float64), inexact).total
+    assert (counts >= TEMPER.lasting).all()
+    assert (counts <= TEMPER.total + TEMPER.lasting).all()
+    assert (
+        counts.diff(dim=0)[5:] < 0.0
+    ).all()  # once the inexact part is a third of the noise, it lowers the count
