@@ -122,7 +122,7 @@ def _alike(readings: Sequence[Reading]) -> list[Reading]:
 
     It is at most what all linear laws leave under any of the readings.
     """
-    ceilings = [noise_ceiling(each.nominal, each.problem, each.catalogue) for each in readings]
+    ceilings = [noise_ceiling(each.nominal, each.problem, _laws(each)) for each in readings]
     noises = [each.problem.noise for each in readings]
     pairs = zip(ceilings, noises, strict=True)
     shares = [torch.where(noise > ceiling, ceiling / noise, 1.0) for ceiling, noise in pairs]
@@ -133,3 +133,8 @@ def _alike(readings: Sequence[Reading]) -> list[Reading]:
         replace(each, prepared=replace(each.prepared, problem=replace(problem, counted=counted)))
         for each, problem in zip(readings, quiet, strict=True)
     ]
+
+
+def _laws(reading: Reading) -> list[Effect]:
+    """Return all effects that the recording allows to test, whichever may be named: noise does not depend on that."""
+    return candidates_for(reading.nominal, reading.problem.blocks.signals, None)

@@ -44,6 +44,8 @@ _SPREAD = 1.65
 1.8 in log s² that four independent rows leave open."""
 _LEAST_LASTING = 0.1
 """Of the independent samples of a discrepancy, which remain however much is estimated."""
+_OF_A_BLOCK = 1.0
+"""Degrees of freedom that the mean square of one block has at least, however long what makes it lasts."""
 _OVERLAP = 0.5
 """Share of rows that are independent: windows overlap by half."""
 
@@ -128,10 +130,9 @@ class Temper:
             noise: mean square of the noise of the sensors, (blocks, channels) or (channels,).
             inexact: mean square of what no law is exact to, (blocks, channels).
         """
-        independent = (noise + inexact).square() / (
-            noise.square() / self.total + inexact.square() / self.lasting
-        )
-        return replace(self, short=independent - self.lasting)
+        lasting = max(self.lasting, _OF_A_BLOCK)
+        independent = (noise + inexact).square() / (noise.square() / self.total + inexact.square() / lasting)
+        return replace(self, short=(independent - self.lasting).clamp_min(0.0))
 
     def of_blocks(self, part: list[int]) -> "Temper":
         """Return how rows of some blocks count."""
