@@ -17,6 +17,7 @@ CALIBRATION = _FOLDER / "calibration.yaml"
 """The file of the two numbers, and of what they were fitted to."""
 
 MODULES = (
+    "command_gain",
     "derived_noise",
     "fit",
     "gains",

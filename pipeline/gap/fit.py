@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import torch
 from torch import Tensor
 
 from simgap.effects import Effect, Parameter, WrenchEffect
 from simgap.effects.sizes import size_of
+from simgap.gap.command_gain import CommandGain
 from simgap.gap.residuals import channels_on, residual_rows, row_weights, signals_inside
 from simgap.gap.temper import Temper, energy_of
 from simgap.physics.weak_form import WindowFunctions, mean_of
@@ -32,6 +34,7 @@ class Problem:
         temper: how rows count.
         sizes: typical effort, travel and speed of the recording, see `simgap.effects.sizes`.
         counted: how rows count in a likelihood, see `simgap.gap.likelihood.counted_beside`; the same for all readings.
+        nominal: the simulator whose rows keep their size, of an axis; rows of all simulators do where it is None.
     """
 
     blocks: Blocks
@@ -42,6 +45,16 @@ class Problem:
     temper: Temper
     sizes: Mapping[str, float] = field(default_factory=dict)
     counted: Temper | None = None
+    nominal: Simulator | None = None
+
+    @cached_property
+    def gain(self) -> CommandGain | None:
+        """How strongly rows answer to the commands, of an axis."""
+        return None if self.nominal is None else CommandGain(self.nominal, self.blocks, self.functions)
+
+    def factor(self, simulator: Simulator) -> float:
+        """Return the factor that puts the rows of a simulator on the side of its commands."""
+        return 1.0 if self.gain is None else self.gain.factor(simulator)
 
     def weigh(self, residual: Tensor) -> tuple[Tensor, float]:
         """Return what rows are weighed with, and what they cost.
@@ -68,14 +81,17 @@ class Problem:
         return _LIKELIHOOD_TOLERANCE
 
     def residual(self, simulator: Simulator) -> Tensor:
-        """Return what a simulator leaves of the equations of motion, (blocks, rows, channels)."""
-        return residual_rows(simulator, self.blocks, self.functions)
+        """Return what a simulator leaves of the equations of motion, (blocks, rows, channels).
+
+        Of an axis it is in terms of its commands, see `simgap.gap.command_gain`.
+        """
+        return residual_rows(simulator, self.blocks, self.functions) * self.factor(simulator)
 
     def regressors(self, simulator: Simulator, effect: Effect) -> Tensor | None:
         """Return the columns of an effect that is linear here, (blocks, rows, channels, parameters), else None."""
         if simulator.is_linear_in(effect):
             assert isinstance(effect, WrenchEffect)
-            return _regressor_columns(simulator, effect, self)
+            return _regressor_columns(simulator, effect, self) * self.factor(simulator)
         return None
 
 

@@ -2,25 +2,24 @@
 
 What a block counts is in `simgap.gap.temper`.
 
-E² keeps the Jacobian. An equation of motion can be met by making all of its terms small (a dead zone as wide as the
-commands, next to a small inertia). What counts is the residual over what it would be without commands.
+Residuals of an axis are measured against the smaller side of its equation, and elsewhere against what the nominal
+simulator leaves: an equation can be met by making all of its terms small (a dead zone as wide as the commands).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
 from simgap.effects import ActuatorEffect, Effect, MeasurementEffect
 from simgap.effects.time_offset import TimeOffset
+from simgap.gap.command_gain import scaled
 from simgap.gap.fit import Fit, Problem
-from simgap.gap.residuals import channel_series, rows_without_commands
+from simgap.gap.residuals import channel_series, rows_of
 from simgap.gap.row_noise import noise_of_rows
 from simgap.gap.temper import Temper
 from simgap.physics.weak_form import mean_rate_of
 from simgap.simulation import Simulator
-from simgap.simulation.blocks import Blocks
-from simgap.simulation.signals import COMMANDS
 
 _SENT = "motor_command"
 _INEXACT = 0.05
@@ -28,8 +27,6 @@ _INEXACT = 0.05
 evidence for no other one."""
 _NOTHING = 1e-24
 """Mean square of what does not move at all."""
-_AXES = ("joint",)
-"""Kinds whose equations can be met by making all terms small: both sides stand for one effort."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +57,9 @@ class LikelihoodOf:
     def __init__(self, problem: Problem, nominal: Simulator) -> None:
         """Prepare for fits of simulators that extend a nominal one."""
         self.problem = problem
-        self.keeps_jacobian = nominal.platform.kind in _AXES
         self.base = problem.residual(nominal)
-        self.still = _without_commands(problem.blocks)
-        self.moved = _moved(nominal, problem) if self.keeps_jacobian else None
+        self.still = scaled(problem.blocks, 0.0)
+        self.moved = _moved(nominal, problem)
         self.temper = problem.counted or counted_beside(problem, self.base)
         self.untouched = self._untouched(nominal)
 
@@ -73,7 +69,7 @@ class LikelihoodOf:
         noise, silenced = self.noise(simulator)
         energy = self.energy(simulator)
         explained = (self.base - fitted.residual).square().mean(1)
-        if self.moved is not None:
+        if self.problem.nominal is not None:
             explained = torch.minimum(explained, energy)
         noise = noise + _INEXACT**2 * explained
         left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
@@ -105,21 +101,24 @@ class LikelihoodOf:
             tuple(f for f in simulator.effects if not _filters_sent(f.effect, blocks.held))
         )
         # A simulator whose forces jump looks noisy by itself: the quieter one shows what the sensors' noise can be.
-        nominal = self.problem.noise.square()
-        floor = torch.minimum(noise_of_rows(bare, blocks, functions).square(), nominal)
-        heard = floor if obeying == bare else noise_of_rows(obeying, blocks, functions).square()
+        nominal, size = self.problem.noise.square(), self.problem.factor(simulator) ** 2
+        floor = torch.minimum(size * noise_of_rows(bare, blocks, functions).square(), nominal)
+        heard = floor if obeying == bare else size * noise_of_rows(obeying, blocks, functions).square()
         noise = floor.clamp_min(_NOTHING) + self.problem.quadrature.square()
         return noise, (floor - heard).clamp_min(0.0)
 
     def energy(self, simulator: Simulator) -> Tensor:
         """Return the mean square that residuals are measured against, (channels,).
 
-        On an axis it is what they would be without commands; elsewhere what the nominal simulator leaves.
+        On an axis it is that of the smaller side of its equation: what commands do in the nominal simulator, or what
+        is left of a simulator without commands. Elsewhere it is what the nominal simulator leaves.
         """
-        if self.moved is None:
+        gain = self.problem.gain
+        if gain is None:
             return self.base.square().mean((0, 1)).clamp_min(_NOTHING)
-        rows = rows_without_commands(simulator, self.still, self.problem.functions)
-        return (rows.square().mean((0, 1)) + self.moved).clamp_min(_NOTHING)
+        rows = rows_of(simulator, self.still, self.problem.functions) * gain.factor(simulator)
+        rest = rows.square().mean((0, 1)) + self.moved
+        return (rest.clamp_max(gain.commanded) if gain.commanded > 0.0 else rest).clamp_min(_NOTHING)
 
 
 def counted_beside(problem: Problem, base: Tensor) -> Temper:
@@ -147,14 +146,6 @@ def _filters_sent(effect: Effect, held: bool) -> bool:
     if isinstance(effect, TimeOffset):
         return held or _SENT in effect.on_command_clock
     return isinstance(effect, ActuatorEffect) and _filters(effect) and (held or _SENT in effect.needs)
-
-
-def _without_commands(blocks: Blocks) -> Blocks:
-    signals, held = (
-        {name: torch.zeros_like(series) if name in COMMANDS else series for name, series in part.items()}
-        for part in (blocks.signals, blocks.held_commands)
-    )
-    return replace(blocks, signals=signals, held_commands=held)
 
 
 def _moved(nominal: Simulator, problem: Problem) -> Tensor:

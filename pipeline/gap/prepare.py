@@ -21,6 +21,8 @@ from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks, cut_blocks
 
 _SHORTEST = 0.5  # s, shortest block
+_AXES = ("joint",)
+"""Kinds whose equations can be met by making all terms small: both sides stand for one effort."""
 _LONGEST_STEP = 1.0  # s between samples; slower recordings do not show the motion
 
 
@@ -68,7 +70,16 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool)
     noise, quadrature = (of(nominal, fitted, functions) for of in (noise_of_rows, quadrature_of_rows))
     sizes = sizes_of(recording.kind, fitted.signals, nominal.constants())
     temper = temper_of(fitted, functions, width)
-    problem = Problem(fitted, functions, noise, quadrature, independent_clusters(fitted), temper, sizes)
+    problem = Problem(
+        fitted,
+        functions,
+        noise,
+        quadrature,
+        independent_clusters(fitted),
+        temper,
+        sizes,
+        nominal=nominal if recording.kind in _AXES else None,
+    )
     return Prepared(nominal, width, problem, proving, held_out, remarks)
 
 

@@ -129,16 +129,13 @@ def residual_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
     return rows * row_weights(simulator, inner, blocks, functions)
 
 
-def rows_without_commands(simulator: Simulator, still: Blocks, functions: WindowFunctions) -> Tensor:
-    """Return measured minus predicted where no command is given, (blocks, rows, channels).
+def rows_of(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
+    """Return measured minus predicted of all windows with sound commands, in their own size: (blocks, rows, channels).
 
-    Args:
-        simulator: to evaluate.
-        still: the blocks with commands of zero.
-        functions: the windows.
+    See `residual_rows`, which weighs them by what moves.
     """
-    inner = signals_inside(simulator, still, still.acting)
-    return _bare_rows(simulator, still, functions, inner) * _without_lost(still, functions)
+    inner = signals_inside(simulator, blocks, blocks.acting)
+    return _bare_rows(simulator, blocks, functions, inner) * _without_lost(blocks, functions)
 
 
 def _bare_rows(

@@ -1,6 +1,7 @@
 """How probable rows are: more where more is explained, and not where everything is made small."""
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,6 @@ from simgap.effects import effect_by_key
 from simgap.gap.fit import Fit, Problem, clustered_covariance, fit, jacobian_of
 from simgap.gap.likelihood import LikelihoodOf
 from simgap.gap.reading import Reading, readings_of
-from simgap.gap.refit import extend
 from simgap.gap.settings import Gap
 from simgap.recordings.recording import Recording
 from simgap.simulation import FittedEffect, Simulator
@@ -104,28 +104,55 @@ def test_what_one_simulator_has_over_another_does_not_depend_on_units(effort, tr
     assert gains[1] == pytest.approx(gains[0], abs=0.01)
 
 
-def test_an_energy_is_that_of_the_motion_beside_what_is_left_without_commands():
+def test_residuals_are_measured_against_what_commands_do():
+    reading = read(Plant(friction=0.3))
+    gain = reading.problem.gain
+    silent = with_effects(reading.nominal, dead_zone={"width": 1e4})
+    friction = with_effects(reading.nominal, viscous_friction={"coefficient": 0.3})
+    halved = with_effects(reading.nominal, motor_constant_error={"ratio": 0.5})
+    assert gain.factor(reading.nominal) == 1.0
+    assert gain.factor(friction) == pytest.approx(1.0, rel=1e-6)
+    assert gain.factor(halved) == pytest.approx(2.0, rel=1e-6)
+    assert gain.factor(silent) > 1e3
+
+
+def test_an_energy_is_that_of_the_smaller_side():
     reading = read(Plant(friction=0.3))
     of = LikelihoodOf(reading.problem, reading.nominal)
-    silent = with_effects(reading.nominal, dead_zone={"width": 1e4})
-    torch.testing.assert_close(of.energy(silent), of.energy(reading.nominal))
+    commanded = torch.tensor([reading.problem.gain.commanded], dtype=torch.float64)
+    rested = with_effects(reading.nominal, viscous_friction={"coefficient": 1e3})
+    torch.testing.assert_close(of.energy(rested), commanded)
+    assert bool((of.energy(reading.nominal) <= commanded).all())
     assert bool(
         (of.energy(reading.nominal) > reading.problem.residual(reading.nominal).square().mean((0, 1))).all()
     )
 
 
+def test_a_scale_of_a_noisy_effort_is_not_shrunk_by_its_noise():
+    """A regression of the motion on the effort would find the scale times signal over signal and noise."""
+    recording, simulator = driven_by_effort(short(Plant(friction=0.0)))
+    frame = recording.frame.copy()
+    effort = frame["effort"].to_numpy()
+    noise = 0.5 * effort.std() * np.random.default_rng(0).standard_normal(len(effort) // 20 + 1).repeat(20)
+    frame["effort"] = effort + noise[: len(effort)]
+    reading = readings_of(replace(recording, frame=frame), simulator, Gap())[0]
+    scaled = fit(with_effects(reading.nominal, input_scale_error={"ratio": 0.9}), reading.problem)
+    assert scaled.simulator.free[0].values["ratio"] > 0.97
+
+
 @pytest.mark.parametrize("held", [False, True])
-def test_to_listen_less_is_a_merit_only_where_the_input_was_sent_and_not_measured(held):
+def test_to_listen_less_is_no_merit(held):
     """A joint at rest with a voltage that jumps from sample to sample, and a winding that would filter it."""
     random, shape = np.random.default_rng(0), (4, 1600)
     voltage, position, velocity = (size * random.standard_normal(shape) for size in (0.3, 2e-4, 2e-3))
     reading = readings_of(recording_of(voltage, position, velocity), joint_simulator(), Gap())[int(held)]
-    base = fit(reading.nominal, reading.problem)
-    filtered = extend(base, effect_by_key("joint", "motor_inductance"), reading.problem)
-    energy = [each.residual.square().mean() for each in (base, filtered)]
-    assert energy[1] < 0.5 * energy[0]
-    gain = reading.likelihood_of(filtered).value - reading.likelihood_of(base).value
-    assert (gain > 1.0) if held else (gain < 1.0)
+    base, filtered = (
+        fitted_as(each, reading.problem)
+        for each in (reading.nominal, with_effects(reading.nominal, motor_inductance={"inductance": 0.1}))
+    )
+    rows = [each.residual / reading.problem.factor(each.simulator) for each in (base, filtered)]
+    assert rows[1].square().mean() < 0.5 * rows[0].square().mean()
+    assert reading.likelihood_of(filtered).value - reading.likelihood_of(base).value < 4.0
 
 
 def test_the_excess_is_one_where_only_noise_is_left():
