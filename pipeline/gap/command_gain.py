@@ -11,7 +11,7 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from simgap.gap.residuals import rows_of
+from simgap.gap.residuals import bare_rows, row_weights, signals_inside, without_lost
 from simgap.physics.weak_form import WindowFunctions
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
@@ -26,7 +26,7 @@ _LEAST = 1e-6
 
 
 class CommandGain:
-    """The gain of simulators on one set of blocks, relative to that of a nominal simulator."""
+    """Rows of simulators on one set of blocks, and their gains relative to that of a nominal simulator."""
 
     def __init__(self, nominal: Simulator, blocks: Blocks, functions: WindowFunctions) -> None:
         """Work out the gain of the nominal simulator.
@@ -36,39 +36,63 @@ class CommandGain:
             blocks: recorded.
             functions: the windows.
         """
-        part = torch.linspace(0, len(blocks) - 1, min(len(blocks), _BLOCKS)).round().long()
-        self._blocks, self._functions = blocks.take(part), functions
-        self._stirred = scaled(self._blocks, 1.0 + _STEP)
-        change = self._change(nominal)
+        self._part = torch.linspace(0, len(blocks) - 1, min(len(blocks), _BLOCKS)).round().long()
+        self._blocks, self._functions = blocks, functions
+        self._joined = _joined(blocks, scaled(blocks.take(self._part), 1.0 + _STEP))
+        self._sound = without_lost(self._joined.take(self._part), functions)
+        _, change = self._evaluated(nominal)
         self.commanded = float(change.square().mean())
         self._nominal = float(change.abs().mean())
-        self._last = (nominal, 1.0)
 
-    def of(self, simulator: Simulator) -> float:
-        """Return the mean size of the change of a simulator's rows per relative change of its commands.
-
-        The mean of sizes is finite where a command decides when a gap is crossed. That of squares would grow without
-        bounds as the change of the commands becomes small.
-        """
-        return float(self._change(simulator).abs().mean())
-
-    def _change(self, simulator: Simulator) -> Tensor:
-        rows, stirred = (
-            rows_of(simulator, blocks, self._functions) for blocks in (self._blocks, self._stirred)
-        )
-        return (stirred - rows) / _STEP
+    def rows(self, simulator: Simulator) -> Tensor:
+        """Return the residual of a simulator on the side of its commands, (blocks, rows, channels)."""
+        rows, change = self._evaluated(simulator)
+        return rows * self._factor(change)
 
     def factor(self, simulator: Simulator) -> float:
         """Return the factor of a simulator's rows that puts them on the side of the commands.
 
         1 for the nominal simulator, and for every one where no command moves the nominal one.
         """
+        return self._factor(self._evaluated(simulator)[1])
+
+    def _factor(self, change: Tensor) -> float:
+        """Return the nominal gain over that of a simulator whose rows change so.
+
+        A gain is the mean size of the change. That is finite where a command decides when a gap is crossed. The mean
+        square would grow without bounds as the change of the commands becomes small.
+        """
         if self._nominal == 0.0:
             return 1.0
-        if simulator is not self._last[0]:
-            gain = max(self.of(simulator), _LEAST * self._nominal)
-            self._last = (simulator, self._nominal / gain)
-        return self._last[1]
+        return self._nominal / max(float(change.abs().mean()), _LEAST * self._nominal)
+
+    def _evaluated(self, simulator: Simulator) -> tuple[Tensor, Tensor]:
+        """Return the rows, and for some blocks their change per relative change of the commands, in one evaluation."""
+        joined, count = self._joined, len(self._blocks)
+        inner = signals_inside(simulator, joined, joined.acting)
+        bare = bare_rows(simulator, joined, self._functions, inner)
+        change = (bare[count:] - bare[self._part]) * self._sound / _STEP
+        recorded = {name: series[:count] for name, series in inner.items()}
+        return bare[:count] * row_weights(simulator, recorded, self._blocks, self._functions), change
+
+
+def _joined(first: Blocks, second: Blocks) -> Blocks:
+    """Return two sets of blocks as one."""
+    signals, held, resolution = (
+        {
+            name: torch.cat([series, getattr(second, part)[name]])
+            for name, series in getattr(first, part).items()
+        }
+        for part in ("signals", "held_commands", "resolution")
+    )
+    return replace(
+        first,
+        signals=signals,
+        held_commands=held,
+        resolution=resolution,
+        run=torch.cat([first.run, second.run]),
+        start=torch.cat([first.start, second.start]),
+    )
 
 
 def scaled(blocks: Blocks, factor: float) -> Blocks:

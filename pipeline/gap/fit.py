@@ -85,7 +85,9 @@ class Problem:
 
         Of an axis it is in terms of its commands, see `simgap.gap.command_gain`.
         """
-        return residual_rows(simulator, self.blocks, self.functions) * self.factor(simulator)
+        if self.gain is None:
+            return residual_rows(simulator, self.blocks, self.functions)
+        return self.gain.rows(simulator)
 
     def regressors(self, simulator: Simulator, effect: Effect) -> Tensor | None:
         """Return the columns of an effect that is linear here, (blocks, rows, channels, parameters), else None."""

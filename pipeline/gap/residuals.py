@@ -125,7 +125,7 @@ def measured_rows(series: ChannelSeries, blocks: Blocks, functions: WindowFuncti
 def residual_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
     """Return measured minus predicted, averaged over the windows: (blocks, rows, channels) in the channels' units."""
     inner = signals_inside(simulator, blocks, blocks.acting)
-    rows = _bare_rows(simulator, blocks, functions, inner)
+    rows = bare_rows(simulator, blocks, functions, inner)
     return rows * row_weights(simulator, inner, blocks, functions)
 
 
@@ -135,12 +135,13 @@ def rows_of(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) ->
     See `residual_rows`, which weighs them by what moves.
     """
     inner = signals_inside(simulator, blocks, blocks.acting)
-    return _bare_rows(simulator, blocks, functions, inner) * _without_lost(blocks, functions)
+    return bare_rows(simulator, blocks, functions, inner) * without_lost(blocks, functions)
 
 
-def _bare_rows(
+def bare_rows(
     simulator: Simulator, blocks: Blocks, functions: WindowFunctions, inner: dict[str, Tensor]
 ) -> Tensor:
+    """Return measured minus predicted of all windows, (blocks, rows, channels), from what is in a simulator."""
     rows = [
         measured_rows(series, blocks, functions) - mean_of(functions, series.predicted)
         for series in channel_series(simulator, blocks, inner)
@@ -162,7 +163,7 @@ def row_weights(
         blocks: recorded.
         functions: the windows.
     """
-    weights = _without_lost(blocks, functions)
+    weights = without_lost(blocks, functions)
     free = simulator.mechanism.free_inertia(inner)
     if not free:
         return weights
@@ -174,7 +175,7 @@ def row_weights(
     return weights / coupled
 
 
-def _without_lost(blocks: Blocks, functions: WindowFunctions) -> Tensor:
+def without_lost(blocks: Blocks, functions: WindowFunctions) -> Tensor:
     """Return the weight of each window, (blocks, rows, 1): zero where it contains a lost command.
 
     The other windows are scaled so that mean squares over all windows equal those over the measured ones. If half of
