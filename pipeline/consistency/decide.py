@@ -153,9 +153,18 @@ def _tried(
 
 
 def _mends(before: State, after: State, least: int = 1) -> bool:
-    """Whether so many are no longer opposed, and nothing is that was not; two faults need two witnesses."""
-    opposed, still = ({each.name for each in state.opposed} for state in (before, after))
-    return still <= opposed and len(opposed) - len(still) >= least
+    """Whether so many disagree less, and nothing more than it did; two faults need two witnesses.
+
+    What was clear counts when a doubt is left of it: beside a wrong unit, physics may be at work that no law knows.
+    """
+    then, now = _degrees(before), _degrees(after)
+    better = sum(now.get(name, 0) < degree for name, degree in then.items())
+    return better >= least and all(degree <= then.get(name, 0) for name, degree in now.items())
+
+
+def _degrees(state: State) -> dict[str, int]:
+    """Return 1 for all that is opposed, and 2 where it is clear."""
+    return {each.name: 1 + each.clear for each in state.opposed}
 
 
 def _state(samples: Samples, families: Sequence[Family]) -> State:
