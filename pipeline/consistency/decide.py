@@ -153,18 +153,13 @@ def _tried(
 
 
 def _mends(before: State, after: State, least: int = 1) -> bool:
-    """Whether so many disagree less, and nothing more than it did; two faults need two witnesses.
+    """Whether so many agree clearly better, and nothing is opposed that was not; two faults need two witnesses.
 
-    What was clear counts when a doubt is left of it: beside a wrong unit, physics may be at work that no law knows.
+    A doubt may be left: beside a wrong unit, physics may be at work that no law knows.
     """
-    then, now = _degrees(before), _degrees(after)
-    better = sum(now.get(name, 0) < degree for name, degree in then.items())
-    return better >= least and all(degree <= then.get(name, 0) for name, degree in now.items())
-
-
-def _degrees(state: State) -> dict[str, int]:
-    """Return 1 for all that is opposed, and 2 where it is clear."""
-    return {each.name: 1 + each.clear for each in state.opposed}
+    then, now = ({each.name: each for each in state.opposed} for state in (before, after))
+    better = [name for name in then if name not in now or now[name].support > then[name].support + CLEAR]
+    return now.keys() <= then.keys() and len(better) >= least
 
 
 def _state(samples: Samples, families: Sequence[Family]) -> State:
