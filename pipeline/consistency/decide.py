@@ -155,10 +155,15 @@ def _tried(
 def _mends(before: State, after: State, least: int = 1) -> bool:
     """Whether so many agree clearly better, and nothing is opposed that was not; two faults need two witnesses.
 
-    A doubt may be left: beside a wrong unit, physics may be at work that no law knows.
+    Two exact series have to agree. A law may be left in doubt: beside a wrong unit, physics may be at work that it
+    does not know.
     """
     then, now = ({each.name: each for each in state.opposed} for state in (before, after))
-    better = [name for name in then if name not in now or now[name].support > then[name].support + CLEAR]
+    better = [
+        name
+        for name, each in then.items()
+        if name not in now or (not each.is_exact and now[name].support > each.support + CLEAR)
+    ]
     return now.keys() <= then.keys() and len(better) >= least
 
 
