@@ -68,7 +68,7 @@ class _Content:
     def add(self, block: Block) -> None:
         """Add messages; one whose time goes back begins a run."""
         topics: list[tuple[Topic, NDArray[np.int64], NDArray[np.int64], list[Columns]]] = []
-        for number in np.unique(block.which).tolist():
+        for number in np.flatnonzero(np.bincount(block.which)).tolist():
             channel, places = block.channels[number], np.flatnonzero(block.which == number)
             if channel.columns is None:
                 self.unread[channel.topic] = channel

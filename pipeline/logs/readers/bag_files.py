@@ -1,6 +1,7 @@
 """Messages of ROS 1 bags, ROS 2 bags and MCAP files, many at a time, each with what reads its numbers."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -58,23 +59,28 @@ def blocks_of(path: Path) -> Iterator[Block]:
 
     Raises anything that its libraries raise of a damaged file, after what was read before it.
     """
-    files = _mcap_files(path)
+    files = _plain_files(path)
     for file in files:
-        yield from _of_mcap(file)
+        yield from _of_mcap(file) if _is_mcap(file) else _in_blocks(_of_database(file))
     if not files:
         yield from _in_blocks(_of_bag(path))
 
 
-def _mcap_files(path: Path) -> list[Path]:
-    """Return the MCAP files of a path, in their order; none where it is another bag, or its messages are compressed."""
-    if path.is_dir():
-        described = read_yaml(path / "metadata.yaml")
-        facts = described.get("rosbag2_bagfile_information") if isinstance(described, dict) else None
-        mode = facts.get("compression_mode") if isinstance(facts, dict) else None
-        plain = str(mode or "none").lower() == "none"
-        return sorted(path.glob("*.mcap"), key=_numbered) if plain else []
+def _plain_files(path: Path) -> list[Path]:
+    """Return the files of ROS 2 at a path, in their order; none where it is a bag of ROS 1, or compressed."""
+    if path.is_file():
+        return [path] if path.suffix == ".db3" or _is_mcap(path) else []
+    described = read_yaml(path / "metadata.yaml")
+    facts = described.get("rosbag2_bagfile_information") if isinstance(described, dict) else None
+    mode = facts.get("compression_mode") if isinstance(facts, dict) else None
+    if str(mode or "none").lower() != "none":
+        return []
+    return sorted((*path.glob("*.mcap"), *path.glob("*.db3")), key=_numbered)
+
+
+def _is_mcap(path: Path) -> bool:
     with path.open("rb") as file:
-        return [path] if file.read(1) == mcap.MAGIC[:1] else []
+        return file.read(1) == mcap.MAGIC[:1]
 
 
 def _numbered(path: Path) -> tuple[int, str]:
@@ -84,13 +90,15 @@ def _numbered(path: Path) -> tuple[int, str]:
 
 def _in_blocks(messages: Iterable[tuple[Channel, int, bytes]]) -> Iterator[Block]:
     """Yield messages that come one by one, together; of a damaged file what comes before the damage."""
+    numbers: dict[int, int] = {}
     channels: dict[int, Channel] = {}
     kept: list[tuple[int, int, bytes]] = []
     size = 0
     try:
         for channel, time, data in messages:
-            channels[id(channel)] = channel
-            kept.append((id(channel), time, data))
+            number = numbers.setdefault(id(channel), len(numbers))
+            channels[number] = channel
+            kept.append((number, time, data))
             size += len(data)
             if len(kept) == _AT_ONCE or size > _BYTES_AT_ONCE:
                 yield _block(channels, kept)
@@ -108,6 +116,21 @@ def _in_blocks(messages: Iterable[tuple[Channel, int, bytes]]) -> Iterator[Block
 def _block(channels: dict[int, Channel], messages: list[tuple[int, int, bytes]]) -> Block:
     which, times, data = zip(*messages, strict=True)
     return Block(channels, np.array(which), np.array(times, dtype=np.int64), Packed.of(data))
+
+
+def _of_database(path: Path) -> Iterator[tuple[Channel, int, bytes]]:
+    import sqlite3
+
+    from rosbags.rosbag2 import Reader
+
+    with Reader(path) as reader:
+        channels = {entry.id: _channel_of(entry, padded=True) for entry in reader.connections}
+    with closing(sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)) as database:
+        for topic, time, data in database.execute(
+            "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp"
+        ):
+            if topic in channels:
+                yield channels[topic], time, data
 
 
 def _of_bag(path: Path) -> Iterator[tuple[Channel, int, bytes]]:

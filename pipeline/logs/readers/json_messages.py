@@ -52,7 +52,9 @@ def _numbers(data: bytes) -> tuple[dict[str, float], int | None, set[str]]:
         raise ValueError("is nested too deeply") from None
 
 
-def _flat(content: dict[str, Any], prefix: str, names: list[str], long: set[str]) -> Iterator[tuple[str, float]]:
+def _flat(
+    content: dict[str, Any], prefix: str, names: list[str], long: set[str]
+) -> Iterator[tuple[str, float]]:
     for key, value in content.items():
         if not prefix and key in ("stamp", "header"):
             continue

@@ -70,9 +70,13 @@ def parsed(kind: int, content: memoryview) -> Any:
     return (Schema if kind == SCHEMA else Channel).read(ReadDataStream(BytesIO(bytes(content))))
 
 
-def heads(buffer: NDArray[np.uint8], begins: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def heads(
+    buffer: NDArray[np.uint8], begins: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the number of the channel and the time of recording, ns, of messages that begin at some places."""
-    kind = np.dtype({"names": ["channel", "time"], "formats": ["<u2", "<u8"], "offsets": [0, 6], "itemsize": 14})
+    kind = np.dtype(
+        {"names": ["channel", "time"], "formats": ["<u2", "<u8"], "offsets": [0, 6], "itemsize": 14}
+    )
     everywhere = np.ndarray((len(buffer) - 13,), dtype=kind, buffer=buffer, strides=(1,))
     found = everywhere[begins]
     # A later time is none: the clocks of computers end in 2262.

@@ -32,7 +32,7 @@ class Layout:
     Attributes:
         message: from which it was found.
         numbers: that are read.
-        guards: begin and end of the bytes that say where numbers are and what they are called: lengths and names.
+        guards: places of the bytes that say where numbers are and what they are called: lengths and names.
         stamp: place of the header's seconds and nanoseconds; None without a header.
         order: of bytes, `<` or `>`.
         long: names of arrays that are too long to be signals.
@@ -40,18 +40,15 @@ class Layout:
 
     message: bytes
     numbers: tuple[Numbers, ...]
-    guards: tuple[tuple[int, int], ...]
+    guards: NDArray[np.int64]
     stamp: int | None
     order: str
     long: frozenset[str]
 
     def fits(self, messages: NDArray[np.uint8]) -> NDArray[np.bool_]:
         """Return which messages of the same size, (n, size), have the same layout, (n,)."""
-        fitting = np.ones(len(messages), dtype=bool)
-        for begin, end in self.guards:
-            wanted = np.frombuffer(self.message[begin:end], dtype=np.uint8)
-            fitting &= (messages[:, begin:end] == wanted).all(axis=1)
-        return fitting
+        wanted = np.frombuffer(self.message, dtype=np.uint8)[self.guards]
+        return (messages[:, self.guards] == wanted).all(axis=1)
 
     def columns(self, messages: NDArray[np.uint8], rows: NDArray[np.int64]) -> Columns:
         """Return the numbers of messages that fit.
@@ -61,7 +58,8 @@ class Layout:
             rows: which messages they are, (n,).
         """
         blocks = [
-            (part.names, self._read(messages, part.place, part.code, len(part.names))) for part in self.numbers
+            (part.names, self._read(messages, part.place, part.code, len(part.names)))
+            for part in self.numbers
         ]
         stamps = None
         if self.stamp is not None:
@@ -69,9 +67,7 @@ class Layout:
             stamps = seconds * _SECOND + self._read(messages, self.stamp + 4, "u4", 1)[:, 0].astype(np.int64)
         return Columns(rows, blocks, stamps, self.long)
 
-    def _read(
-        self, messages: NDArray[np.uint8], place: int, code: str, count: int
-    ) -> NDArray[np.float64]:
+    def _read(self, messages: NDArray[np.uint8], place: int, code: str, count: int) -> NDArray[np.float64]:
         kind = np.dtype(code).newbyteorder(self.order)
         part = np.ascontiguousarray(messages[:, place : place + count * kind.itemsize])
         return part.view(kind).astype(np.float64)

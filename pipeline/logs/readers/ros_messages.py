@@ -96,7 +96,7 @@ class _Cursor:
         self.place = start
         self._message, self._start, self._order, self._padded = message, start, order, padded
         self._numbers_found: list[Numbers] = []
-        self._guards: list[tuple[int, int]] = [(0, start)] if start else []
+        self._guards = [(0, start)]  # begin and end
         self._stamp: int | None = None
         self._long: set[str] = set()
         self._names: tuple[str, ...] = ()
@@ -107,7 +107,7 @@ class _Cursor:
         return Layout(
             self._message,
             tuple(self._numbers_found),
-            tuple(_joined(self._guards)),
+            np.concatenate([np.arange(begin, end) for begin, end in self._guards]),
             self._stamp,
             self._order,
             frozenset(self._long),
@@ -206,14 +206,3 @@ class _Cursor:
     def _align(self, size: int) -> None:
         if self._padded:
             self.place += -(self.place - self._start) % size
-
-
-def _joined(guards: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return stretches of bytes, those that touch as one."""
-    joined: list[tuple[int, int]] = []
-    for begin, end in guards:
-        if joined and joined[-1][1] == begin:
-            joined[-1] = (joined[-1][0], end)
-        elif end > begin:
-            joined.append((begin, end))
-    return joined

@@ -1,7 +1,7 @@
 """Numbers that were too long for their register: wraps at a power of two or a turn, and a sign that is a bit.
 
-A position and its rate say the same twice. A column is mended if a candidate makes both agree, in whatever unit and with whatever
-sign.
+A position and its rate say the same twice. A column is mended if a candidate makes both agree, whatever their units and
+signs.
 """
 
 from collections.abc import Iterator
