@@ -226,7 +226,7 @@ class _Mcap:
         Raises:
             ValueError: when it is damaged, after what was read before.
         """
-        view = memoryview(content)
+        view = content.data
         begins: list[int] = []
         ends: list[int] = []
         damage: ValueError | None = None

@@ -1,7 +1,7 @@
 """Where the numbers of a message lie: what is found of one message holds for all that say the same between them."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ class Layout:
     numbers: tuple[Numbers, ...]
     guards: NDArray[np.int64]
     stamp: int | None
-    order: str
+    order: Literal["<", ">"]
     long: frozenset[str]
 
     def fits(self, messages: NDArray[np.uint8]) -> NDArray[np.bool_]:

@@ -7,7 +7,7 @@ formal/04-03-12, chapter 15.3 (ROS 2: every number at a multiple of its size, be
 import struct
 from collections.abc import Iterator, Mapping
 from itertools import groupby
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +72,8 @@ class MessageType:
 
     def _layout(self, message: bytes) -> Layout | None:
         """Return the layout of a message; None where it is shorter than its type."""
-        order, start = "<", 0
+        order: Literal["<", ">"] = "<"
+        start = 0
         if self._padded:
             if len(message) < 4 or message[0] != 0 or message[1] not in (0, 1):
                 return None
@@ -92,7 +93,7 @@ class _CutOffError(ValueError):
 class _Cursor:
     """A place in a message, and what was found before it."""
 
-    def __init__(self, message: bytes, start: int, order: str, padded: bool) -> None:
+    def __init__(self, message: bytes, start: int, order: Literal["<", ">"], padded: bool) -> None:
         self.place = start
         self._message, self._start, self._order, self._padded = message, start, order, padded
         self._numbers_found: list[Numbers] = []
