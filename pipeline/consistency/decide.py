@@ -153,9 +153,18 @@ def _tried(
 
 
 def _mends(before: State, after: State, least: int = 1) -> bool:
-    """Whether so many are no longer opposed, and nothing is that was not; two faults need two witnesses."""
-    opposed, still = ({each.name for each in state.opposed} for state in (before, after))
-    return still <= opposed and len(opposed) - len(still) >= least
+    """Whether so many agree clearly better, and nothing is opposed that was not; two faults need two witnesses.
+
+    Two exact series have to agree. A law may be left in doubt: beside a wrong unit, physics may be at work that it
+    does not know.
+    """
+    then, now = ({each.name: each for each in state.opposed} for state in (before, after))
+    better = [
+        name
+        for name, each in then.items()
+        if name not in now or (not each.is_exact and now[name].support > each.support + CLEAR)
+    ]
+    return now.keys() <= then.keys() and len(better) >= least
 
 
 def _state(samples: Samples, families: Sequence[Family]) -> State:

@@ -83,6 +83,11 @@ class Agreement:
     clear: bool = True
 
     @property
+    def is_exact(self) -> bool:
+        """Whether two series are compared that have to agree, whatever physics is at work."""
+        return not np.isnan(self.alike)
+
+    @property
     def evidence(self) -> str:
         """What contradicts what, with figures."""
         return f"{self.name}: {self.figures}"

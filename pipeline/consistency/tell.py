@@ -86,7 +86,7 @@ def unexplained(state: State) -> list[Contradiction]:
     found = []
     for each in state.opposed:
         rate, *others = each.columns
-        if np.isnan(each.alike):
+        if not each.is_exact:
             continue
         other = others[0] if others else rate
         if each.alike < -_ALIKE:

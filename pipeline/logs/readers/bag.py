@@ -2,10 +2,14 @@
 
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from simgap.errors import InputError
 from simgap.logs.log import Log, Signal, Span
 from simgap.logs.readers import odometry
-from simgap.logs.readers.bag_files import Channel, Message, messages_of
+from simgap.logs.readers.bag_files import Block, Channel, blocks_of
+from simgap.logs.readers.packed import Columns
 from simgap.logs.readers.topics import Topic
 
 _NANOSECOND = 1e-9
@@ -13,6 +17,7 @@ _BACK = (
     100_000_000  # ns by which time must go back to begin a run: writers of several topics differ by some ms
 )
 _BETWEEN = 1_000_000_000  # ns from one run to the next, so that they share no time
+_FARTHEST = 1 << 61  # ns by which a run is moved; only the times of a damaged file are so far apart
 
 
 def read(path: Path) -> Log:
@@ -30,8 +35,8 @@ def read(path: Path) -> Log:
     """
     content = _Content()
     try:
-        for message in messages_of(path):
-            content.add(message)
+        for block in blocks_of(path):
+            content.add(block)
     except (InputError, ModuleNotFoundError):
         raise
     except Exception as error:  # of a damaged file the libraries raise anything
@@ -60,38 +65,51 @@ class _Content:
         self._latest = 0
         self._spans: list[tuple[int, int]] = []
 
-    def add(self, message: Message) -> None:
-        """Add a message; one whose time goes back begins a run."""
-        channel = message.channel
-        if channel.numbers is None:
-            self.unread[channel.topic] = channel
+    def add(self, block: Block) -> None:
+        """Add messages; one whose time goes back begins a run."""
+        topics: list[tuple[Topic, NDArray[np.int64], NDArray[np.int64], list[Columns]]] = []
+        for number in np.flatnonzero(np.bincount(block.which)).tolist():
+            channel, places = block.channels[number], np.flatnonzero(block.which == number)
+            if channel.columns is None:
+                self.unread[channel.topic] = channel
+                continue
+            self._types[channel.topic] = channel.type
+            topic = self.topics.setdefault(channel.topic, Topic(channel.topic))
+            found = list(channel.columns(block.messages[places]))
+            rows = np.sort(np.concatenate([part.rows for part in found])) if found else places[:0]
+            topic.damaged += len(places) - len(rows)
+            if len(rows):
+                topics.append((topic, places[rows], rows, found))
+        if not topics:
             return
-        topic = self.topics.setdefault(channel.topic, Topic(channel.topic))
-        self._types[channel.topic] = channel.type
-        try:
-            found = channel.numbers(message.data)
-        except ValueError:
-            topic.damaged += 1
-            return
-        time = self._time(message.time)
-        stamp = None if found.stamp is None else (found.stamp + self._shift) * _NANOSECOND
-        topic.long |= found.long
-        topic.add(time * _NANOSECOND, stamp, found.blocks)
+        read = np.sort(np.concatenate([places for _, places, _, _ in topics]))
+        shifts = np.zeros(len(block.which), dtype=np.int64)
+        shifts[read] = self._shifts(block.times[read])
+        for topic, places, rows, found in topics:
+            times = (block.times[places] + shifts[places]) * _NANOSECOND
+            topic.add(rows, times, shifts[places], found)
 
-    def _time(self, recorded: int) -> int:
-        """Return a time, ns since the first message, behind those of the runs before."""
+    def _shifts(self, recorded: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return what moves times, ns, to ns since the first message, and behind those of the runs before."""
         if self._origin is None:
-            self._origin = recorded
-            self._shift = -recorded
+            self._origin = int(recorded[0])
+            self._shift = -self._origin
             self._spans.append((0, 0))
-        time = recorded + self._shift
-        if time < self._latest - _BACK:
-            self._shift += self._latest + _BETWEEN - time
-            time = recorded + self._shift
-            self._spans.append((time, time))
-        self._latest = max(self._latest, time)
-        self._spans[-1] = (self._spans[-1][0], self._latest)
-        return time
+        begins, shifts = [0], [self._shift]
+        latest, shift = self._latest, self._shift
+        for place, time in enumerate(recorded.tolist()):
+            if time + shift > latest:
+                latest = time + shift
+            elif time + shift < latest - _BACK:
+                self._spans[-1] = (self._spans[-1][0], latest)
+                shift = min(latest + _BETWEEN - time, _FARTHEST)
+                latest = max(latest, time + shift)
+                self._spans.append((time + shift, latest))
+                begins.append(place)
+                shifts.append(shift)
+        self._latest, self._shift = latest, shift
+        self._spans[-1] = (self._spans[-1][0], latest)
+        return np.repeat(np.array(shifts), np.diff(np.array([*begins, len(recorded)])))
 
     def log(self, path: Path) -> Log:
         """Return the log."""

@@ -1,17 +1,24 @@
-"""Messages of ROS 1 bags, ROS 2 bags and MCAP files, one after the other, each with what reads its numbers."""
+"""Messages of ROS 1 bags, ROS 2 bags and MCAP files, many at a time, each with what reads its numbers."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from simgap.logs.readers.json_messages import json_numbers
-from simgap.logs.readers.ros_messages import Decoded, MessageType
+import numpy as np
+from numpy.typing import NDArray
+
+from simgap.artifacts.plain_yaml import read_yaml
+from simgap.logs.readers import mcap_records as mcap
+from simgap.logs.readers.json_messages import json_columns
+from simgap.logs.readers.packed import Columns, Packed
+from simgap.logs.readers.ros_messages import MessageType
 from simgap.logs.readers.unpacking import unpacked
 
-Numbers = Callable[[bytes], Decoded]
+_AT_ONCE = 20_000  # messages
+_BYTES_AT_ONCE = 1 << 24  # of messages that come one by one
 
 
 @dataclass(frozen=True)
@@ -21,46 +28,112 @@ class Channel:
     Attributes:
         topic: its name.
         type: of its messages.
-        numbers: reads one; None where that is not possible.
+        columns: reads their numbers; None where that is not possible.
         reason: why it is not.
     """
 
     topic: str
     type: str
-    numbers: Numbers | None
+    columns: Callable[[Packed], Iterator[Columns]] | None
     reason: str = ""
 
 
-class Message(NamedTuple):
-    """A message as it stands in the file.
+class Block(NamedTuple):
+    """Messages as they stand in the file.
 
     Attributes:
-        channel: of it.
-        time: at which it was recorded, ns.
-        data: packed.
+        channels: that they may be of.
+        which: number of the channel of each, (n,).
+        times: at which they were recorded, ns, (n,).
+        messages: packed.
     """
 
-    channel: Channel
-    time: int
-    data: bytes
+    channels: Mapping[int, Channel]
+    which: NDArray[np.int64]
+    times: NDArray[np.int64]
+    messages: Packed
 
 
-def messages_of(path: Path) -> Iterator[Message]:
+def blocks_of(path: Path) -> Iterator[Block]:
     """Yield the messages of a file or a folder: of a bag by time, of MCAP in the order in which they were written.
 
-    Raises anything that its libraries raise of a damaged file.
+    Raises anything that its libraries raise of a damaged file, after what was read before it.
     """
-    return _of_mcap(path) if _is_mcap(path) else _of_bag(path)
+    files = _plain_files(path)
+    for file in files:
+        yield from _of_mcap(file) if _is_mcap(file) else _in_blocks(_of_database(file))
+    if not files:
+        yield from _in_blocks(_of_bag(path))
+
+
+def _plain_files(path: Path) -> list[Path]:
+    """Return the files of ROS 2 at a path, in their order; none where it is a bag of ROS 1, or compressed."""
+    if path.is_file():
+        return [path] if path.suffix == ".db3" or _is_mcap(path) else []
+    described = read_yaml(path / "metadata.yaml")
+    facts = described.get("rosbag2_bagfile_information") if isinstance(described, dict) else None
+    mode = facts.get("compression_mode") if isinstance(facts, dict) else None
+    if str(mode or "none").lower() != "none":
+        return []
+    return sorted((*path.glob("*.mcap"), *path.glob("*.db3")), key=_numbered)
 
 
 def _is_mcap(path: Path) -> bool:
-    if path.is_dir():
-        return False
     with path.open("rb") as file:
-        return file.read(1) == b"\x89"
+        return file.read(1) == mcap.MAGIC[:1]
 
 
-def _of_bag(path: Path) -> Iterator[Message]:
+def _numbered(path: Path) -> tuple[int, str]:
+    """Return what orders the files of a bag: bag_2.mcap comes before bag_10.mcap."""
+    return len(path.name), path.name
+
+
+def _in_blocks(messages: Iterable[tuple[Channel, int, bytes]]) -> Iterator[Block]:
+    """Yield messages that come one by one, together; of a damaged file what comes before the damage."""
+    numbers: dict[int, int] = {}
+    channels: dict[int, Channel] = {}
+    kept: list[tuple[int, int, bytes]] = []
+    size = 0
+    try:
+        for channel, time, data in messages:
+            number = numbers.setdefault(id(channel), len(numbers))
+            channels[number] = channel
+            kept.append((number, time, data))
+            size += len(data)
+            if len(kept) == _AT_ONCE or size > _BYTES_AT_ONCE:
+                yield _block(channels, kept)
+                kept, size = [], 0
+    except GeneratorExit:
+        raise
+    except Exception:
+        if kept:
+            yield _block(channels, kept)
+        raise
+    if kept:
+        yield _block(channels, kept)
+
+
+def _block(channels: dict[int, Channel], messages: list[tuple[int, int, bytes]]) -> Block:
+    which, times, data = zip(*messages, strict=True)
+    return Block(channels, np.array(which), np.array(times, dtype=np.int64), Packed.of(data))
+
+
+def _of_database(path: Path) -> Iterator[tuple[Channel, int, bytes]]:
+    import sqlite3
+
+    from rosbags.rosbag2 import Reader
+
+    with Reader(path) as reader:
+        channels = {entry.id: _channel_of(entry, padded=True) for entry in reader.connections}
+    with closing(sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)) as database:
+        for topic, time, data in database.execute(
+            "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp"
+        ):
+            if topic in channels:
+                yield channels[topic], time, data
+
+
+def _of_bag(path: Path) -> Iterator[tuple[Channel, int, bytes]]:
     from rosbags.rosbag1 import Reader as Reader1
     from rosbags.rosbag2 import Reader as Reader2
 
@@ -68,13 +141,12 @@ def _of_bag(path: Path) -> Iterator[Message]:
     with (Reader1 if first else Reader2)(path) as reader:
         if first:
             _bound(reader)
-        channels = {id(entry): _channel_of(entry, padded=not first) for entry in reader.connections}
         known = [entry for entry in reader.connections if entry.msgcount]
         if not known:
             return
-        by_key = {(entry.id, entry.topic): channels[id(entry)] for entry in reader.connections}
+        channels = {(entry.id, entry.topic): _channel_of(entry, padded=not first) for entry in known}
         for entry, time, data in reader.messages(known):
-            yield Message(by_key[entry.id, entry.topic], time, data)
+            yield channels[entry.id, entry.topic], time, data
 
 
 def _bound(reader: Any) -> None:
@@ -106,7 +178,7 @@ def _ros_channel(topic: str, kind: str, text: str, written_in: str, padded: bool
         padded: whether numbers are padded: ROS 2.
     """
     try:
-        return Channel(topic, kind, MessageType(_definitions(kind, text, written_in), kind, padded).numbers)
+        return Channel(topic, kind, MessageType(_definitions(kind, text, written_in), kind, padded).columns)
     except (ValueError, KeyError, RecursionError) as error:
         return Channel(topic, kind, None, str(error))
 
@@ -132,32 +204,70 @@ def _definitions(kind: str, text: str, written_in: str) -> Mapping[str, Any]:
     return get_typestore(Stores.ROS2_HUMBLE).fielddefs
 
 
-def _of_mcap(path: Path) -> Iterator[Message]:
-    from mcap.records import Channel as Record
-    from mcap.records import Chunk, Schema
-    from mcap.records import Message as Data
-    from mcap.stream_reader import StreamReader, breakup_chunk
-
-    schemas: dict[int, Any] = {}
-    channels: dict[int, Channel] = {}
-    with closing(path.open("rb")) as file:
-        reader = StreamReader(file, emit_chunks=True, record_size_limit=path.stat().st_size)
-        for record in reader.records:
-            for part in breakup_chunk(_plain(record)) if isinstance(record, Chunk) else [record]:
-                if isinstance(part, Schema):
-                    schemas[part.id] = part
-                elif isinstance(part, Record) and part.id not in channels:
-                    channels[part.id] = _mcap_channel(part, schemas.get(part.schema_id))
-                elif isinstance(part, Data):
-                    yield Message(channels[part.channel_id], part.log_time, part.data)
+def _of_mcap(path: Path) -> Iterator[Block]:
+    content = np.memmap(path, dtype=np.uint8, mode="r")
+    if content[: len(mcap.MAGIC)].tobytes() != mcap.MAGIC:
+        raise ValueError("does not begin as MCAP does")
+    yield from _Mcap().blocks(content, len(mcap.MAGIC))
+    if content[-len(mcap.MAGIC) :].tobytes() != mcap.MAGIC:
+        raise ValueError("does not end as MCAP does")
 
 
-def _plain(chunk: Any) -> Any:
-    """Return a chunk that is not compressed."""
-    from dataclasses import replace
+class _Mcap:
+    """What has been read of an MCAP file."""
 
-    data = unpacked(chunk.data, chunk.compression or "none", chunk.uncompressed_size)
-    return replace(chunk, data=data, compression="")
+    def __init__(self) -> None:
+        self._schemas: dict[int, Any] = {}
+        self._channels: dict[int, Channel] = {}
+
+    def blocks(self, content: NDArray[np.uint8], place: int = 0) -> Iterator[Block]:
+        """Yield the messages of the file, or of a chunk of it.
+
+        Raises:
+            ValueError: when it is damaged, after what was read before.
+        """
+        view = content.data
+        begins: list[int] = []
+        ends: list[int] = []
+        damage: ValueError | None = None
+        try:
+            for kind, begin, end in mcap.records(view, place):
+                if kind == mcap.MESSAGE:
+                    begins.append(begin)
+                    ends.append(end)
+                elif kind in (mcap.SCHEMA, mcap.CHANNEL):
+                    self._declare(kind, view[begin:end])
+                elif kind == mcap.CHUNK:
+                    yield from self.blocks(np.frombuffer(mcap.chunk_content(view[begin:end]), dtype=np.uint8))
+                elif kind in (mcap.DATA_END, mcap.FOOTER):
+                    break
+                if len(begins) == _AT_ONCE:
+                    yield from self._block(content, begins, ends)
+                    begins, ends = [], []
+        except ValueError as error:
+            damage = error
+        yield from self._block(content, begins, ends)
+        if damage is not None:
+            raise damage
+
+    def _declare(self, kind: int, content: memoryview) -> None:
+        entry = mcap.parsed(kind, content)
+        if kind == mcap.SCHEMA:
+            self._schemas[entry.id] = entry
+        elif entry.id not in self._channels:
+            self._channels[entry.id] = _mcap_channel(entry, self._schemas.get(entry.schema_id))
+
+    def _block(self, content: NDArray[np.uint8], begins: list[int], ends: list[int]) -> Iterator[Block]:
+        if not begins:
+            return
+        starts = np.array(begins) + mcap.BEFORE_DATA
+        sizes = np.array(ends) - starts
+        if (sizes < 0).any():
+            raise ValueError("a message is cut off")
+        which, times = mcap.heads(content, np.array(begins))
+        if not np.isin(which, list(self._channels)).all():
+            raise ValueError("a message is of no channel")
+        yield Block(self._channels, which, times, Packed(content, starts, sizes))
 
 
 def _mcap_channel(channel: Any, schema: Any) -> Channel:
@@ -166,7 +276,7 @@ def _mcap_channel(channel: Any, schema: Any) -> Channel:
     name = schema.name if schema is not None else ""
     encoding = channel.message_encoding
     if encoding == "json":
-        return Channel(channel.topic, name or "JSON", json_numbers)
+        return Channel(channel.topic, name or "JSON", json_columns)
     if encoding not in ("cdr", "ros1"):
         return Channel(
             channel.topic, name or encoding, None, f"messages in {encoding or 'no encoding'} are not read"

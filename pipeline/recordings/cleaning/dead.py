@@ -30,17 +30,19 @@ def _erase(
 ) -> None:
     """Erase where a column repeats its last value and is far from what the other one tells.
 
-    A steady speed repeats one value, too, but then both agree.
+    A steady speed repeats one value, too, but then both agree. To and fro would cancel over the whole stretch, so
+    that it is looked at in parts.
     """
     known = np.abs(speed[np.isfinite(speed)])
     if len(known) < 2 * _FEWEST:
         return
     far = _FAST * float(np.quantile(known, 0.95))
     held = np.concatenate([[False], values[1:] == values[:-1]])
+    part = max(_FEWEST, round(_SHORTEST / run.time_step))
     rows = np.zeros(len(values), dtype=bool)
     for first, past in stretches_of(held):
         long = past - first >= _FEWEST and run.time[past - 1] - run.time[first] >= _SHORTEST
-        if long and abs(float(np.mean(apart[first:past]))) > far:
+        if long and _largest_mean(apart[first:past], part) > far:
             rows[first - 1 : past] = True
     if 0 < rows.sum() < _MOST * len(rows):
         run.erase(rows, [column], "dead", "repeats one value although the machine moves")
@@ -48,6 +50,12 @@ def _erase(
             f"Channel {column!r} repeats one value in {int(rows.sum())} samples of run {run.name!r} although the "
             "machine moves; these were left out."
         )
+
+
+def _largest_mean(values: np.ndarray, count: int) -> float:
+    """Return the size of the largest mean of so many values in a row, or of all if there are fewer."""
+    count = min(count, len(values))
+    return float(np.abs(np.convolve(values, np.full(count, 1.0 / count), mode="valid")).max())
 
 
 def _erase_empty_battery(run: RunUnderCleaning) -> None:

@@ -1,6 +1,7 @@
 """Numbers that were too long for their register: wraps at a power of two or a turn, and a sign that is a bit.
 
-A position and its rate say the same twice. A column is mended if a candidate makes both agree.
+A position and its rate say the same twice. A column is mended if a candidate makes both agree, whatever their units and
+signs.
 """
 
 from collections.abc import Iterator
@@ -56,18 +57,29 @@ def _mend(run: RunUnderCleaning, rate: str, position: str, column: str) -> None:
 
 
 def misfit(time: np.ndarray, position: np.ndarray, rate: np.ndarray) -> float:
-    """Return how badly a rate is that of a position: 0 where both agree, 2 where they are unrelated, 4 if opposite."""
+    """Return how badly a rate is that of a position: 0 where both agree, 2 where they are unrelated.
+
+    Each is taken by its own usual size, and with either sign: a rate in another unit or frame has not wrapped.
+    """
     known = np.isfinite(position) & np.isfinite(rate)
     if known.sum() < 3:
         return 0.0
     time, position, rate = time[known], position[known], rate[known]
     derived = (position[2:] - position[:-2]) / (time[2:] - time[:-2])
     recorded = (rate[2:] + 2.0 * rate[1:-1] + rate[:-2]) / 4.0
+    derived, recorded = derived / _usual(derived), recorded / _usual(recorded)
     size = 0.5 * (derived**2 + recorded**2)
     moving = size > _MOVING * np.quantile(size, 0.9)
     if not moving.any():
         return 0.0
-    return float(np.mean((derived - recorded)[moving] ** 2 / size[moving]))
+    derived, recorded, size = derived[moving], recorded[moving], size[moving]
+    return min(float(np.mean((derived - turned) ** 2 / size)) for turned in (recorded, -recorded))
+
+
+def _usual(rate: np.ndarray) -> float:
+    """Return the median size of a rate where it moves."""
+    size = np.abs(rate)
+    return float(np.median(size[size >= np.sqrt(_MOVING) * np.quantile(size, 0.9)])) or 1.0
 
 
 def _candidates(

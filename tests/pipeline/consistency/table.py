@@ -9,8 +9,10 @@ from dataclasses import dataclass
 
 from simgap.consistency import contradictions
 from simgap.platforms import platform_from_config
+from simgap.recordings.cleaning import clean_recording
 from tests.pipeline.consistency.corruption import CORRUPTIONS, Corruption
 from tests.pipeline.consistency.plants import Good, good
+from tests.pipeline.consistency.row_faults import ROW_FAULTS, RowFault
 
 
 @dataclass
@@ -58,6 +60,29 @@ def tabulate(
     return rows
 
 
+def mend(fault: RowFault, one: Good) -> tuple[bool, bool]:
+    """Return whether a fault of some rows is said, and whether no contradiction is left of it."""
+    spoilt = fault.of(one.recording)
+    warnings = clean_recording(spoilt)[0].warnings
+    said = any(fault.said in warning for warning in warnings)
+    return said, said and not contradictions(spoilt, platform_from_config(one.platform))
+
+
+def tabulate_rows(kind: str, recordings: Iterable[Good], limit: int | None = None) -> dict[str, Row]:
+    """Return a row for each fault of rows; arguments as of `tabulate`."""
+    rows = {fault.name: Row() for fault in ROW_FAULTS.get(kind, ())}
+    for one in recordings:
+        for fault in ROW_FAULTS.get(kind, ()):
+            row = rows[fault.name]
+            if not fault.possible(one.recording) or (limit and row.tried >= limit):
+                continue
+            said, right = mend(fault, one)
+            row.tried, row.caught, row.right = row.tried + 1, row.caught + said, row.right + right
+            if not right:
+                print(f"  not right: {fault.name} of {one.name}", flush=True)
+    return rows
+
+
 def alarms(recordings: Iterable[Good]) -> tuple[int, list[str]]:
     """Return how many good recordings were checked, and in which something was found."""
     count, false = 0, []
@@ -69,9 +94,9 @@ def alarms(recordings: Iterable[Good]) -> tuple[int, list[str]]:
     return count, false
 
 
-def show(rows: dict[str, Row]) -> str:
+def show(rows: dict[str, Row], title: str = "corruption") -> str:
     """Return the table as text."""
-    lines = [f"{'corruption':40s} {'tried':>5s} {'caught':>6s} {'right first':>11s}"]
+    lines = [f"{title:40s} {'tried':>5s} {'caught':>6s} {'right first':>11s}"]
     lines += [f"{name:40s} {row.tried:5d} {row.caught:6d} {row.right:11d}" for name, row in rows.items()]
     tried, caught, right = (
         sum(getattr(row, key) for row in rows.values()) for key in ("tried", "caught", "right")
@@ -90,7 +115,9 @@ def main() -> None:
     parser.add_argument("--each", type=int, default=10, help="recordings that a corruption is tried on")
     chosen = parser.parse_args()
     recordings = list(good(chosen.kind, chosen.seed, chosen.cases, (1.0, 5.0)))
-    print(show(tabulate(chosen.kind, (one for one in recordings if one.name.endswith("x1")), chosen.each)))
+    usual = [one for one in recordings if one.name.endswith("x1")]
+    print(show(tabulate(chosen.kind, usual, chosen.each)))
+    print(show(tabulate_rows(chosen.kind, usual, chosen.each), "fault of rows: said, and nothing else"))
     count, false = alarms(recordings)
     print(
         f"false alarms: {len(false)} of {count} good recordings, effects up to five times as strong as usual"

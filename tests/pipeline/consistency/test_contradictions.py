@@ -14,7 +14,7 @@ from simgap.recordings.contradiction import SUSPECTED
 from simgap.recordings.recording import Recording, recording_from_frame
 from tests.pipeline.consistency.corruption import CORRUPTIONS
 from tests.pipeline.consistency.plants import sample
-from tests.pipeline.consistency.table import alarms, show, tabulate
+from tests.pipeline.consistency.table import alarms, show, tabulate, tabulate_rows
 
 SERVO = Joint(inertia=0.02, motor=JointMotor(resistance=0.5, torque_constant=0.02, gear_ratio=20.0))
 STEP = 0.01
@@ -61,6 +61,14 @@ def test_a_sample_of_every_corruption_is_caught_with_its_cause_first(kind, capsy
     assert tried >= 3
     assert caught == tried
     assert right == tried
+
+
+def test_faults_of_rows_are_mended_and_said_and_no_contradiction(capsys):
+    rows = tabulate_rows("joint", sample("joint"), limit=1)
+    with capsys.disabled():
+        print("\n" + show(rows, "fault of rows: said, and nothing else"))
+    assert sum(row.tried for row in rows.values()) >= 6
+    assert all(row.right == row.tried for row in rows.values())
 
 
 @pytest.mark.parametrize("kind", KINDS)
