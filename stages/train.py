@@ -155,6 +155,8 @@ def _score(
     for target, values in before.items():
         steps[target]["mse_uncorrected"] = values["mse"]
     scores: dict[str, Any] = {**errors, STEPS: steps}
+    for name, part in model.parts().items():
+        scores[name] = rollout_errors(part, held, settings.horizons, settings.evaluation_windows, history)
     if settings.quantiles:
         most = settings.evaluation_windows
         scores[DISTRIBUTION] = error_quantiles(

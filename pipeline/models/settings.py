@@ -28,6 +28,7 @@ class Training:
     steps: int = (
         1  # open-loop steps through which a network is trained further, once it predicts the next one
     )
+    growth: float = 0.0  # share of the epochs in which these steps grow, evenly, to their number
     bias_correction: bool = (
         False  # whether predictions are corrected by a line that is fitted on validation runs
     )

@@ -62,6 +62,16 @@ def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path
     assert not any((tmp_path / "artifacts").rglob("*.ckpt"))
 
 
+def test_a_hybrid_is_scored_before_compensation_as_well(tmp_path):
+    settings = replace(QUICK, steps=3, growth=0.5)
+    run = run_stage(tmp_path, learnable.quadrotor(), "hybrid_serial", settings)
+    metrics = json.loads((run.output / "metrics.json").read_text())
+    before = metrics["uncompensated"]
+    assert set(before) == {"position", "attitude", "velocity", "body_rate"}
+    assert before["velocity"]["h10"]["naive"] == metrics["velocity"]["h10"]["naive"]
+    assert before["velocity"]["h10"]["model"] != metrics["velocity"]["h10"]["model"]
+
+
 def test_scores_are_compared_with_those_of_persistence_apart():
     errors = {"h1": {"model": 1.0, "naive": 2.0}}
     metrics = {
