@@ -12,7 +12,7 @@ from simgap.models.settings import Training
 from simgap.runner import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
-    from simgap.models.contract import DynamicsModel
+    from simgap.models.contract import DynamicsModel, FitContext
     from simgap.models.layout import Layout
     from simgap.models.windows import Series
     from simgap.recordings.recording import Recording
@@ -68,6 +68,10 @@ def _train(config: TrainStage, run: StageRun) -> None:
     require_holdout(recording.split, str(path))
     fitted, chosen, held = _series(recording, layout, run)
     fitted = fitted.excerpt(config.train.share, config.train.shift)
+    fitted, chosen, held = (
+        series.with_noise(config.train.noise, config.seed + part)
+        for part, series in enumerate((fitted, chosen, held))
+    )
     checkpoint = checkpoint_folder(
         config.artifacts, [asdict(settings), asdict(config.train), config.seed, data]
     )
@@ -87,7 +91,7 @@ def _train(config: TrainStage, run: StageRun) -> None:
         model.correct(chosen)
     save_model(model, run.output / "model")
     run.log_metrics({"best_validation_loss": loss})
-    _score(model, machines, config.train, before, run)
+    _score(model, machines, config.train, before, run, FitContext(config.seed))
     remove_checkpoint(checkpoint)
 
 
@@ -141,11 +145,13 @@ def _score(
     settings: Training,
     before: dict[str, dict[str, float]],
     run: StageRun,
+    context: "FitContext",
 ) -> None:
     """Write the errors on held-out runs, one-step errors beside those before a correction."""
     from simgap.models.error_distribution import error_quantiles
     from simgap.models.evaluation import rollout_errors
     from simgap.models.free_run import free_run_scores
+    from simgap.models.moving_window import moving_window_ratios
     from simgap.models.residual_ratios import residual_ratios
 
     history = settings.evaluation_history
@@ -166,6 +172,8 @@ def _score(
         scores["free_run"] = free_run_scores(model, held, settings.free_run)
     if settings.residual_ratios:
         scores["residual_ratios"] = residual_ratios(model, held)
+    if settings.moving_window:
+        scores["moving_window"] = moving_window_ratios(model, held, settings, context)
     _write_metrics(_finite(scores), run)
     run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
 

@@ -125,10 +125,14 @@ def test_errors_before_and_after_a_correction_are_reported(tmp_path):
 
 
 def test_free_runs_and_residual_ratios_are_written_where_they_are_asked_for(tmp_path):
-    settings = replace(QUICK, free_run=1.0, residual_ratios=True, share=0.5, shift=0.5)
+    settings = replace(
+        QUICK, free_run=1.0, residual_ratios=True, moving_window=2.0, noise=0.1, share=0.5, shift=0.5
+    )
     run = run_stage(tmp_path, learnable.linear_joint(), settings=settings)
     metrics = json.loads((run.output / "metrics.json").read_text())
-    assert set(metrics) == {"position", "velocity", "steps", "free_run", "residual_ratios"}
+    scored = {"position", "velocity", "steps", "free_run", "residual_ratios", "moving_window"}
+    assert set(metrics) == scored
+    assert set(metrics["moving_window"]["velocity"]) == {"P_f", "P_i"}
     assert set(metrics["free_run"]["velocity"]) == {"mse", "correlation"}
     assert set(metrics["residual_ratios"]["velocity"]) == {"P_f", "P_i"}
     assert run.metrics["free_run/velocity/mse"] == metrics["free_run"]["velocity"]["mse"]
