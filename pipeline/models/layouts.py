@@ -26,6 +26,11 @@ steering, of a swerve's recording, whose four modules are machines of one kind
     input      steer voltage
     features   velocity and its sign, voltage
     predicted  increment of the steer velocity
+all_steering, of a swerve's recording
+    state      steer velocities of all modules
+    input      drive velocities, drive and steer voltages
+    features   all of them
+    predicted  increments of the steer velocities
 
 The first three are taken by the kind of a recording, the others by `train.layout`.
 Positions, attitudes and angles follow from the velocities by kinematics, so they are never learned.
@@ -54,6 +59,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from simgap.errors import InputError
+from simgap.models.all_steering_layout import AllSteeringLayout
 from simgap.models.attitude_layout import AttitudeLayout
 from simgap.models.joint_layout import JointLayout
 from simgap.models.layout import Layout
@@ -72,6 +78,7 @@ LAYOUTS: dict[str, type[Layout]] = {
         JointLayout,
         SwerveChassisLayout,
         SteeringLayout,
+        AllSteeringLayout,
         AttitudeLayout,
         MotorCommandLayout,
         MotorSetpointLayout,

@@ -14,6 +14,7 @@ RECORDINGS = {
     "swerve": learnable.swerve,
     "swerve_chassis": learnable.swerve,
     "steering": learnable.swerve,
+    "all_steering": learnable.swerve,
     "quadrotor": learnable.quadrotor,
     "attitude": rig,
     "motor_command": rig,
@@ -94,6 +95,13 @@ def test_every_rotor_moves_with_the_body_and_its_turning():
         expected = torch.tensor([3.0 - 2.0 * place[1], 2.0 * place[0], 0.0], dtype=torch.float64)
         assert torch.allclose(rotor, expected)
     assert torch.equal(seen[12:], rate)
+
+
+def test_all_eight_motors_are_seen_and_the_four_steering_motors_predicted():
+    layout = layout_of(learnable.swerve(), "all_steering")
+    stems = ("steer_velocity", "drive_velocity", "drive_voltage", "steer_voltage")
+    assert layout.features == tuple(f"{stem}_{number}" for stem in stems for number in range(1, 5))
+    assert layout.targets == tuple(f"steer_velocity_{number}" for number in range(1, 5))
 
 
 def test_published_inputs_of_a_motor_are_the_motion_and_the_setpoints_of_its_own_instant():
