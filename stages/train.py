@@ -12,6 +12,8 @@ from simgap.models.settings import Training
 from simgap.runner import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from simgap.models.contract import DynamicsModel, FitContext
     from simgap.models.layout import Layout
     from simgap.models.windows import Series
@@ -150,7 +152,7 @@ def _score(
     """Write the errors on held-out runs, one-step errors beside those before a correction."""
     from simgap.models.error_distribution import error_quantiles
     from simgap.models.evaluation import rollout_errors
-    from simgap.models.free_run import free_run_scores
+    from simgap.models.free_run import free_run_scores, free_run_traces
     from simgap.models.moving_window import moving_window_ratios
     from simgap.models.residual_ratios import residual_ratios
 
@@ -170,12 +172,23 @@ def _score(
         )
     if settings.free_run:
         scores["free_run"] = free_run_scores(model, held, settings.free_run)
+        _write_traces(free_run_traces(model, held, settings.free_run), run)
+    if parameters := model.parameters():
+        scores["parameters"] = parameters
     if settings.residual_ratios:
         scores["residual_ratios"] = residual_ratios(model, held)
     if settings.moving_window:
         scores["moving_window"] = moving_window_ratios(model, held, settings, context)
     _write_metrics(_finite(scores), run)
     run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
+
+
+def _write_traces(traces: "pd.DataFrame", run: StageRun) -> None:
+    """Write the measured and modelled traces of a free run, and their figure."""
+    from simgap.models.trace_figure import trace_figure
+
+    traces.to_parquet(run.output / "free_run.parquet", index=False)
+    (run.output / "free_run.svg").write_text(trace_figure(traces), encoding="utf-8")
 
 
 def _write_metrics(metrics: dict[str, Any], run: StageRun) -> None:

@@ -166,6 +166,10 @@ class DynamicsModel(ABC):
         """Return by name what of the model is scored beside it; most have no such part."""
         return {}
 
+    def parameters(self) -> dict[str, dict[str, float]]:
+        """Return by target the fitted parameters that have a meaning of their own; most models have none."""
+        return {}
+
     def begin(self, window: Tensor) -> Any:
         """Return what is remembered of known samples (batch, length, features): the window itself, or a state."""
         return window

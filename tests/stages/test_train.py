@@ -8,6 +8,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import torch
 import yaml
@@ -21,7 +22,7 @@ from simgap.runner import StageRun
 from simgap.runner.command import main
 from simgap.stages.train import TrainStage, compared, train
 from tests.pipeline.models import learnable
-from tests.pipeline.models.rig import rig
+from tests.pipeline.models.rig import COMMANDED, rig
 from tests.pipeline.models.synthetic import QUADROTOR
 
 QUICK = Training(max_epochs=2, batch_size=128, horizons=[1, 10], evaluation_windows=100)
@@ -136,6 +137,17 @@ def test_free_runs_and_residual_ratios_are_written_where_they_are_asked_for(tmp_
     assert set(metrics["free_run"]["velocity"]) == {"mse", "correlation"}
     assert set(metrics["residual_ratios"]["velocity"]) == {"P_f", "P_i"}
     assert run.metrics["free_run/velocity/mse"] == metrics["free_run"]["velocity"]["mse"]
+    assert (run.output / "free_run.svg").read_text().startswith("<svg")
+    assert set(pd.read_parquet(run.output / "free_run.parquet")["state"]) == {"position", "velocity"}
+
+
+def test_gain_time_constant_and_damping_stand_in_the_metrics(tmp_path):
+    settings = replace(QUICK, layout="attitude", horizons=[1])
+    run = run_stage(tmp_path, rig(), "transfer_function", settings)
+    found = json.loads((run.output / "metrics.json").read_text())["parameters"]
+    for axis, true in zip("xyz", COMMANDED, strict=True):
+        expected = {"K": true.gain, "T": true.time_constant, "ζ": true.damping}
+        assert found[f"body_rate_{axis}"] == pytest.approx(expected, rel=1e-3)
 
 
 def test_motor_commands_are_learned_through_their_layout(tmp_path):
