@@ -173,7 +173,7 @@ def _score(
     if settings.free_run:
         scores["free_run"] = free_run_scores(model, held, settings.free_run)
         _write_traces(free_run_traces(model, held, settings.free_run), run)
-    if parameters := model.parameters():
+    if parameters := model.identified():
         scores["parameters"] = parameters
     if settings.residual_ratios:
         scores["residual_ratios"] = residual_ratios(model, held)

@@ -166,7 +166,7 @@ class DynamicsModel(ABC):
         """Return by name what of the model is scored beside it; most have no such part."""
         return {}
 
-    def parameters(self) -> dict[str, dict[str, float]]:
+    def identified(self) -> dict[str, dict[str, float]]:
         """Return by target the fitted parameters that have a meaning of their own; most models have none."""
         return {}
 

@@ -86,7 +86,7 @@ class TransferFunctionModel(DynamicsModel):
             for name in _PARAMETER_NAMES
         }
 
-    def parameters(self) -> dict[str, dict[str, float]]:
+    def identified(self) -> dict[str, dict[str, float]]:
         """Return K, T in s and ζ of every axis, and its delay in s where one is fitted."""
         shown = {"gain": "K", "time_constant": "T", "damping": "ζ"}
         shown |= {"delay": "delay"} if self.settings.delayed else {}
