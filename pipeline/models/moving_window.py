@@ -1,6 +1,6 @@
 """Moving-window learning: a model that is fitted anew to the last seconds of a run and predicts the ones that follow.
 
-Source: Kantue & Pedro, grey-box modelling of an unmanned quadcopter by radial basis functions.
+Source: Kantue & Pedro, grey-box modelling of multirotors in aggressive manoeuvres.
 """
 
 from dataclasses import replace

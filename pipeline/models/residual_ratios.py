@@ -1,6 +1,6 @@
 """Size of a model's residuals relative to its targets.
 
-Source: Kantue & Pedro, grey-box modelling of an unmanned quadcopter by radial basis functions, P_f and P_i.
+Source: Kantue & Pedro, grey-box modelling of multirotors in aggressive manoeuvres, P_f and P_i.
 """
 
 import torch
