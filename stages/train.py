@@ -12,7 +12,9 @@ from simgap.models.settings import Training
 from simgap.runner import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
-    from simgap.models.contract import DynamicsModel
+    import pandas as pd
+
+    from simgap.models.contract import DynamicsModel, FitContext
     from simgap.models.layout import Layout
     from simgap.models.windows import Series
     from simgap.recordings.recording import Recording
@@ -68,6 +70,10 @@ def _train(config: TrainStage, run: StageRun) -> None:
     require_holdout(recording.split, str(path))
     fitted, chosen, held = _series(recording, layout, run)
     fitted = fitted.excerpt(config.train.share, config.train.shift)
+    fitted, chosen, held = (
+        series.with_noise(config.train.noise, config.seed + part)
+        for part, series in enumerate((fitted, chosen, held))
+    )
     checkpoint = checkpoint_folder(
         config.artifacts, [asdict(settings), asdict(config.train), config.seed, data]
     )
@@ -87,7 +93,7 @@ def _train(config: TrainStage, run: StageRun) -> None:
         model.correct(chosen)
     save_model(model, run.output / "model")
     run.log_metrics({"best_validation_loss": loss})
-    _score(model, machines, config.train, before, run)
+    _score(model, machines, config.train, before, run, FitContext(config.seed))
     remove_checkpoint(checkpoint)
 
 
@@ -141,11 +147,13 @@ def _score(
     settings: Training,
     before: dict[str, dict[str, float]],
     run: StageRun,
+    context: "FitContext",
 ) -> None:
     """Write the errors on held-out runs, one-step errors beside those before a correction."""
     from simgap.models.error_distribution import error_quantiles
     from simgap.models.evaluation import rollout_errors
-    from simgap.models.free_run import free_run_scores
+    from simgap.models.free_run import free_run_scores, free_run_traces
+    from simgap.models.moving_window import moving_window_ratios
     from simgap.models.residual_ratios import residual_ratios
 
     history = settings.evaluation_history
@@ -155,6 +163,8 @@ def _score(
     for target, values in before.items():
         steps[target]["mse_uncorrected"] = values["mse"]
     scores: dict[str, Any] = {**errors, STEPS: steps}
+    for name, part in model.parts().items():
+        scores[name] = rollout_errors(part, held, settings.horizons, settings.evaluation_windows, history)
     if settings.quantiles:
         most = settings.evaluation_windows
         scores[DISTRIBUTION] = error_quantiles(
@@ -162,10 +172,23 @@ def _score(
         )
     if settings.free_run:
         scores["free_run"] = free_run_scores(model, held, settings.free_run)
+        _write_traces(free_run_traces(model, held, settings.free_run), run)
+    if parameters := model.identified():
+        scores["parameters"] = parameters
     if settings.residual_ratios:
         scores["residual_ratios"] = residual_ratios(model, held)
+    if settings.moving_window:
+        scores["moving_window"] = moving_window_ratios(model, held, settings, context)
     _write_metrics(_finite(scores), run)
     run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
+
+
+def _write_traces(traces: "pd.DataFrame", run: StageRun) -> None:
+    """Write the measured and modelled traces of a free run, and their figure."""
+    from simgap.models.trace_figure import trace_figure
+
+    traces.to_parquet(run.output / "free_run.parquet", index=False)
+    (run.output / "free_run.svg").write_text(trace_figure(traces), encoding="utf-8")
 
 
 def _write_metrics(metrics: dict[str, Any], run: StageRun) -> None:

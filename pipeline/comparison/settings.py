@@ -12,6 +12,7 @@ class TableOf:
     metrics: str = "*"  # pattern of metric names, with * and ?
     title: str = ""
     mean: bool = False  # whether a last column holds the mean of the other columns
+    variance: bool = False  # whether a column before it holds their variance
 
 
 @dataclass

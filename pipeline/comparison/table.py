@@ -1,9 +1,10 @@
 """A comparison as tables: a row per configuration over all of its seeds, and a column per metric."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from simgap.comparison.comparison import Comparison, Metrics, Value
 from simgap.comparison.settings import TableOf
 
 MEAN = "mean"
+VARIANCE = "variance"
 UNSWEPT = "as configured"  # label of the single row of a sweep over seeds alone
 
 
@@ -95,13 +97,13 @@ def _table(comparison: Comparison, wanted: TableOf, names: Sequence[str]) -> Tab
     headings = {name: units(name, heading) for name, heading in _headings(names).items()}
     groups: dict[tuple[tuple[str, Value], ...], list[Metrics]] = {}
     for job in comparison.jobs:
-        entries = _entries(job.metrics, headings, wanted.mean)
+        entries = _entries(job.metrics, headings, wanted)
         groups.setdefault(tuple(job.values.items()), []).append(entries)
-    columns = [*headings.values(), *([MEAN] if wanted.mean else [])]
+    columns = [*headings.values(), *_over_columns(wanted)]
     rows = [Row(dict(values), _estimates(group, columns)) for values, group in groups.items()]
     baseline = next((row for row in rows if _is_baseline(row, comparison.results.baseline)), None)
     references = [
-        Row({}, _estimates([_entries(metrics, headings, wanted.mean)], columns), name)
+        Row({}, _estimates([_entries(metrics, headings, wanted)], columns), name)
         for name, metrics in comparison.references.items()
         if metrics.keys() & headings.keys()
     ]
@@ -117,11 +119,17 @@ def _headings(names: Sequence[str]) -> dict[str, str]:
     return {name: "/".join(words[place] for place in places) or name for name, words in parts.items()}
 
 
-def _entries(metrics: Metrics, headings: Mapping[str, str], mean: bool) -> Metrics:
+def _over_columns(wanted: TableOf) -> dict[str, Callable[[np.ndarray], Any]]:
+    """Return the columns that are computed from the others."""
+    possible: dict[str, tuple[bool, Callable[[np.ndarray], Any]]]
+    possible = {VARIANCE: (wanted.variance, np.var), MEAN: (wanted.mean, np.mean)}
+    return {name: function for name, (asked, function) in possible.items() if asked}
+
+
+def _entries(metrics: Metrics, headings: Mapping[str, str], wanted: TableOf) -> Metrics:
     entries = {heading: metrics.get(name) for name, heading in headings.items()}
-    if not mean:
-        return entries
-    return entries | {MEAN: float(np.mean(np.array(list(entries.values()), dtype=float)))}
+    values = np.array(list(entries.values()), dtype=float)
+    return entries | {name: float(function(values)) for name, function in _over_columns(wanted).items()}
 
 
 def _estimates(group: Sequence[Metrics], columns: Sequence[str]) -> dict[str, Estimate]:

@@ -19,22 +19,24 @@ class BlackBoxSettings(TrainedSettings):
 
     name: str = "black_box"
     sequence_length: int = 20
-    units: int = 64  # of the LSTM
+    units: int = 32  # of every LSTM
+    layers: int = 7  # LSTMs in the stack
     delays: int = 1  # newest samples that the network sees at each step
     learning_rate: float = 2e-3
 
 
 class BlackBoxModel(NetworkModel):
-    """An LSTM whose state is set from the known samples and carried over the horizon."""
+    """A stack of LSTMs whose states are set from the known samples and carried over the horizon."""
 
     settings_class: ClassVar[type[ModelSettings]] = BlackBoxSettings
     settings: BlackBoxSettings
     network: RecurrentNetwork
 
     def build_network(self, features: int, targets: int) -> RecurrentNetwork:
-        """Return initialiser, delay line, LSTM and head."""
+        """Return initialiser, delay line, LSTMs and head."""
         settings = self.settings
-        return RecurrentNetwork(features, settings.sequence_length, settings.delays, settings.units, targets)
+        sizes = settings.sequence_length, settings.delays, settings.units
+        return RecurrentNetwork(features, *sizes, targets, settings.layers)
 
     def begin(self, window: Tensor) -> Memory:
         """Set the network's state."""

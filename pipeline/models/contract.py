@@ -162,6 +162,14 @@ class DynamicsModel(ABC):
             reached.append(state)
         return torch.stack(reached, dim=1)
 
+    def parts(self) -> dict[str, "DynamicsModel"]:
+        """Return by name what of the model is scored beside it; most have no such part."""
+        return {}
+
+    def identified(self) -> dict[str, dict[str, float]]:
+        """Return by target the fitted parameters that have a meaning of their own; most models have none."""
+        return {}
+
     def begin(self, window: Tensor) -> Any:
         """Return what is remembered of known samples (batch, length, features): the window itself, or a state."""
         return window

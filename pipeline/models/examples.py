@@ -92,6 +92,7 @@ class Examples:
         return Scaler.fit(self.targets[self.seen()], "standard").spread
 
 
+@torch.no_grad()
 def one_step_loss(increments: Callable[[Tensor], Tensor], train: Examples, held: Examples) -> float:
     """Return the mean squared error of increments on held examples, each scaled by its spread in training."""
     squared = [

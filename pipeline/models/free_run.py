@@ -1,5 +1,7 @@
 """Free-run simulation of a model in parallel form: recorded inputs, with its own outputs fed back."""
 
+import numpy as np
+import pandas as pd
 import torch
 from torch import Tensor
 
@@ -22,14 +24,7 @@ def free_run_scores(model: DynamicsModel, series: Series, duration: float) -> di
     Raises:
         InputError: when no segment is that long.
     """
-    steps, length = round(duration / series.time_step), model.settings.sequence_length
-    starts = series.stretches(length, steps)
-    if steps < 1 or not len(starts):
-        raise InputError(f"no held-out segment lasts {duration} s", "train.free_run", "shorten it")
-    states = gather(series.states, starts, length + steps)
-    actions = gather(series.actions, starts, length + steps - 1)
-    predicted = model.rollout(states[:, :length], actions).flatten(0, 1)
-    true = states[:, length:].flatten(0, 1)
+    predicted, true = (part.flatten(0, 1) for part in _free_runs(model, series, duration))
     return {
         name: {
             "mse": float((predicted[:, index] - true[:, index]).square().mean()),
@@ -37,6 +32,40 @@ def free_run_scores(model: DynamicsModel, series: Series, duration: float) -> di
         }
         for index, name in enumerate(model.layout.states)
     }
+
+
+def free_run_traces(model: DynamicsModel, series: Series, duration: float) -> pd.DataFrame:
+    """Return the first of the stretches that `free_run_scores` scores, sample by sample.
+
+    Args:
+        model: to be simulated.
+        series: of held-out runs.
+        duration: of a stretch, s.
+
+    Returns:
+        Columns t (s, from the last known sample), state, measured and modelled (in the state's unit).
+
+    Raises:
+        InputError: when no segment is that long.
+    """
+    predicted, true = (part[0].numpy() for part in _free_runs(model, series, duration))
+    time = series.time_step * np.arange(1, len(true) + 1)
+    pieces = [
+        pd.DataFrame({"t": time, "state": name, "measured": true[:, index], "modelled": predicted[:, index]})
+        for index, name in enumerate(model.layout.states)
+    ]
+    return pd.concat(pieces, ignore_index=True)
+
+
+def _free_runs(model: DynamicsModel, series: Series, duration: float) -> tuple[Tensor, Tensor]:
+    """Return predicted and recorded states of all stretches, (stretches, steps, states) each."""
+    steps, length = round(duration / series.time_step), model.settings.sequence_length
+    starts = series.stretches(length, steps)
+    if steps < 1 or not len(starts):
+        raise InputError(f"no held-out segment lasts {duration} s", "train.free_run", "shorten it")
+    states = gather(series.states, starts, length + steps)
+    actions = gather(series.actions, starts, length + steps - 1)
+    return model.rollout(states[:, :length], actions), states[:, length:]
 
 
 def _correlation(one: Tensor, other: Tensor) -> float:

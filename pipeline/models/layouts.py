@@ -26,11 +26,16 @@ steering, of a swerve's recording, whose four modules are machines of one kind
     input      steer voltage
     features   velocity and its sign, voltage
     predicted  increment of the steer velocity
+all_steering, of a swerve's recording
+    state      steer velocities of all modules
+    input      drive velocities, drive and steer voltages
+    features   all of them
+    predicted  increments of the steer velocities
 
 The first three are taken by the kind of a recording, the others by `train.layout`.
 Positions, attitudes and angles follow from the velocities by kinematics, so they are never learned.
 
-Layouts that a person chooses by `train.layout`, both of a quadrotor's recording:
+Layouts that a person chooses by `train.layout`, all of a quadrotor's recording:
 
 attitude
     state      body rates
@@ -42,6 +47,11 @@ motor_command
     input      attitude, velocity, body rate, and specific force and battery voltage where they were recorded
     features   the air's velocity at every rotor, body rate, specific force, battery voltage
     predicted  the motor commands themselves
+motor_setpoint
+    state      motor commands
+    input      attitude, velocity, body rate, and setpoints of thrust and body rates where they were recorded
+    features   body velocity, body rate, setpoints
+    predicted  the motor commands themselves
 """
 
 from collections.abc import Mapping
@@ -49,10 +59,11 @@ from difflib import get_close_matches
 from typing import Any
 
 from simgap.errors import InputError
+from simgap.models.all_steering_layout import AllSteeringLayout
 from simgap.models.attitude_layout import AttitudeLayout
 from simgap.models.joint_layout import JointLayout
 from simgap.models.layout import Layout
-from simgap.models.motor_command_layout import MotorCommandLayout
+from simgap.models.motor_command_layout import MotorCommandLayout, MotorSetpointLayout
 from simgap.models.quadrotor_layout import QuadrotorLayout
 from simgap.models.steering_layout import SteeringLayout
 from simgap.models.swerve_chassis_layout import SwerveChassisLayout
@@ -67,8 +78,10 @@ LAYOUTS: dict[str, type[Layout]] = {
         JointLayout,
         SwerveChassisLayout,
         SteeringLayout,
+        AllSteeringLayout,
         AttitudeLayout,
         MotorCommandLayout,
+        MotorSetpointLayout,
     )
 }
 

@@ -19,6 +19,7 @@ _MOTION_COLUMNS = tuple(
     for stem, axes in (("attitude", "wxyz"), ("velocity", "xyz"), ("body_rate", "xyz"))
     for axis in axes
 )
+_SETPOINTS = ("thrust_command", *(f"body_rate_command_{axis}" for axis in "xyz"))
 _REQUESTS = (*(f"specific_force_{axis}" for axis in "xyz"), "battery_voltage")
 
 
@@ -101,3 +102,34 @@ class MotorCommandLayout(Layout):
         """Absolute differences by motor, 0 to 1."""
         difference = (predicted - true).abs()
         return {name: difference[..., index] for index, name in enumerate(self.states)}
+
+
+@dataclass(frozen=True)
+class MotorSetpointLayout(MotorCommandLayout):
+    """State: the motor commands. Inputs: motion and setpoints at the same instant, as Kantue & Pedro have them.
+
+    Their four stick inputs are the setpoints of thrust and body rates, as far as they were recorded.
+    """
+
+    kind: ClassVar[str] = "motor_setpoint"
+
+    @property
+    def features(self) -> tuple[str, ...]:
+        """Body velocity u, v, w m/s; body rate p, q, r rad/s; setpoints of thrust m/s² and body rates rad/s."""
+        moving = (f"{stem}_{axis}" for stem in ("body_velocity", "body_rate") for axis in "xyz")
+        return (*moving, *self.inputs[len(_MOTION_COLUMNS) :])
+
+    @classmethod
+    def of_recording(cls, recording: Recording) -> "MotorSetpointLayout":
+        """Take the motion, and the setpoints that were recorded; a command is predicted from its own instant."""
+        setpoints = tuple(name for name in _SETPOINTS if name in recording.units)
+        return cls((*_MOTION_COLUMNS, *setpoints), lead=1)
+
+    def on(self, platform: Mapping[str, Any]) -> "MotorSetpointLayout":
+        """Return the layout: it does not know where the rotors are."""
+        return self
+
+    def encode(self, state: Tensor, action: Tensor) -> Tensor:
+        """Velocities along the body's axes; the commands are not seen."""
+        body = rotations.rotate_inverse(action[..., :4], action[..., 4:7])
+        return torch.cat([body, action[..., 7:]], dim=-1)

@@ -4,6 +4,7 @@ Source: Mohajerin & Waslander 2019, "Multistep prediction of dynamic systems wit
 Transactions on Neural Networks and Learning Systems 30(11), §III.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import torch
@@ -17,59 +18,80 @@ class Memory(NamedTuple):
 
     Attributes:
         recent: the newest samples, (batch, delays, features).
-        hidden: of the LSTM, (batch, units).
-        cell: of the LSTM, (batch, units).
+        beside: what is known of the present alone, (batch, beside).
+        hidden: of each LSTM, (layers, batch, units).
+        cell: of each LSTM, (layers, batch, units).
     """
 
     recent: Tensor
+    beside: Tensor
     hidden: Tensor
     cell: Tensor
 
 
 class RecurrentNetwork(nn.Module):
-    """An LSTM over a tapped delay line; a dense head sees its state and the delay line.
+    """A stack of LSTMs over a tapped delay line; a dense head sees the state of the last one and the delay line.
 
     Args:
         features: of a sample.
         length: known samples from which the state is set.
         delays: samples in the delay line; 1: the newest alone.
-        units: of the LSTM, and of the hidden layers of initialiser and head.
+        units: of every LSTM, and of the hidden layers of initialiser and head.
         outputs: of the head.
+        layers: LSTMs in the stack.
+        beside: values of the present that are seen with the delay line and do not stand in it.
 
     Raises:
-        InputError: when the delay line is longer than the window or holds nothing.
+        InputError: when the delay line is longer than the window or holds nothing, or the stack has no layer.
     """
 
-    def __init__(self, features: int, length: int, delays: int, units: int, outputs: int) -> None:
+    def __init__(
+        self,
+        features: int,
+        length: int,
+        delays: int,
+        units: int,
+        outputs: int,
+        layers: int = 1,
+        beside: int = 0,
+    ) -> None:
         super().__init__()
         if not 1 <= delays <= length:
             raise InputError("is not between 1 and sequence_length", "model.delays", "change one of the two")
-        self.delays = delays
-        width = features * delays
-        self.initialiser = dense(features * length, units, 2 * units)
-        self.recurrence = nn.LSTMCell(width, units)
+        if layers < 1:
+            raise InputError("a stack has at least one layer", "model.layers", "give a positive number")
+        self.delays, self.layers = delays, layers
+        width = features * delays + beside
+        self.initialiser = dense(features * length, units, 2 * units * layers)
+        self.stack = nn.ModuleList(nn.LSTMCell(*sizes) for sizes in pairwise([width, *[units] * layers]))
         self.head = dense(units + width, units, outputs)
 
-    def begin(self, window: Tensor) -> Memory:
+    def begin(self, window: Tensor, beside: Tensor | None = None) -> Memory:
         """Set the state from known samples (batch, length, features), the newest of which is read already."""
-        hidden, cell = self.initialiser(window.flatten(1)).tanh().chunk(2, dim=-1)
-        return self._remember(window[:, -self.delays :], hidden, cell)
+        states = self.initialiser(window.flatten(1)).tanh().unflatten(1, (2, self.layers, -1))
+        hidden, cell = states.movedim(0, 2)
+        return self._remember(window[:, -self.delays :], beside, hidden, cell)
 
-    def follow(self, memory: Memory, newest: Tensor) -> Memory:
-        """Read one more sample (batch, features)."""
+    def follow(self, memory: Memory, newest: Tensor, beside: Tensor | None = None) -> Memory:
+        """Read one more sample (batch, features), and what stands beside it (batch, beside)."""
         recent = torch.cat([memory.recent[:, 1:], newest[:, None]], dim=1)
-        return self._remember(recent, memory.hidden, memory.cell)
+        return self._remember(recent, beside, memory.hidden, memory.cell)
 
     def read(self, memory: Memory) -> Tensor:
         """Return the outputs (batch, outputs) after the newest sample."""
-        return self.head(torch.cat([memory.hidden, memory.recent.flatten(1)], dim=1))
+        return self.head(torch.cat([memory.hidden[-1], memory.recent.flatten(1), memory.beside], dim=1))
 
-    def forward(self, window: Tensor) -> Tensor:
+    def forward(self, window: Tensor, beside: Tensor | None = None) -> Tensor:
         """Return the outputs (batch, outputs) after known samples (batch, length, features)."""
-        return self.read(self.begin(window))
+        return self.read(self.begin(window, beside))
 
-    def _remember(self, recent: Tensor, hidden: Tensor, cell: Tensor) -> Memory:
-        return Memory(recent, *self.recurrence(recent.flatten(1), (hidden, cell)))
+    def _remember(self, recent: Tensor, beside: Tensor | None, hidden: Tensor, cell: Tensor) -> Memory:
+        beside = recent.new_zeros(len(recent), 0) if beside is None else beside
+        seen, states = torch.cat([recent.flatten(1), beside], dim=1), []
+        for layer, *state in zip(self.stack, hidden.unbind(), cell.unbind(), strict=True):
+            states.append(layer(seen, tuple(state)))
+            seen = states[-1][0]
+        return Memory(recent, beside, *(torch.stack(part) for part in zip(*states, strict=True)))
 
 
 def dense(inputs: int, units: int, outputs: int) -> nn.Sequential:

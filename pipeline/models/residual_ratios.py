@@ -1,4 +1,7 @@
-"""Size of a model's residuals relative to its targets."""
+"""Size of a model's residuals relative to its targets.
+
+Source: Kantue & Pedro, grey-box modelling of multirotors in aggressive manoeuvres, P_f and P_i.
+"""
 
 import torch
 
@@ -7,16 +10,18 @@ from simgap.models.windows import Series
 
 
 def ratios(measured: torch.Tensor, residual: torch.Tensor) -> dict[str, float]:
-    """Return P_f = |1 − ‖ν‖/‖y − ȳ‖| and P_i = |1 − ‖y − ȳ‖/‖ν‖|.
+    """Return P_f = 1 − ‖ν‖/‖y − ȳ‖ and P_i = ‖y − ȳ‖/‖ν‖ − 1.
 
-    For a useful model P_f rises from 0, where the mean would do as well, to 1; P_i grows without bound.
+    Both are 0 where the mean would do as well, positive for a useful model and negative for one that is worse than the
+    mean: P_f rises to 1 and falls without bound, P_i rises without bound and falls to −1. Kantue & Pedro take the
+    sizes of both, so that a residual twice as large as the spread scores as well as none; here the sign is kept.
 
     Args:
         measured: y (samples,).
         residual: ν (samples,).
     """
     spread, left = torch.linalg.vector_norm(measured - measured.mean()), torch.linalg.vector_norm(residual)
-    return {"P_f": float((1.0 - left / spread).abs()), "P_i": float((1.0 - spread / left).abs())}
+    return {"P_f": float(1.0 - left / spread), "P_i": float(spread / left - 1.0)}
 
 
 @torch.no_grad()

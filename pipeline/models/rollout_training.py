@@ -3,6 +3,7 @@
 Source: Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic model for multi-step prediction".
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Protocol, runtime_checkable
@@ -77,24 +78,30 @@ class RolloutRegression(lightning.LightningModule):
         self.model, self.network = model, model.network
         self.train_series, self.validation_series = _single(train), _single(validation)
         self.steps, self.size, self.seed = training.steps, training.batch_size, seed
-        self.epochs = training.max_epochs
-        self.length = model.settings.sequence_length + training.steps
+        self.epochs, self.growing = training.max_epochs, round(training.growth * training.max_epochs)
+        self.known = model.settings.sequence_length
         self.usual = usual_changes(model.layout, self.train_series, training.steps)
 
     def train_dataloader(self) -> Stretches:
         """Shuffle anew by seed and epoch, so that a resumed epoch is the one that was interrupted."""
-        starts = _starts(self.train_series, self.length, "training")
+        length = self.known + self.horizon()
+        starts = _starts(self.train_series, length, "training")
         generator = torch.Generator().manual_seed((self.seed * 100_003 + self.current_epoch) % 2**63)
         order = torch.randperm(len(starts), generator=generator)
         kept = max(len(order) // _THINNING, self.size)
-        return Stretches(self.train_series, starts[order[:kept]], self.length, self.size)
+        return Stretches(self.train_series, starts[order[:kept]], length, self.size)
 
     def val_dataloader(self) -> Stretches:
         """Go through windows that are spread evenly over the validation runs."""
-        starts = _starts(self.validation_series, self.length, "validation")
+        length = self.known + self.steps
+        starts = _starts(self.validation_series, length, "validation")
         return Stretches(
-            self.validation_series, evenly(starts, _VALIDATION_WINDOWS), self.length, _VALIDATION_WINDOWS
+            self.validation_series, evenly(starts, _VALIDATION_WINDOWS), length, _VALIDATION_WINDOWS
         )
+
+    def horizon(self) -> int:
+        """Return the steps that are predicted in this epoch, fewer in the first ones where the horizon grows."""
+        return math.ceil(self.steps * min((self.current_epoch + 1) / (self.growing + 1), 1.0))
 
     def on_train_epoch_start(self) -> None:
         """Keep the network as it is in prediction."""
@@ -121,10 +128,11 @@ class RolloutRegression(lightning.LightningModule):
 
     def _loss(self, batch: tuple[Tensor, Tensor]) -> Tensor:
         states, actions = batch
-        known = self.model.settings.sequence_length
-        predicted = self.model.unroll(states[:, :known], actions)
-        errors = self.model.layout.errors(predicted, states[:, known:])
-        return torch.stack([(errors[name] / usual).mean() for name, usual in self.usual.items()]).mean()
+        predicted = self.model.unroll(states[:, : self.known], actions)
+        errors = self.model.layout.errors(predicted, states[:, self.known :])
+        steps = predicted.shape[1]
+        relative = [(errors[name] / usual[:steps]).mean() for name, usual in self.usual.items()]
+        return torch.stack(relative).mean()
 
 
 def train_rollouts(
@@ -133,8 +141,11 @@ def train_rollouts(
     """Train a network further through predictions of `training.steps` steps; return the lowest validation loss.
 
     Raises:
-        InputError: when no segment is long enough, or the training diverges from the beginning.
+        InputError: when no segment is long enough, the horizon is to grow for no share of the epochs, or the training
+            diverges from the beginning.
     """
+    if not 0.0 <= training.growth <= 1.0:
+        raise InputError("is a share from 0 to 1 of the epochs", "train.growth", "correct it")
     if context.checkpoint is not None:
         context = replace(context, checkpoint=context.checkpoint / "rollouts")
     module = RolloutRegression(model, train, validation, training, context.seed)

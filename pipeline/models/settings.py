@@ -28,6 +28,7 @@ class Training:
     steps: int = (
         1  # open-loop steps through which a network is trained further, once it predicts the next one
     )
+    growth: float = 0.0  # share of the epochs in which these steps grow, evenly, to their number
     bias_correction: bool = (
         False  # whether predictions are corrected by a line that is fitted on validation runs
     )
@@ -43,6 +44,9 @@ class Training:
     shift: float = 0.0  # share of the training data before the part that is used
     free_run: float = 0.0  # s over which held-out runs are simulated from their inputs alone; 0: not
     residual_ratios: bool = False  # whether residuals are compared in size with what is predicted
+    moving_window: float = 0.0  # s of held-out runs to which the model is fitted anew all along them; 0: not
+    moving_step: float = 0.5  # s that such a fit predicts
+    noise: float = 0.0  # standard deviation of white noise on all recorded inputs, over each one's own
 
 
 @dataclass

@@ -25,8 +25,9 @@ def step_scores(model: DynamicsModel, series: Series, history: int = 0) -> dict[
         history: samples before the first predicted one, at least; see `scored_starts`.
 
     Returns:
-        Target to {mse, r_squared, increment_r_squared, correlation}: mean squared error in the target's unit squared,
-        coefficients of determination of value and increment, Pearson's correlation of predicted with true values.
+        Target to {mse, mae, r_squared, increment_r_squared, correlation}: mean squared error in the target's unit
+        squared, mean absolute error in its unit, coefficients of determination of value and increment, Pearson's
+        correlation of predicted with true values.
         NaN where the true ones do not vary.
 
     Raises:
@@ -41,6 +42,7 @@ def step_scores(model: DynamicsModel, series: Series, history: int = 0) -> dict[
     return {
         target: {
             "mse": float((predicted[:, column] - true[:, column]).square().mean()),
+            "mae": float((predicted[:, column] - true[:, column]).abs().mean()),
             "r_squared": _r_squared(predicted[:, column], true[:, column]),
             "increment_r_squared": _r_squared(
                 *(value[:, column] - before[:, column] for value in (predicted, true))

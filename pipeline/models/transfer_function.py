@@ -86,6 +86,15 @@ class TransferFunctionModel(DynamicsModel):
             for name in _PARAMETER_NAMES
         }
 
+    def identified(self) -> dict[str, dict[str, float]]:
+        """Return K, T in s and ζ of every axis, and its delay in s where one is fitted."""
+        shown = {"gain": "K", "time_constant": "T", "damping": "ζ"}
+        shown |= {"delay": "delay"} if self.settings.delayed else {}
+        return {
+            target: {short: float(getattr(axis, name)) for name, short in shown.items()}
+            for target, axis in zip(self.layout.targets, self.axes, strict=True)
+        }
+
     def restore(self, tensors: Mapping[str, Tensor]) -> None:
         """Take over what was fitted."""
         own = take_tensors(tensors, dict.fromkeys(_PARAMETER_NAMES, (len(self.layout.inputs),)))

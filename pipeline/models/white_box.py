@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from simgap.errors import InputError
 from simgap.models.contract import DynamicsModel, FitContext
@@ -35,6 +35,8 @@ class WhiteBoxModel(DynamicsModel):
     settings_class: ClassVar[type[ModelSettings]] = WhiteBoxSettings
     kinds: ClassVar[frozenset[str] | None] = frozenset(TERMS)
     settings: WhiteBoxSettings
+    changes: nn.ParameterList | None = None
+    """Of the fitted coefficients by target, each in percent: what a hybrid learns of them; None: nothing."""
 
     def fit(
         self, train: Series, validation: Series, training: Training, context: FitContext | None = None
@@ -50,7 +52,7 @@ class WhiteBoxModel(DynamicsModel):
         newest = features[:, -1]
         accelerations = [
             torch.stack(terms, dim=-1) @ own.to(newest)
-            for terms, own in zip(self._terms(newest), self.coefficients, strict=True)
+            for terms, own in zip(self._terms(newest), self._changed(), strict=True)
         ]
         return self.time_step * (self._known(newest) + torch.stack(accelerations, dim=-1))
 
@@ -60,11 +62,20 @@ class WhiteBoxModel(DynamicsModel):
 
     def restore(self, tensors: Mapping[str, Tensor]) -> None:
         """Take over the coefficients."""
-        counts = [len(terms) for terms in self._terms(torch.zeros(len(self.layout.features)))]
-        own = take_tensors(
-            tensors, {name: (count,) for name, count in zip(self.layout.targets, counts, strict=True)}
-        )
+        shapes = {name: (count,) for name, count in zip(self.layout.targets, self.counts(), strict=True)}
+        own = take_tensors(tensors, shapes)
         self.coefficients = [own[name] for name in self.layout.targets]
+
+    def counts(self) -> list[int]:
+        """Return the number of coefficients of each target's equation."""
+        return [len(terms) for terms in self._terms(torch.zeros(len(self.layout.features)))]
+
+    def _changed(self) -> list[Tensor]:
+        """Return the coefficients with what a hybrid has learned of them."""
+        if self.changes is None:
+            return self.coefficients
+        pairs = zip(self.coefficients, self.changes, strict=True)
+        return [own * (1.0 + 0.01 * change) for own, change in pairs]
 
     def _terms(self, features: Tensor) -> list[Terms]:
         return TERMS[self.layout.kind](features)

@@ -66,6 +66,24 @@ class Series:
         bounds = self.bounds[:, :1] + torch.stack([first, last], dim=1)
         return replace(self, bounds=bounds[last > first])
 
+    def with_noise(self, share: float, seed: int) -> "Series":
+        """Return the same samples with white noise on the inputs.
+
+        Args:
+            share: standard deviation of the noise over that of each input; 0: the series itself.
+            seed: of the noise.
+
+        Raises:
+            InputError: when the share is negative.
+        """
+        if share < 0.0:
+            raise InputError("cannot be negative", "train.noise", "give a share of each input's spread")
+        if not share or not len(self):
+            return self
+        random = torch.Generator().manual_seed(seed)
+        noise = torch.randn(self.actions.shape, generator=random, dtype=self.actions.dtype)
+        return replace(self, actions=self.actions + share * self.actions.std(0) * noise)
+
     def split_tail(self, share: float) -> tuple["Series", "Series"]:
         """Return the same samples with each segment ended early, and with its last share alone."""
         first, last = self.bounds.T

@@ -8,6 +8,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import torch
 import yaml
@@ -21,7 +22,7 @@ from simgap.runner import StageRun
 from simgap.runner.command import main
 from simgap.stages.train import TrainStage, compared, train
 from tests.pipeline.models import learnable
-from tests.pipeline.models.rig import rig
+from tests.pipeline.models.rig import COMMANDED, rig
 from tests.pipeline.models.synthetic import QUADROTOR
 
 QUICK = Training(max_epochs=2, batch_size=128, horizons=[1, 10], evaluation_windows=100)
@@ -60,6 +61,16 @@ def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path
     assert model.provenance.value == run.metrics["best_validation_loss"]
     assert model.provenance.training["max_epochs"] == 2
     assert not any((tmp_path / "artifacts").rglob("*.ckpt"))
+
+
+def test_a_hybrid_is_scored_before_compensation_as_well(tmp_path):
+    settings = replace(QUICK, steps=3, growth=0.5)
+    run = run_stage(tmp_path, learnable.quadrotor(), "hybrid_serial", settings)
+    metrics = json.loads((run.output / "metrics.json").read_text())
+    before = metrics["uncompensated"]
+    assert set(before) == {"position", "attitude", "velocity", "body_rate"}
+    assert before["velocity"]["h10"]["naive"] == metrics["velocity"]["h10"]["naive"]
+    assert before["velocity"]["h10"]["model"] != metrics["velocity"]["h10"]["model"]
 
 
 def test_scores_are_compared_with_those_of_persistence_apart():
@@ -115,13 +126,28 @@ def test_errors_before_and_after_a_correction_are_reported(tmp_path):
 
 
 def test_free_runs_and_residual_ratios_are_written_where_they_are_asked_for(tmp_path):
-    settings = replace(QUICK, free_run=1.0, residual_ratios=True, share=0.5, shift=0.5)
+    settings = replace(
+        QUICK, free_run=1.0, residual_ratios=True, moving_window=2.0, noise=0.1, share=0.5, shift=0.5
+    )
     run = run_stage(tmp_path, learnable.linear_joint(), settings=settings)
     metrics = json.loads((run.output / "metrics.json").read_text())
-    assert set(metrics) == {"position", "velocity", "steps", "free_run", "residual_ratios"}
+    scored = {"position", "velocity", "steps", "free_run", "residual_ratios", "moving_window"}
+    assert set(metrics) == scored
+    assert set(metrics["moving_window"]["velocity"]) == {"P_f", "P_i"}
     assert set(metrics["free_run"]["velocity"]) == {"mse", "correlation"}
     assert set(metrics["residual_ratios"]["velocity"]) == {"P_f", "P_i"}
     assert run.metrics["free_run/velocity/mse"] == metrics["free_run"]["velocity"]["mse"]
+    assert (run.output / "free_run.svg").read_text().startswith("<svg")
+    assert set(pd.read_parquet(run.output / "free_run.parquet")["state"]) == {"position", "velocity"}
+
+
+def test_gain_time_constant_and_damping_stand_in_the_metrics(tmp_path):
+    settings = replace(QUICK, layout="attitude", horizons=[1])
+    run = run_stage(tmp_path, rig(), "transfer_function", settings)
+    found = json.loads((run.output / "metrics.json").read_text())["parameters"]
+    for axis, true in zip("xyz", COMMANDED, strict=True):
+        expected = {"K": true.gain, "T": true.time_constant, "ζ": true.damping}
+        assert found[f"body_rate_{axis}"] == pytest.approx(expected, rel=1e-3)
 
 
 def test_motor_commands_are_learned_through_their_layout(tmp_path):

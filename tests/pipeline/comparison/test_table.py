@@ -40,6 +40,14 @@ def test_a_table_shows_what_matches_and_its_mean():
     assert table.rows[0].entries["mean"].std == pytest.approx(0.0)
 
 
+def test_the_variance_over_the_columns_stands_before_their_mean():
+    wanted = Results(tables=[TableOf("steps/*/mse", "MSE", mean=True, variance=True)])
+    (table,) = tables_of(replace(lengths(), results=wanted))
+    assert table.columns == ["motor_1", "motor_2", "variance", "mean"]
+    motors = [table.rows[0].entries[f"motor_{number}"].mean for number in (1, 2)]
+    assert table.rows[0].entries["variance"].mean == pytest.approx((motors[0] - motors[1]) ** 2 / 4)
+
+
 def test_changes_are_held_against_the_baseline():
     table = tables_of(replace(lengths(), results=Results(baseline={"model": "lstm"})))[0]
     lstm, other_lstm, tcn, _, persistence = table.rows

@@ -52,6 +52,14 @@ def test_every_model_of_the_configuration_is_tried_here():
 
 
 @every_model
+def test_parts_are_models_and_identified_parameters_are_those_of_targets(name):
+    model, _, held = fitted(name)
+    states, actions, true = windows(model, held)
+    assert all(part.rollout(states, actions).shape == true.shape for part in model.parts().values())
+    assert set(model.identified()) <= set(model.layout.targets)
+
+
+@every_model
 @every_kind
 def test_predictions_and_rollouts_agree_in_shape_and_first_step(name, kind):
     model, loss, held = fitted(name, kind)

@@ -118,6 +118,7 @@ def test_scores_of_one_step_are_those_of_their_definitions():
     squared = (change - 0.5).square()
     expected = {
         "mse": squared.mean(),
+        "mae": (change - 0.5).abs().mean(),
         "r_squared": 1 - squared.mean() / following.var(correction=0),
         "increment_r_squared": 1 - squared.mean() / change.var(correction=0),
         "correlation": torch.corrcoef(torch.stack([velocity[:-1] + 0.5, following]))[0, 1],

@@ -1,10 +1,12 @@
 from dataclasses import replace
+from xml.etree import ElementTree
 
 import pytest
 import torch
 
 from simgap.errors import InputError
-from simgap.models.free_run import free_run_scores
+from simgap.models.free_run import free_run_scores, free_run_traces
+from simgap.models.trace_figure import trace_figure
 from tests.pipeline.models import learnable
 
 
@@ -31,6 +33,20 @@ def test_recorded_states_after_the_first_window_are_not_looked_at(fitted):
     spoiled = replace(held, states=torch.cat([held.states[:length], 0.0 * held.states[length:]]))
     told = free_run_scores(model, spoiled, duration=5.9)  # the whole run
     assert told["velocity"]["mse"] == pytest.approx(float(true[:, 1].square().mean()))
+
+
+def test_traces_hold_what_is_scored_and_are_drawn(fitted):
+    model, held = fitted
+    traces = free_run_traces(model, held, duration=5.9)  # the whole run: the only stretch
+    squared = (traces["measured"] - traces["modelled"]).pow(2).groupby(traces["state"]).mean()
+    scores = free_run_scores(model, held, duration=5.9)
+    assert {name: score["mse"] for name, score in scores.items()} == pytest.approx(squared.to_dict())
+    assert traces["t"].min() == pytest.approx(held.time_step)
+    figure = ElementTree.fromstring(trace_figure(traces))
+    lines = [part for part in figure.iter() if part.tag.endswith("polyline")]
+    assert [len(line.get("points").split()) for line in lines] == [len(traces) // 2] * 4
+    broken = traces.assign(modelled=float("nan"), state="<b>")
+    assert "&lt;b&gt;" in trace_figure(broken)
 
 
 def test_a_stretch_longer_than_every_run_is_refused(fitted):

@@ -14,9 +14,11 @@ RECORDINGS = {
     "swerve": learnable.swerve,
     "swerve_chassis": learnable.swerve,
     "steering": learnable.swerve,
+    "all_steering": learnable.swerve,
     "quadrotor": learnable.quadrotor,
     "attitude": rig,
     "motor_command": rig,
+    "motor_setpoint": rig,
 }
 
 
@@ -93,6 +95,27 @@ def test_every_rotor_moves_with_the_body_and_its_turning():
         expected = torch.tensor([3.0 - 2.0 * place[1], 2.0 * place[0], 0.0], dtype=torch.float64)
         assert torch.allclose(rotor, expected)
     assert torch.equal(seen[12:], rate)
+
+
+def test_all_eight_motors_are_seen_and_the_four_steering_motors_predicted():
+    layout = layout_of(learnable.swerve(), "all_steering")
+    stems = ("steer_velocity", "drive_velocity", "drive_voltage", "steer_voltage")
+    assert layout.features == tuple(f"{stem}_{number}" for stem in stems for number in range(1, 5))
+    assert layout.targets == tuple(f"steer_velocity_{number}" for number in range(1, 5))
+
+
+def test_published_inputs_of_a_motor_are_the_motion_and_the_setpoints_of_its_own_instant():
+    recorded = rig()
+    layout = layout_of(recorded, "motor_setpoint")
+    assert layout.features == (
+        *(f"body_velocity_{axis}" for axis in "xyz"),
+        *(f"body_rate_{axis}" for axis in "xyz"),
+        *(f"body_rate_command_{axis}" for axis in "xyz"),
+    )
+    series = series_of(recorded, layout, ["a"])
+    frame = recorded.frame[recorded.frame["run"] == "a"]
+    seen = layout.encode(series.states, series.actions)
+    assert seen[:, 6].tolist() == frame["body_rate_command_x"].tolist()[1:]
 
 
 def test_motion_is_taken_as_much_later_as_a_command_needs_to_show():

@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import pytest
 import torch
 
 from simgap.errors import InputError
 from simgap.models.contract import FitContext
+from simgap.models.moving_window import moving_window_ratios
 from simgap.models.orthogonal_least_squares import choose
 from simgap.models.rbf import RadialBasisModel
 from simgap.models.residual_ratios import ratios, residual_ratios
@@ -76,6 +79,8 @@ def test_the_ratios_of_known_residuals():
     residual = torch.tensor([0.5, 0.0, 0.0, 0.0], dtype=torch.float64)
     assert ratios(measured, residual) == {"P_f": 0.75, "P_i": 3.0}
     assert ratios(measured, measured - 2.0) == {"P_f": 0.0, "P_i": 0.0}
+    # A residual of twice the spread is worse than the mean, and says so.
+    assert ratios(measured, 2.0 * (measured - 2.0)) == {"P_f": -1.0, "P_i": -0.5}
 
 
 def test_the_ratios_stand_beside_the_neurons_and_the_samples_that_they_took():
@@ -85,9 +90,63 @@ def test_the_ratios_stand_beside_the_neurons_and_the_samples_that_they_took():
     told = []
     model.fit(train, validation, learnable.QUICK, FitContext(log=lambda numbers, step: told.append(numbers)))
     windows = len(train.starts(model.settings.sequence_length + 1))
-    expected = {"neurons": len(model.tensors()["centres"]), "samples": windows}
-    assert residual_ratios(model, held)["size"] == expected
-    assert told == [expected]
+    size = residual_ratios(model, held)["size"]
+    assert size["neurons"] == len(model.tensors()["centres"])
+    assert size["samples"] == windows
+    assert 0.0 < size["achieved_goal"] <= 1e-3
+    assert told == [size]
+
+
+def test_each_target_can_have_a_network_of_its_own():
+    recorded = learnable.swerve()
+    train, validation, _ = learnable.parts_of(recorded)
+    model = learnable.new_model("rbf", recorded, goal=0.0, neurons=3, shared=False)
+    model.fit(train, validation, learnable.QUICK)
+    linear = 1 + model.centres.shape[1]
+    radial = model.coefficients[linear:]
+    assert ((radial != 0.0).sum(0) <= 3).all()
+    assert len(model.centres) > 3
+    assert model.size["neurons"] <= 3.0
+
+
+def test_the_spread_rule_takes_the_width_from_the_centres():
+    recorded = learnable.linear_joint()
+    train, validation, _ = learnable.parts_of(recorded)
+    model = learnable.new_model("rbf", recorded, width=None, neurons=8, candidates=100_000)
+    model.fit(train, validation, learnable.QUICK)
+    examples = model.examples(train, "training")
+    windows = model.inputs.apply(examples.take(torch.arange(len(examples)))[0]).flatten(1)
+    apart = torch.cdist(windows, windows).max() / windows.shape[1] ** 0.5
+    assert float(model.width) == pytest.approx(float(apart) / 4.0)
+
+
+def test_a_moving_window_follows_a_machine_that_changes():
+    """The gain of an input doubles half-way: a model of all runs before cannot know, one of the last second does."""
+    recorded = learnable.linear_joint()
+    train, validation, held = learnable.parts_of(recorded)
+    changed = replace(
+        held, actions=held.actions * torch.where(torch.arange(len(held)) > 150, 0.5, 1.0)[:, None]
+    )
+    model = learnable.new_model("linear", recorded, sequence_length=1)
+    model.fit(train, validation, learnable.QUICK)
+    training = replace(learnable.QUICK, moving_window=1.0, moving_step=0.2)
+    moving = moving_window_ratios(model, changed, training, FitContext())["velocity"]
+    assert set(moving) == {"P_f", "P_i"}
+    assert moving["P_f"] > residual_ratios(model, changed)["velocity"]["P_f"] + 0.05
+    with pytest.raises(InputError, match=r"train\.moving_window"):
+        moving_window_ratios(model, changed, replace(training, moving_window=60.0), FitContext())
+
+
+def test_noise_on_the_inputs_is_as_large_as_asked_and_repeats():
+    train = learnable.parts_of(learnable.linear_joint())[0]
+    noisy = train.with_noise(0.5, seed=3)
+    added = noisy.actions - train.actions
+    assert float(added.std() / train.actions.std()) == pytest.approx(0.5, rel=0.1)
+    assert torch.equal(noisy.states, train.states)
+    assert torch.equal(noisy.actions, train.with_noise(0.5, seed=3).actions)
+    assert train.with_noise(0.0, seed=3) is train
+    with pytest.raises(InputError, match=r"train\.noise"):
+        train.with_noise(-0.1, seed=3)
 
 
 def test_every_target_has_its_ratios():

@@ -1,6 +1,7 @@
 """Training through open-loop predictions."""
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import torch
 from simgap.errors import InputError
 from simgap.models.contract import FitContext
 from simgap.models.evaluation import rollout_errors
-from simgap.models.rollout_training import usual_changes
+from simgap.models.rollout_training import RolloutRegression, usual_changes
 from simgap.models.settings import Training
 from tests.pipeline.models import learnable
 from tests.pipeline.models.test_training import Killed
@@ -94,6 +95,29 @@ def test_the_usual_change_is_that_of_the_recorded_states(parts):
     assert usual["velocity"][2] == pytest.approx(
         float((velocity[starts + 3] - velocity[starts]).abs().mean())
     )
+
+
+@pytest.mark.parametrize(
+    ("growth", "horizons"), [(0.0, [8, 8, 8, 8]), (0.75, [2, 4, 6, 8]), (0.5, [3, 6, 8, 8])]
+)
+def test_the_horizon_grows_to_the_steps(growth, horizons, parts):
+    recorded, train, validation, _ = parts
+    model = learnable.new_model("hybrid_parallel", recorded)
+    module = RolloutRegression(model, train, validation, replace(SHORT, steps=8, growth=growth), 0)
+    seen = []
+    for epoch in range(4):
+        with patch.object(RolloutRegression, "current_epoch", epoch):
+            states, _ = next(iter(module.train_dataloader()))
+        seen.append(states.shape[1] - model.settings.sequence_length)
+    assert seen == horizons
+    assert next(iter(module.val_dataloader()))[0].shape[1] == model.settings.sequence_length + 8
+
+
+def test_a_growth_that_is_no_share_is_refused(parts):
+    recorded, train, validation, _ = parts
+    model = learnable.new_model("hybrid_parallel", recorded)
+    with pytest.raises(InputError, match=r"train\.growth"):
+        model.fit(train, validation, replace(SHORT, growth=1.5))
 
 
 def test_steps_longer_than_every_segment_are_refused(parts):

@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from torch import nn
 
 from simgap.errors import InputError
+from simgap.models.layouts import layout_of
 from simgap.models.registry import model_settings
 from simgap.models.tcn import TemporalConvolutionModel, TemporalConvolutionSettings
+from simgap.runner.compose import compose
 from tests.pipeline.models import learnable
 
 
@@ -40,9 +42,36 @@ def test_a_sample_moves_only_what_comes_after_it_and_within_reach(kernel, blocks
     assert (moved <= touched + reach).all()
 
 
-def test_the_kernel_is_checked():
-    with pytest.raises(InputError, match="kernel"):
-        learnable.new_model("tcn", learnable.linear_joint(), kernel=0)
+@pytest.mark.parametrize(
+    ("key", "value"), [("kernel", 0), ("stem", 0), ("dense", [0]), ("dense_dropout", 1.0)]
+)
+def test_what_makes_no_network_is_refused(key, value):
+    with pytest.raises(InputError, match=rf"model\.{key}"):
+        learnable.new_model("tcn", learnable.linear_joint(), **{key: value})
+
+
+def test_the_network_for_swerve_drives_is_the_published_one():
+    values = dict(compose(["model=swerve/tcn"])["model"])
+    layout = layout_of(learnable.swerve(), "all_steering")
+    network = TemporalConvolutionModel(layout, model_settings(values), 0.02).network
+    _, normalisation, pad, stem, *rest = network
+    assert isinstance(normalisation, nn.BatchNorm1d)
+    assert normalisation.num_features == 16  # velocity and voltage of eight motors
+    assert isinstance(pad, nn.ConstantPad1d)
+    assert (stem.in_channels, stem.out_channels) == (16, 64)
+    dense = [layer for layer in rest if isinstance(layer, nn.Linear)]
+    assert [layer.out_features for layer in dense] == [64, 32, 4]
+    assert [layer.p for layer in rest if isinstance(layer, nn.Dropout)] == [0.3, 0.3]
+
+
+@pytest.mark.parametrize("activated", [True, False])
+def test_a_block_can_lower_what_it_passes_on_only_without_the_relu_before_the_sum(activated):
+    settings = TemporalConvolutionSettings(hidden=[4], dropout=[], stem=4, activated=activated)
+    model = TemporalConvolutionModel(layout_of(learnable.swerve(), "all_steering"), settings, 0.02)
+    network = model.network.eval()
+    place = next(n for n, layer in enumerate(network) if hasattr(layer, "body"))
+    series = torch.rand(8, 4, 20)
+    assert bool((network[place].body(series) >= 0.0).all()) == activated
 
 
 def test_the_default_is_the_published_network():
