@@ -63,6 +63,7 @@ class HybridMemory(NamedTuple):
 class HybridModel(NetworkModel):
     """Base of both hybrids. The motion model is fitted first and stays fixed."""
 
+    fits_residuals = False
     settings: HybridSettings
 
     def __init__(self, layout: Layout, settings: HybridSettings, time_step: float) -> None:
