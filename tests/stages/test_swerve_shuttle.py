@@ -42,7 +42,7 @@ def test_from_the_recording_to_trials_of_policies_of_three_simulators(tmp_path: 
         tmp_path / "train" / "model" / "model.safetensors"
     ).read_bytes()
     motions = read_motions(tmp_path / "profile" / FILE)
-    assert POLICIES < set(motions)
+    assert set(motions) > POLICIES
     assert motions["policy"].period == pytest.approx(model.time_step)
     driven = json.loads((tmp_path / "deploy" / "metrics.json").read_text())
     for name in ("", *(f"{other}/" for other in POLICIES - {"policy"})):
