@@ -1,6 +1,6 @@
 """The stage that builds the nominal simulator."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from simgap.platforms.settings import SimulatorSettings
@@ -21,12 +21,13 @@ class BuildSimStage(StageConfig):
 
 @stage(BuildSimStage)
 def build_sim(config: BuildSimStage, run: StageRun) -> None:
-    """Build the nominal simulator from platform, identified parameters and named effects."""
+    """Build the nominal simulator from platform, identified parameters, named effects and a learned part."""
     from simgap.platforms import platform_assumptions
     from simgap.recordings.recording import read_recording, require_kind
     from simgap.simulation import replay_error, write_simulator
     from simgap.simulation.blocks import cut_blocks
     from simgap.simulation.build import build_simulator
+    from simgap.stages._simulators import learned_part
 
     path = run.input(config.recording or config.artifact("clean", "recording.parquet"))
     recording = read_recording(path)
@@ -35,6 +36,8 @@ def build_sim(config: BuildSimStage, run: StageRun) -> None:
         identified = run.input(config.artifact("sysid", "parameters.yaml"))
     simulator = build_simulator(config.platform, config.simulator, recording.units, identified)
     require_kind(recording, simulator.platform.kind, str(path))
+    learned = learned_part(config.simulator, simulator.platform, config, run)
+    simulator = replace(simulator, learned=learned)
     write_simulator(simulator, run.output)
     blocks = cut_blocks(recording, simulator.platform, BLOCK_DURATION, MARGIN)
     run.log_metrics(replay_error(simulator, blocks, BLOCK_DURATION / 2))

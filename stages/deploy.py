@@ -89,25 +89,42 @@ def _whole_flights(lengths: "NDArray[np.float64]", chosen: Deployment) -> "NDArr
 
 
 def _drive(config: DeployStage, run: StageRun) -> None:
-    """Drive the smoothed voltages of a motion in several trials and report where the robot stops."""
+    """Drive the smoothed voltages of motions in several trials each and report where the robot stops."""
+    import pandas as pd
+
+    from simgap.policies.profile.storage import read_motions
+
+    planned = read_motions(run.input(_plan(config)))
+    tables = []
+    for name in dict.fromkeys([config.deploy.motion, *config.deploy.beside]):
+        trials, measures = _driven(name, _chosen(planned, name), config, run)
+        tables.append(_table(name, trials))
+        prefix = "" if name == config.deploy.motion else f"{name}/"
+        run.log_metrics({f"{prefix}{measure}": value for measure, value in measures.items()})
+    pd.concat(tables, ignore_index=True).to_parquet(run.output / TRIALS, index=False)
+
+
+def _driven(
+    name: str, motion: "Motion", config: DeployStage, run: StageRun
+) -> "tuple[list[Trial], dict[str, float]]":
+    """Drive a motion; return its trials, and what was foreseen and came out."""
     from simgap.policies.profile.contenders import measures
     from simgap.policies.profile.motion import drive_open_loop
     from simgap.policies.profile.smoothing import smoothed
-    from simgap.policies.profile.storage import read_motions
     from simgap.report.motions import draw_motions
-    from simgap.stages._drives import identified
+    from simgap.stages._drives import IDENTIFIED, driven_in, identified, policies
 
     task = config.profile
     drive = identified(config.platform, task, config, run)
-    motion = _chosen(read_motions(run.input(_plan(config))), config.deploy.motion)
+    driven = driven_in(policies(task).get(name, IDENTIFIED), drive, config.platform, config, run)
     voltage = smoothed(drive, motion, config.deploy.window)
-    foreseen = drive_open_loop(drive, voltage, motion.period)
-    trials = _driven(config, foreseen)
-    _table(trials).to_parquet(run.output / TRIALS, index=False)
+    foreseen = drive_open_loop(drive, voltage, motion.period, driven)
+    trials = _trials(config, foreseen)
     shown = [(trial.time, trial.position, trial.velocity) for trial in trials]
-    draw_motions({config.deploy.motion: foreseen}, task.distance, run.output / FIGURE, shown)
-    expected = {f"foreseen/{name}": value for name, value in measures(foreseen, task).items()}
-    run.log_metrics(expected | _outcome(trials, config))
+    figure = FIGURE if name == config.deploy.motion else f"{name}_{FIGURE}"
+    draw_motions({name: foreseen}, task.distance, run.output / figure, shown)
+    expected = {f"foreseen/{measure}": value for measure, value in measures(foreseen, task).items()}
+    return trials, expected | _outcome(trials, config)
 
 
 def _plan(config: DeployStage) -> Path:
@@ -126,7 +143,7 @@ def _chosen(motions: "Mapping[str, Motion]", name: str) -> "Motion":
     return motions[name]
 
 
-def _driven(config: DeployStage, motion: "Motion") -> "list[Trial]":
+def _trials(config: DeployStage, motion: "Motion") -> "list[Trial]":
     from simgap.plants import case_from_config
     from simgap.plants.swerve.open_loop import drive_trials
     from simgap.platforms import platform_from_config
@@ -139,10 +156,13 @@ def _driven(config: DeployStage, motion: "Motion") -> "list[Trial]":
     )
 
 
-def _table(trials: "list[Trial]") -> Any:
+def _table(name: str, trials: "list[Trial]") -> Any:
     import pandas as pd
 
-    rows = [pd.DataFrame({"trial": number + 1} | vars(trial)) for number, trial in enumerate(trials)]
+    rows = [
+        pd.DataFrame({"motion": name, "trial": number + 1} | vars(trial))
+        for number, trial in enumerate(trials)
+    ]
     return pd.concat(rows, ignore_index=True)
 
 
@@ -157,8 +177,8 @@ def _outcome(trials: "list[Trial]", config: DeployStage) -> dict[str, float]:
         for trial in trials
     ]
     return {
-        "trials/number": len(trials),
-        "trials/inside": int((ends <= settings.within).sum()),
+        "trials/number": float(len(trials)),
+        "trials/inside": float((ends <= settings.within).sum()),
         "trials/mean_miss": float(ends.mean()),
         "trials/worst_miss": float(ends.max()),
         "trials/time": float(np.mean(still)),

@@ -1,4 +1,4 @@
-"""The stage that plans the fastest rest-to-rest motion of an identified swerve drive; not part of every branch."""
+"""The stage that plans the fastest rest-to-rest motion of a swerve drive."""
 
 import math
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from simgap.artifacts import checkpoint_folder, remove_checkpoint
 from simgap.comparison.comparison import Metrics
 from simgap.policies.profile.settings import Profile
-from simgap.runner import StageConfig, StageRun, stage
+from simgap.runner import StageConfig, StageRun, in_pipeline, stage
 
 if TYPE_CHECKING:
     from simgap.policies.profile.drive import Drive
@@ -39,27 +39,40 @@ def compared(metrics: Mapping[str, Any]) -> dict[str, Metrics]:
 
 @stage(ProfileStage, compared)
 def profile(config: ProfileStage, run: StageRun) -> None:
-    """Compare rest-to-rest motions: classical profiles, a policy trained by PPO, and the time-optimal bound."""
+    """Compare rest-to-rest motions: classical profiles, policies trained by PPO, and the time-optimal bound."""
+    from simgap.platforms import Swerve, platform_from_config
+
+    if in_pipeline() and not isinstance(platform_from_config(config.platform), Swerve):
+        run.leave_out("profile: nothing is planned, because the platform is no swerve drive")
+        return
+    _plan(config, run)
+
+
+def _plan(config: ProfileStage, run: StageRun) -> None:
     from simgap.policies.profile import contenders
     from simgap.policies.profile.storage import write_motions
     from simgap.report.motions import draw_motions
-    from simgap.stages._drives import identified
+    from simgap.stages._drives import identified, policies
 
     task = config.profile
+    task.check()
     drive = identified(config.platform, task, config, run)
     motions = contenders.classical(task, drive)
-    motions[contenders.POLICY] = _learned(config, drive, run)
+    for name, choice in policies(task).items():
+        motions[name] = _learned(name, choice, config, drive, run)
     motions |= contenders.bounds(task, drive)
     write_motions(motions, run.output)
     draw_motions(motions, task.distance, run.output / FIGURE)
     found = _compared_measures(motions, task)
-    if math.isnan(found[f"{contenders.POLICY}/time"]):
-        run.warn("the policy does not arrive: train it longer, or widen profile.narrow")
+    for name in policies(task):
+        if math.isnan(found[f"{name}/time"]):
+            said = "the policy" if name == contenders.POLICY else name
+            run.warn(f"{said} does not arrive: train it longer, or widen profile.narrow")
     run.log_metrics(found)
 
 
-def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
-    """Train the policy, or go on where a training was killed; return what the fastest of its checkpoints does."""
+def _learned(name: str, choice: str, config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
+    """Train a policy, or go on where a training was killed; return what the fastest of its checkpoints does."""
     from simgap.policies.best import Best
     from simgap.policies.export import export_policy
     from simgap.policies.networks import Gaussian, Policy
@@ -67,21 +80,21 @@ def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
     from simgap.policies.profile.rollout import drive_by_policy
     from simgap.policies.storage import Description, save_policy
     from simgap.policies.training import Training, final
+    from simgap.stages._drives import driven_in
 
-    task = config.profile
-    task.learning.check("profile.learning")
+    task, driven = config.profile, driven_in(choice, drive, config.platform, config, run)
 
     def duration(gaussian: Gaussian) -> float:
-        motion = drive_by_policy(Policy(gaussian), task, drive)
+        motion = drive_by_policy(Policy(gaussian), task, drive, driven)
         return motion.arrival(task.distance, task.tolerance, task.speed_tolerance)
 
-    machines = MotionProfile(task, drive, task.learning.machines)
+    machines = MotionProfile(task, drive, task.learning.machines, driven=driven)
     training = Training(machines, task.learning, config.seed, Best(duration))
     inputs = sorted(run.inputs.values())
-    checkpoint = checkpoint_folder(config.artifacts, [asdict(task), config.seed, inputs])
+    checkpoint = checkpoint_folder(config.artifacts, [asdict(task), config.seed, inputs, choice])
     curve = training.run(checkpoint, run.log_metrics)
     remove_checkpoint(checkpoint)
-    run.log_metrics({f"training/{name}": value for name, value in final(curve).items()})
+    run.log_metrics({f"training/{name}/{measure}": value for measure, value in final(curve).items()})
     gaussian = training.learner.gaussian
     description = Description(
         task="motion_profile",
@@ -91,12 +104,12 @@ def _learned(config: ProfileStage, drive: "Drive", run: StageRun) -> "Motion":
         hidden=list(task.learning.hidden),
         slope=task.learning.slope,
         configuration=asdict(task),
-        chosen_by="the fastest in the identified drive, of those at the checkpoints and the last",
+        chosen_by=f"the fastest in the simulator {choice!r}, of those at the checkpoints and the last",
         measures=final(curve),
     )
-    save_policy(gaussian, description, run.output / "policy")
-    export_policy(gaussian, run.output / "policy")
-    return drive_by_policy(Policy(gaussian), task, drive)
+    save_policy(gaussian, description, run.output / name)
+    export_policy(gaussian, run.output / name)
+    return drive_by_policy(Policy(gaussian), task, drive, driven)
 
 
 def _compared_measures(motions: "Mapping[str, Motion]", task: Profile) -> dict[str, float]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from simgap.artifacts import checkpoint_folder, remove_checkpoint
 from simgap.comparison.comparison import Metrics, flat
 from simgap.models.settings import Training
+from simgap.platforms.settings import TRAINED, SimulatorSettings
 from simgap.runner import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ class TrainStage(StageConfig):
 
     recording: str | None = None
     platform: dict[str, Any] = field(default_factory=dict)
+    simulator: SimulatorSettings = field(default_factory=SimulatorSettings)
     model: dict[str, Any] = field(default_factory=dict)
     train: Training = field(default_factory=Training)
 
@@ -67,6 +69,8 @@ def _train(config: TrainStage, run: StageRun) -> None:
     recording = _prepared(read_recording(path), config.train)
     layout = layout_of(recording, config.train.layout).on(config.platform)
     model = model_class(config.model)(layout, settings, recording.time_step)
+    if config.simulator.residual == TRAINED:
+        _leave_physics_out(model, recording, config, run)
     require_holdout(recording.split, str(path))
     fitted, chosen, held = _series(recording, layout, run)
     fitted = fitted.excerpt(config.train.share, config.train.shift)
@@ -75,7 +79,8 @@ def _train(config: TrainStage, run: StageRun) -> None:
         for part, series in enumerate((fitted, chosen, held))
     )
     checkpoint = checkpoint_folder(
-        config.artifacts, [asdict(settings), asdict(config.train), config.seed, data]
+        config.artifacts,
+        [asdict(settings), asdict(config.train), asdict(config.simulator), config.seed, data],
     )
     loss = model.fit(fitted, chosen, config.train, FitContext(config.seed, checkpoint, run.log_metrics))
     model.provenance = Provenance(
@@ -95,6 +100,20 @@ def _train(config: TrainStage, run: StageRun) -> None:
     run.log_metrics({"best_validation_loss": loss})
     _score(model, machines, config.train, before, run, FitContext(config.seed))
     remove_checkpoint(checkpoint)
+
+
+def _leave_physics_out(
+    model: "DynamicsModel", recording: "Recording", config: TrainStage, run: StageRun
+) -> None:
+    """Let a model learn what the nominal simulator leaves of the motion."""
+    from simgap.models.simulated import physics_of
+    from simgap.simulation.build import build_simulator
+
+    identified = None
+    if config.simulator.identified:
+        identified = run.input(config.artifact("sysid", "parameters.yaml"))
+    simulator = build_simulator(config.platform, config.simulator, recording.units, identified)
+    model.explain_by(physics_of(simulator, model.layout, recording.time_step))
 
 
 def _prepared(recording: "Recording", settings: Training) -> "Recording":

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from simgap.errors import InputError
 from simgap.models.bias_correction import BiasCorrection
-from simgap.models.examples import Examples
+from simgap.models.examples import Examples, Physics
 from simgap.models.layout import Layout
 from simgap.models.settings import ModelSettings, Training
 from simgap.models.windows import Series
@@ -69,12 +69,16 @@ class DynamicsModel(ABC):
         time_step: s.
         provenance: where the model comes from.
         correction: of the increments that it predicts; None: they are taken as they are.
+        residual: whether its increments are what a simulator's physics leave of those of the machine.
+        physics: from states and inputs to the next states, where it is a residual that predicts by itself.
         size: what a fit tells of the model's size and that of its data, by name; empty where there is nothing to tell.
     """
 
     settings_class: ClassVar[type[ModelSettings]]
     kinds: ClassVar[frozenset[str] | None] = None
     """Of the layouts whose machines the model knows; None: of any."""
+    fits_residuals: ClassVar[bool] = True
+    """Whether it can learn what a simulator leaves; models that are equations of the whole motion cannot."""
 
     def __init__(self, layout: Layout, settings: ModelSettings, time_step: float) -> None:
         if self.kinds is not None and layout.kind not in self.kinds:
@@ -89,6 +93,8 @@ class DynamicsModel(ABC):
         self.time_step = time_step
         self.provenance = Provenance()
         self.correction: BiasCorrection | None = None
+        self.residual = False
+        self.physics: Physics | None = None
         self.size: dict[str, float] = {}
 
     @abstractmethod
@@ -122,7 +128,20 @@ class DynamicsModel(ABC):
 
     def examples(self, series: Series, what: str) -> Examples:
         """Return the windows of a series, as long as the settings say; see `Examples.of_series`."""
-        return Examples.of_series(series, self.layout, self.settings.sequence_length, what)
+        return Examples.of_series(series, self.layout, self.settings.sequence_length, what, self.physics)
+
+    def explain_by(self, physics: Physics) -> None:
+        """Learn and predict only what the physics leave.
+
+        Raises:
+            InputError: when the model is one of the whole motion.
+        """
+        if not self.fits_residuals:
+            found = f"{self.settings.name!r} has equations of the whole motion and cannot learn a residual"
+            raise InputError(
+                found, "model.name", "choose model=fnn, lstm or tcn, or set simulator.residual=null"
+            )
+        self.residual, self.physics = True, physics
 
     def predict(self, states: Tensor, actions: Tensor) -> Tensor:
         """Return the next state of each window.
@@ -151,14 +170,17 @@ class DynamicsModel(ABC):
         Returns:
             (batch, steps, states).
         """
+        if self.residual and self.physics is None:
+            remedy = "build a simulator with simulator.residual"
+            raise InputError("predicts what a simulator leaves, not the motion", "model", remedy)
         length = states.shape[1]
         memory = self.begin(self.layout.encode(states, actions[:, :length]))
         state, reached = states[:, -1], []
         for step in range(actions.shape[1] - length + 1):
+            action = actions[:, length - 1 + step]
             if step:
-                memory = self.follow(memory, self.layout.encode(state, actions[:, length - 1 + step]))
-            increment = self._corrected(self.read(memory).to(state.dtype))
-            state = self.layout.advance(state, increment, self.time_step)
+                memory = self.follow(memory, self.layout.encode(state, action))
+            state = self.following(state, memory, self.physics and self.physics(state, action))
             reached.append(state)
         return torch.stack(reached, dim=1)
 
@@ -169,6 +191,23 @@ class DynamicsModel(ABC):
     def identified(self) -> dict[str, dict[str, float]]:
         """Return by target the fitted parameters that have a meaning of their own; most models have none."""
         return {}
+
+    def following(self, state: Tensor, memory: Any, physics: Tensor | None = None) -> Tensor:
+        """Return the next states (batch, states) that follow from what is remembered.
+
+        Args:
+            state: (batch, states).
+            memory: after this state's sample was seen.
+            physics: next states by the physics, to which a residual adds; None: the increments are all of the motion.
+        """
+        layout, increment = self.layout, self._corrected(self.read(memory).to(state.dtype))
+        if physics is None:
+            return layout.advance(state, increment, self.time_step)
+        explained = layout.increment(state, physics)
+        with_all, without = (
+            layout.advance(state, change, self.time_step) for change in (explained + increment, explained)
+        )
+        return physics + (with_all - without)
 
     def begin(self, window: Tensor) -> Any:
         """Return what is remembered of known samples (batch, length, features): the window itself, or a state."""
@@ -205,4 +244,5 @@ class DynamicsModel(ABC):
             "time_step": self.time_step,
             "provenance": asdict(self.provenance),
             "correction": self.correction and self.correction.as_mapping(),
+            "residual": self.residual,
         }

@@ -13,6 +13,9 @@ from simgap.models.windows import Series, evenly, gather
 
 _CHUNK = 4096
 
+Physics = Callable[[Tensor, Tensor], Tensor]
+"""From states (batch, states) and inputs (batch, inputs) to the next states by a simulator's physics."""
+
 
 @dataclass(frozen=True)
 class Examples:
@@ -20,7 +23,7 @@ class Examples:
 
     Attributes:
         features: (samples, features).
-        targets: increment from each sample to the next, (samples, targets).
+        targets: increment from each sample to the next, or what physics leave of it, (samples, targets).
         starts: first samples of the windows that are followed by a sample of the same segment, (windows,).
         length: of a window.
     """
@@ -34,7 +37,9 @@ class Examples:
         return len(self.starts)
 
     @classmethod
-    def of_series(cls, series: Series, layout: Layout, length: int, what: str) -> "Examples":
+    def of_series(
+        cls, series: Series, layout: Layout, length: int, what: str, physics: Physics | None = None
+    ) -> "Examples":
         """Encode a series.
 
         Args:
@@ -42,6 +47,7 @@ class Examples:
             layout: how they are seen.
             length: of a window.
             what: what the series is for, to be named in the error.
+            physics: whose increments are taken off the targets.
 
         Raises:
             InputError: when no segment is long enough for a window and the sample after it.
@@ -53,9 +59,12 @@ class Examples:
             remedy = "shorten it, or record longer without gaps"
             raise InputError(f"no {what} segment holds {length + 1} samples", "model.sequence_length", remedy)
         following = torch.roll(series.states, -1, dims=0)  # the last row of a segment is never a target
+        targets = layout.increment(series.states, following)
+        if physics is not None:
+            targets = targets - layout.increment(series.states, physics(series.states, series.actions))
         return cls(
             features=layout.encode(series.states, series.actions),
-            targets=layout.increment(series.states, following),
+            targets=targets,
             starts=starts,
             length=length,
         )

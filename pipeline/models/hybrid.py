@@ -102,6 +102,7 @@ class HybridNetwork(nn.Module):
 class HybridModel(NetworkModel):
     """Base of both hybrids. The motion model is fitted first."""
 
+    fits_residuals = False
     settings: HybridSettings
     network: HybridNetwork
     passes: ClassVar[bool] = False

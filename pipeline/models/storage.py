@@ -43,6 +43,7 @@ def load_model(folder: Path) -> DynamicsModel:
         model.provenance = Provenance(**document["provenance"])
         if document.get("correction") is not None:
             model.correction = BiasCorrection.from_mapping(document["correction"], len(layout.targets))
+        model.residual = bool(document.get("residual", False))
         stored = document["tensors"]
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"is not a model's description ({error})", str(path), _REMEDY) from error

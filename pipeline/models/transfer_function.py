@@ -44,6 +44,7 @@ class TransferFunctionModel(DynamicsModel):
     """
 
     settings_class: ClassVar[type[ModelSettings]] = TransferFunctionSettings
+    fits_residuals = False
     settings: TransferFunctionSettings
 
     def fit(

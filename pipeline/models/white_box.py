@@ -34,6 +34,7 @@ class WhiteBoxModel(DynamicsModel):
 
     settings_class: ClassVar[type[ModelSettings]] = WhiteBoxSettings
     kinds: ClassVar[frozenset[str] | None] = frozenset(TERMS)
+    fits_residuals = False
     settings: WhiteBoxSettings
     changes: nn.ParameterList | None = None
     """Of the fitted coefficients by target, each in percent: what a hybrid learns of them; None: nothing."""

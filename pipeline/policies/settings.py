@@ -108,6 +108,7 @@ class Deployment:
 
     plan: str | None = None  # folder of the motions; null: what simgap profile wrote
     motion: str = "policy"  # which of them is driven
+    beside: list[str] = field(default_factory=list)  # further ones, whose measures stand under their names
     window: int = 25  # periods over which its voltages are averaged; 1: they are driven as they are
     trials: int = 5
     scatter: float = (

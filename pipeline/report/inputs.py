@@ -13,7 +13,17 @@ import yaml
 
 from simgap.errors import InputError
 
-_STAGES = ("diagnose", "clean", "sysid", "train", "evaluate", "deploy", "identify_residual", "redeploy")
+_STAGES = (
+    "diagnose",
+    "clean",
+    "sysid",
+    "train",
+    "evaluate",
+    "profile",
+    "deploy",
+    "identify_residual",
+    "redeploy",
+)
 
 
 @dataclass(frozen=True)
@@ -26,7 +36,8 @@ class ReportInputs:
         sysid: folder of `parameters.yaml`, `metrics.json`.
         train: folder of `metrics.json`.
         evaluate: folder of `metrics.json`, `line.png`, `flight.gif`.
-        deploy: folder of `metrics.json`, of flights on the machine.
+        profile: folder of `metrics.json`, `motions.svg`, of planned motions.
+        deploy: folder of `metrics.json`, of flights or trials on the machine.
         identify_residual: folder of `realisations.png`.
         redeploy: as deploy, of the policy that was trained further.
         sweeps: folders of `comparison.json`.
@@ -39,6 +50,7 @@ class ReportInputs:
     sysid: Path | None = None
     train: Path | None = None
     evaluate: Path | None = None
+    profile: Path | None = None
     deploy: Path | None = None
     identify_residual: Path | None = None
     redeploy: Path | None = None

@@ -12,6 +12,7 @@ from markupsafe import Markup
 from simgap.errors import InputError
 from simgap.report import text
 from simgap.report.cleaning import cleaning_section
+from simgap.report.driven import driven_section
 from simgap.report.figure import script_json
 from simgap.report.fit import fit_section
 from simgap.report.flown import flown_section
@@ -42,6 +43,7 @@ _SECTIONS = (
     model_section,
     sweeps_section,
     flown_section,
+    driven_section,
     warnings_section,
     provenance_section,
     use_section,

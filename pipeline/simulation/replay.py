@@ -11,6 +11,7 @@ from simgap.effects import ActuatorEffect, CommandEffect, Effect, MeasurementEff
 from simgap.physics.shapes import Signal, Signals
 from simgap.simulation.actuation import Memory, held_through
 from simgap.simulation.blocks import Blocks
+from simgap.simulation.learned import DYNAMICS, Learned
 from simgap.simulation.motion import motion_of
 from simgap.simulation.rollout import rollout
 from simgap.simulation.simulator import Simulator
@@ -42,6 +43,8 @@ def replay(
     Returns:
         States (blocks, steps + 1, n).
     """
+    if simulator.learned is not None and simulator.learned.role == DYNAMICS:
+        return _replay_learned(simulator, simulator.learned, blocks, initial, steps)
     signals, held = (
         _after_commands(simulator, series, blocks) for series in (blocks.signals, blocks.held_commands)
     )
@@ -51,7 +54,26 @@ def replay(
     outside = {name: _over_steps(series, within) for name, series in signals.items() if name not in made}
     outside |= {name: series[:, within] for name, series in held.items()}
     memory = _lived_through(bare, signals | held, blocks)
+    if simulator.learned is not None:
+        memory = (*memory, simulator.learned.begin(_until_first(blocks)))
     return rollout(bare, initial, outside, blocks.time_step, substeps, memory=memory)
+
+
+def _replay_learned(
+    simulator: Simulator, learned: Learned, blocks: Blocks, initial: Tensor, steps: int
+) -> Tensor:
+    """Replay with learned dynamics: the model has seen the inputs as recorded, and all effects are in it."""
+    within = slice(blocks.margin, blocks.margin + steps)
+    known = blocks.signals | blocks.held_commands
+    commands = {name: known[name][:, within] for name in learned.inputs}
+    memory = (learned.begin(_until_first(blocks)),)
+    return rollout(simulator.with_effects(()), initial, commands, blocks.time_step, memory=memory)
+
+
+def _until_first(blocks: Blocks) -> dict[str, Tensor]:
+    """Return the recorded signals of the margin before each block, and of its first sample."""
+    known = blocks.signals | blocks.held_commands
+    return {name: series[:, : blocks.margin + 1] for name, series in known.items()}
 
 
 def _is_settled(effect: Effect) -> bool:

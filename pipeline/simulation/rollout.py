@@ -10,6 +10,7 @@ from torch import Tensor
 from simgap.physics.shapes import Signal, Signals, State
 from simgap.simulation.actuation import Memory, actuated, held_through
 from simgap.simulation.integration import INTEGRATORS
+from simgap.simulation.learned import PHYSICS_SUBSTEPS, RESIDUAL, Learned
 from simgap.simulation.motion import Motion, motion_of_state
 from simgap.simulation.simulator import Simulator
 
@@ -25,9 +26,11 @@ def step(
 ) -> tuple[State, Memory]:
     """Advance a batch of simulated machines by one step with the command held.
 
+    A simulator with a learned part takes the model's own steps, of which the time step has to be a multiple.
+
     Args:
         simulator: platform and effects.
-        state: (..., n), see `simgap.simulation.motion`.
+        state: (..., n), see `simgap.simulation.motion`; (batch, n) where a part is learned.
         command: `rotor_speed`, `motor_command`, `voltage`, `effort` or the swerve's voltages, each (..., ·), and what
             else acts from outside (`battery_voltage`, `temperature`).
         time_step: s.
@@ -37,7 +40,60 @@ def step(
 
     Returns:
         The new state and the memory for the next step.
+
+    Raises:
+        InputError: when the time step is no multiple of a learned model's.
     """
+    if simulator.learned is not None:
+        return _learned_step(simulator, simulator.learned, state, command, time_step, memory, integrator)
+    return _physics_step(simulator, state, command, time_step, memory, substeps, integrator)
+
+
+def _learned_step(
+    simulator: Simulator,
+    learned: Learned,
+    state: Tensor,
+    command: Signals,
+    time_step: float,
+    memory: Memory,
+    integrator: str,
+) -> tuple[Tensor, Memory]:
+    """Let the model move the machines; its memory is the last, behind those of the effects."""
+    inner = learned.time_step
+    effects, remembered = (memory[:-1], memory[-1]) if memory else ((), None)
+    for _ in range(learned.steps_in(time_step)):
+        signals, acted = _driving(simulator, learned, state, command, effects)
+        physics = None
+        if learned.role == RESIDUAL:
+            physics, acted = _physics_step(
+                simulator, state, command, inner, effects, PHYSICS_SUBSTEPS, integrator
+            )
+        state, remembered = learned.follow(state, signals, remembered, physics)
+        effects = acted
+    return state, (*effects, remembered)
+
+
+def _driving(
+    simulator: Simulator, learned: Learned, state: Tensor, command: Signals, memory: Memory
+) -> tuple[Signals, Memory]:
+    """Return what drives a learned model: the command, or what the actuators make of it where the model wants that."""
+    if command.keys() >= set(learned.inputs):
+        return command, memory
+    motion, constants = motion_of_state(simulator.platform, state), constants_like(simulator, state)
+    start = {**motion.signals(state, constants), **command}
+    held, after = held_through(simulator, start, constants, memory, learned.time_step)
+    return actuated(simulator, start, constants, held, learned.time_step), after
+
+
+def _physics_step(
+    simulator: Simulator,
+    state: Tensor,
+    command: Signals,
+    time_step: float,
+    memory: Memory,
+    substeps: int,
+    integrator: str,
+) -> tuple[Tensor, Memory]:
     motion, constants = motion_of_state(simulator.platform, state), constants_like(simulator, state)
     inner = time_step / substeps
     for _ in range(substeps):

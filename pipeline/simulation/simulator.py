@@ -20,6 +20,7 @@ from simgap.physics.shapes import Channels, Signal, Signals
 from simgap.platforms import Platform
 from simgap.platforms.mechanism import Mechanism
 from simgap.platforms.mechanisms import mechanism_of
+from simgap.simulation.learned import Learned
 
 _LAST_OF_THE_ACTUATOR = 2  # order of an effect; those behind it do not change what the actuator puts out
 
@@ -65,12 +66,14 @@ class Simulator:
         effects: the effects that act, with their values.
         position_unit: of a joint, rad or m.
         settings: constants that are not physics but resolution, such as `sliding_velocity`.
+        learned: the model that moves it in the place of its physics, or that adds what they leave; None: physics alone.
     """
 
     platform: Platform
     effects: tuple[FittedEffect, ...] = ()
     position_unit: str = "rad"
     settings: Mapping[str, float] = field(default_factory=dict)
+    learned: Learned | None = None
 
     @cached_property
     def mechanism(self) -> Mechanism:

@@ -9,12 +9,14 @@ from typing import Any
 
 import yaml
 
+from simgap.artifacts import hash_path
 from simgap.artifacts.descriptions import read_tensors, write_description, write_tensors
 from simgap.effects import Effect, effect_by_key
 from simgap.errors import InputError
 from simgap.platforms import Platform, Quadrotor, platform_from_config, platform_to_config
 from simgap.simulation.driver import SimulatedDriver
 from simgap.simulation.knn_residual import NearestNeighbours, RecordedResidual
+from simgap.simulation.learned import DYNAMICS, RESIDUAL, Learned, LearnedReader
 from simgap.simulation.simulator import FittedEffect, Simulator
 
 _FILE = "simulator.yaml"
@@ -32,7 +34,15 @@ def write_simulator(simulator: Simulator, folder: Path) -> None:
         "settings": dict(simulator.settings),
         "effects": [_describe(fitted, simulator.position_unit, folder) for fitted in simulator.effects],
     }
+    if simulator.learned is not None:
+        content["learned"] = _describe_learned(simulator.learned, folder)
     write_description(content, folder / _FILE)
+
+
+def _describe_learned(learned: Learned, folder: Path) -> dict[str, Any]:
+    own = folder / learned.folder
+    learned.save(own)
+    return {"role": learned.role, **learned.describe(), "folder": own.name, "sha256": hash_path(own)}
 
 
 def _describe(fitted: FittedEffect, position_unit: str, folder: Path) -> dict[str, Any]:
@@ -62,11 +72,16 @@ def _describe_recorded(residual: RecordedResidual, folder: Path) -> dict[str, An
     }
 
 
-def read_simulator(folder: Path) -> Simulator:
+def read_simulator(folder: Path, reader: LearnedReader | None = None) -> Simulator:
     """Read a simulator that `write_simulator` wrote.
 
+    Args:
+        folder: that it was written into.
+        reader: of the learned part; None: the physics are read alone.
+
     Raises:
-        InputError: when the file is missing, is not such a file or names an unknown effect.
+        InputError: when the file is missing, is not such a file or names an unknown effect, or a learned part is not
+            the one that was written.
     """
     path = folder / _FILE
     try:
@@ -88,7 +103,21 @@ def read_simulator(folder: Path) -> Simulator:
         raise InputError(
             f"is damaged ({type(error).__name__}: {error})", str(path), "run build_sim again"
         ) from error
-    return Simulator(platform, effects, content["position_unit"], settings)
+    learned = _learned(content.get("learned"), platform, folder, reader) if reader else None
+    return Simulator(platform, effects, content["position_unit"], settings, learned)
+
+
+def _learned(entry: Any, platform: Platform, folder: Path, reader: LearnedReader) -> Learned | None:
+    if entry is None:
+        return None
+    own = folder / Learned.folder
+    if not isinstance(entry, dict) or entry.get("role") not in (DYNAMICS, RESIDUAL):
+        raise InputError("is damaged (learned)", str(folder / _FILE), "run build_sim again")
+    if not own.is_dir() or hash_path(own) != entry.get("sha256"):
+        raise InputError(
+            "is not the model that the simulator was built with", str(own), "run build_sim again"
+        )
+    return reader(own, platform, entry["role"])
 
 
 def _fitted(platform: Platform, entry: dict[str, Any], folder: Path) -> FittedEffect:

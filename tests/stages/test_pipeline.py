@@ -55,7 +55,6 @@ def test_every_stage_is_in_it_for_every_branch() -> None:
         "inspect",
         "import",
         "reproduce",
-        "profile",
         "prove",
         "calibrate",
         "results",

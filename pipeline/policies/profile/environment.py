@@ -5,17 +5,18 @@ from torch import Tensor
 
 from simgap.policies.environment import Environment, Machines, Observation
 from simgap.policies.profile.drive import Drive
+from simgap.policies.profile.driven import VELOCITY, Driven, LinearDrive
 from simgap.policies.profile.rewards import final_reward, step_reward
 from simgap.policies.profile.settings import Profile
 
 _SLOW = 0.2  # m/s, below which the speed is also seen enlarged
 
-_POSITION, _VELOCITY, _VOLTAGE = "position", "velocity", "voltage"
+_POSITION, _VOLTAGE = "position", "voltage"
 _FROM_REST, _DIFFICULTY, _ENDED, _ARRIVED = "from_rest", "difficulty", "ended", "arrived"
 
 
 class MotionProfile(Environment):
-    """Identified drives, each on a way of its own.
+    """Drives, each on a way of its own.
 
     The state is the position, m, the speeds of the four wheels, m/s along the ground, and the acting voltages. The
     action is the desired speed over its limit. The observation holds the remaining distance and its square root, which
@@ -24,16 +25,26 @@ class MotionProfile(Environment):
 
     Attributes:
         task: the way and what counts as arriving.
-        drive: identified.
+        drive: identified, whose feedforward turns the desired speed into voltages.
+        driven: what these voltages move.
     """
 
     observation_size = 7
     privileged_size = 0
     action_size = 1
 
-    def __init__(self, task: Profile, drive: Drive, batch: int, device: torch.device | str = "cpu") -> None:
+    def __init__(
+        self,
+        task: Profile,
+        drive: Drive,
+        batch: int,
+        device: torch.device | str = "cpu",
+        driven: Driven | None = None,
+    ) -> None:
         super().__init__(batch, device)
         self.task, self.drive = task, drive
+        self.driven = driven or LinearDrive(drive)
+        self._changing: tuple[str, ...] = ()
         self.period = task.period
         self.episode_steps = round(task.episode / task.period)
         self._failed = 0.0
@@ -75,7 +86,8 @@ class MotionProfile(Environment):
         self.state[_FROM_REST][machines] = ~moving
         start = torch.where(moving, speed * self.task.speed_limit, still)
         self.state[_POSITION][machines] = torch.where(moving, place * self.task.distance, still)
-        self.state[_VELOCITY][machines] = start[:, None].expand(-1, len(self.drive.speed))
+        for name, fresh in self.driven.begin(start[:, None].repeat(1, len(self.drive.speed))).items():
+            self.state[name][machines] = fresh
         self.state[_VOLTAGE][machines] = 0.0
 
     def _make_room(self) -> None:
@@ -83,18 +95,22 @@ class MotionProfile(Environment):
         self.state[_POSITION] = torch.zeros_like(wheels[:, 0])
         self.state[_FROM_REST] = torch.zeros_like(wheels[:, 0], dtype=torch.bool)
         self.state[_ENDED] = self.state[_ARRIVED] = torch.tensor(0.0)
-        self.state[_VELOCITY], self.state[_VOLTAGE] = torch.zeros_like(wheels), torch.zeros_like(wheels)
+        self.state[_VOLTAGE] = torch.zeros_like(wheels)
+        rolling = self.driven.begin(torch.zeros_like(wheels))
+        self._changing = tuple(rolling)
+        self.state |= rolling
 
     def advance(self, action: Tensor) -> tuple[Tensor, Tensor]:
         """Drive for a period; an attempt ends where it arrives or leaves the way."""
         task, before = self.task, self.state[_VOLTAGE]
-        position, velocity = self.state[_POSITION], self.state[_VELOCITY]
+        position, velocity = self.state[_POSITION], self.state[VELOCITY]
         desired = (task.speed_limit * action).expand_as(velocity)
         wanted = self.drive.feedforward(velocity, desired, self.period)
         voltage = self.drive.within_limits(velocity, wanted)
-        velocity, made = self.drive.advance(velocity, voltage, self.period)
-        reached = position + made.mean(-1)
-        self.state |= {_POSITION: reached, _VELOCITY: velocity, _VOLTAGE: voltage}
+        rolling = {name: self.state[name] for name in self._changing}
+        rolling, made = self.driven.advance(rolling, voltage, self.period)
+        velocity, reached = rolling[VELOCITY], position + made.mean(-1)
+        self.state |= {_POSITION: reached, _VOLTAGE: voltage, **rolling}
         left, speed = (task.distance - reached).abs(), velocity.mean(-1).abs()
         near, slow = self.tolerances
         arrived = (left <= near) & (speed < slow)
@@ -108,7 +124,7 @@ class MotionProfile(Environment):
     def observe(self, machines: Machines = slice(None)) -> Observation:
         """Return the distance that is left and the speeds of the wheels."""
         left = 1.0 - self.state[_POSITION][machines] / self.task.distance
-        velocity = self.state[_VELOCITY][machines]
+        velocity = self.state[VELOCITY][machines]
         slow = torch.tanh(velocity.mean(-1) / _SLOW)
         seen = torch.stack([left, left.sign() * left.abs().sqrt(), slow], -1)
         return Observation(torch.cat([seen, velocity / self.task.speed_limit], -1), velocity[:, :0])

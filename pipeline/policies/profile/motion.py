@@ -7,6 +7,7 @@ import torch
 from torch import Tensor
 
 from simgap.policies.profile.drive import Drive
+from simgap.policies.profile.driven import VELOCITY, Driven, LinearDrive
 from simgap.policies.profile.reference import Array
 
 
@@ -46,38 +47,43 @@ class Motion:
         return float(self.time[first]) if first < len(there) else float("nan")
 
 
-def drive_along(drive: Drive, desired: Array, period: float) -> Motion:
+def drive_along(drive: Drive, desired: Array, period: float, driven: Driven | None = None) -> Motion:
     """Return what a drive at rest does when its feedforward is asked for velocities, as far as its limits let it.
 
     Args:
-        drive: identified.
+        drive: identified, for the feedforward and the limits.
         desired: wanted at the end of each period, (steps,) m/s.
         period: s.
+        driven: what moves; None: the identified drive itself.
     """
-    velocity = torch.zeros_like(drive.speed)
+    driven = driven or LinearDrive(drive)
+    state = driven.begin(torch.zeros_like(drive.speed)[None])
     voltages = []
-    for wanted in torch.from_numpy(desired).to(velocity):
+    for wanted in torch.from_numpy(desired).to(drive.speed):
+        velocity = state[VELOCITY]
         asked = drive.feedforward(velocity, wanted.expand_as(velocity), period)
         applied = drive.within_limits(velocity, asked)
-        velocity, _ = drive.advance(velocity, applied, period)
-        voltages.append(applied)
-    return drive_open_loop(drive, torch.stack(voltages), period)
+        state, _ = driven.advance(state, applied, period)
+        voltages.append(applied[0])
+    return drive_open_loop(drive, torch.stack(voltages), period, driven)
 
 
-def drive_open_loop(drive: Drive, voltage: Tensor, period: float) -> Motion:
+def drive_open_loop(drive: Drive, voltage: Tensor, period: float, driven: Driven | None = None) -> Motion:
     """Return what a drive at rest does under voltages; it is where its wheels are on average.
 
     Args:
         drive: identified.
         voltage: by wheel, within the limit, (steps, wheels) V.
         period: for which each is held, s.
+        driven: what moves; None: the identified drive itself.
     """
-    velocity = torch.zeros_like(drive.speed)
-    position = torch.zeros_like(velocity)
-    rows = [torch.stack([position, velocity])]
+    driven = driven or LinearDrive(drive)
+    state = driven.begin(torch.zeros_like(drive.speed)[None])
+    position = torch.zeros_like(drive.speed)
+    rows = [torch.stack([position, state[VELOCITY][0]])]
     for applied in voltage:
-        velocity, distance = drive.advance(velocity, applied, period)
-        position = position + distance
-        rows.append(torch.stack([position, velocity]))
+        state, made = driven.advance(state, applied[None], period)
+        position = position + made[0]
+        rows.append(torch.stack([position, state[VELOCITY][0]]))
     path = torch.stack(rows).double().mean(-1).numpy()
     return Motion(period, path[:, 0], path[:, 1], voltage.double().numpy())

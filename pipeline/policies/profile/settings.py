@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from simgap.errors import InputError
 from simgap.policies.settings import Learning
 
 
@@ -24,6 +25,9 @@ class Weights:
 class Profile:
     """The way, the limits of the drive on it, and what counts as arriving."""
 
+    simulators: list[str] = field(
+        default_factory=lambda: ["identified"]
+    )  # in each of which a policy is trained: identified, build_sim, diagnose, or a simulator's folder
     distance: float = 3.0  # m
     speed_limit: float = 3.0  # m/s, that a policy may ask for
     voltage_limit: float = 12.0  # V
@@ -42,3 +46,13 @@ class Profile:
     on_the_way: float = 0.5  # share of the attempts that start somewhere on the way, in motion
     weights: Weights = field(default_factory=Weights)
     learning: Learning = field(default_factory=Learning)
+
+    def check(self) -> None:
+        """Refuse a task in which nothing could be learnt.
+
+        Raises:
+            InputError: when no simulator is named, or a number is none to learn with.
+        """
+        if not self.simulators:
+            raise InputError("names no simulator", "profile.simulators", "give [identified]")
+        self.learning.check("profile.learning")

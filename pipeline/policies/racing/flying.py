@@ -1,5 +1,6 @@
 """Batched flight of quadrotors in one compiled loop."""
 
+from dataclasses import replace
 from typing import Any, Protocol, runtime_checkable
 
 import torch
@@ -14,7 +15,7 @@ from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.controllers import Betaflight
 from simgap.simulation.driver import without_driver
 from simgap.simulation.flight import Flight, Residual, racing_flight
-from simgap.simulation.fused import FusedStep
+from simgap.simulation.fused import FusedStep, RowStep
 from simgap.simulation.knn_residual import HeldResidual, RecordedResidual, residual_features
 from simgap.simulation.motion import QuadrotorMotion
 
@@ -26,14 +27,16 @@ def flight_in(simulator: Simulator, settings: Flying, residual: Residual | None 
     """Return a flight in a simulator, with what the settings add to it.
 
     Args:
-        simulator: of a quadrotor; a residual that was recorded is held through each period.
+        simulator: of a quadrotor; a residual that was recorded is held through each period. Where a model moves it or
+            adds to its physics, the rate controller runs as often as the model.
         settings: what is added.
         residual: what the physics leaves over, where the simulator has none of its own.
 
     Raises:
-        InputError: when the simulator is not of a quadrotor, or an effect or its parameter is unknown.
+        InputError: when the simulator is not of a quadrotor, an effect or its parameter is unknown, or a period is no
+            multiple of a learned model's step.
     """
-    platform = simulator.platform
+    platform, learned = simulator.platform, simulator.learned
     if not isinstance(platform, Quadrotor):
         raise InputError(f"a {platform.kind} cannot race", "platform", "choose a quadrotor: platform=racer")
     residual = _recorded(simulator) or residual
@@ -41,11 +44,12 @@ def flight_in(simulator: Simulator, settings: Flying, residual: Residual | None 
     effects = (*physics, *(_known(key, values) for key, values in settings.effects.items()))
     options: dict[str, Any] = {
         "period": settings.period,
-        "substeps": settings.substeps,
+        "substeps": settings.substeps if learned is None else learned.steps_in(settings.period),
         "integrator": settings.integrator,
     }
     if settings.powertrain:
-        return racing_flight(platform, effects, settings.time_constant, residual=residual, **options)
+        flight = racing_flight(platform, effects, settings.time_constant, residual=residual, **options)
+        return replace(flight, simulator=replace(flight.simulator, learned=learned))
     controller = Betaflight.tuned(platform, settings.time_constant)
     held = () if residual is None else (FittedEffect(HeldResidual(), {}, known=True),)
     idle = without_driver(simulator.with_effects(effects))
@@ -103,17 +107,26 @@ class Flown(Protocol):
 
 
 class Fleet:
-    """A flight that is compiled, for machines as columns of one tensor (rows, batch) of state and memory."""
+    """A flight that is compiled, for machines as columns of one tensor (rows, batch) of state and memory.
+
+    What a learned model does cannot be compiled so: it runs operation by operation.
+    """
 
     def __init__(self, flight: Flight, device: torch.device | str = "cpu") -> None:
         self.flight = flight
+        self._learned = flight.simulator.learned is not None
         level = torch.zeros(1, STATE, device=device)
         level[:, PARTS["attitude"].start] = 1.0
         hover = torch.tensor([[flight.simulator.platform.gravity, 0.0, 0.0, 0.0]], device=device)
         with torch.no_grad():
             _, self._memory = flight.step(level, hover)
             acting = flight.acting(level, hover)
-        self._step = FusedStep(flight.inner_step, level, acting, self._memory, repeats=flight.substeps)
+        step, repeats = flight.inner_step, flight.substeps
+        self._step = (
+            RowStep(step, level, self._memory, repeats)
+            if self._learned
+            else FusedStep(step, level, acting, self._memory, repeats)
+        )
 
     def rows(self, state: Tensor) -> Tensor:
         """Return the rows of machines whose rotors and battery are as in hover.
@@ -124,8 +137,16 @@ class Fleet:
         leaves, shape = tree.tree_flatten(self._memory)
         spread = [leaf.expand(len(state), *leaf.shape[1:]) for leaf in leaves]
         regulating, effects = tree.tree_unflatten(spread, shape)
+        if self._learned:
+            effects = self._remembering(state)
         regulating = {**regulating, "rate": state[:, PARTS["body_rate"]]}
         return self._step.pack(state, (regulating, effects))
+
+    @torch.no_grad()
+    def _remembering(self, state: Tensor) -> Any:
+        """Return the memory of machines that have always been in their states, in hover."""
+        hover = state.new_tensor([self.flight.simulator.platform.gravity, 0.0, 0.0, 0.0])
+        return self.flight.step(state, hover.expand(len(state), -1))[1][1]
 
     def step(self, rows: Tensor, command: Tensor, further: Tensor | None = None) -> Tensor:
         """Return the rows a period later.

@@ -10,12 +10,8 @@ from torch.utils import _pytree as tree
 
 from simgap.errors import InputError
 from simgap.simulation.fused.compiler import compiled
+from simgap.simulation.fused.rows import Function, RowStep
 from simgap.simulation.fused.trace import component_graph
-
-Function = Callable[
-    [Float[Tensor, "batch n"], Float[Tensor, "batch k"], Any], tuple[Float[Tensor, "batch n"], Any]
-]
-"""From state (batch, n), action (batch, k) and memory to state and memory."""
 
 # The whole step is one kernel: splitting it gains nothing, and intermediate results would leave the registers.
 _COMPILER_OPTIONS: dict[str, Any] = {"max_fusion_size": 1_000_000}
@@ -23,13 +19,11 @@ _ALONE: dict[str, Any] = _COMPILER_OPTIONS | {"cpp.threads": 1}
 _WORTH_SHARING = 1024  # machines: fewer are done before a second thread has begun
 
 
-class FusedStep:
+class FusedStep(RowStep):
     """The same step as an eager function, in one pass over memory.
 
-    State and memory are rows (components, batch), so that neighbours in memory are the same component of neighbouring
-    machines. The first call compiles the step, once for small and once for large batches; without a compiler the eager
-    function runs. It keeps no gradients; use the eager function for those. Numbers that differ between machines may be
-    part of the memory.
+    The first call compiles the step, once for small and once for large batches; without a compiler the eager function
+    runs.
     """
 
     def __init__(
@@ -47,14 +41,8 @@ class FusedStep:
         Raises:
             InputError: when the step does what cannot be fused.
         """
-        leaves, self._tree = tree.tree_flatten(memory)
-        if not all(isinstance(leaf, Tensor) and leaf.shape[:1] == state.shape[:1] for leaf in leaves):
-            raise InputError(
-                "is not all tensors with the batch leading", "memory", "run one eager step first"
-            )
-        self._shapes = [tuple(tensor.shape[1:]) for tensor in (state, *leaves)]
-        self._repeats = repeats
-        self._function = function
+        super().__init__(function, state, memory, repeats)
+        leaves = tree.tree_leaves(memory)
         self._compiled: dict[bool, Callable[[Tensor, Tensor], Tensor]] = {}
 
         def flat(*tensors: Tensor) -> list[Tensor]:
@@ -67,29 +55,11 @@ class FusedStep:
         self._graph = component_graph(flat, groups, state.dtype)
 
     @property
-    def rows(self) -> int:
-        """Numbers that one machine's state and memory are."""
-        return sum(torch.Size(shape).numel() for shape in self._shapes)
-
-    @property
     def operations(self) -> int:
         """Operations of arithmetic in one compiled pass, each counted as one."""
         return sum(
             torch.Tag.pointwise in getattr(node.target, "tags", ()) for node in self._graph.graph.nodes
         )
-
-    def pack(self, state: Float[Tensor, "batch n"], memory: Any) -> Float[Tensor, "components batch"]:
-        """Return state and memory as rows (components, batch)."""
-        tensors = [state, *tree.tree_leaves(memory)]
-        return torch.cat([tensor.reshape(len(state), -1).T for tensor in tensors]).contiguous()
-
-    def unpack(self, rows: Float[Tensor, "components batch"]) -> tuple[Float[Tensor, "batch n"], Any]:
-        """Return the state (batch, n) and the memory that rows hold."""
-        parts = rows.split([torch.Size(shape).numel() for shape in self._shapes])
-        state, *leaves = (
-            part.T.reshape(rows.shape[1], *shape) for part, shape in zip(parts, self._shapes, strict=True)
-        )
-        return state, tree.tree_unflatten(leaves, self._tree)
 
     @torch.no_grad()
     def __call__(
@@ -114,11 +84,6 @@ class FusedStep:
         for _ in range(self._repeats):
             rows = run(rows, action)
         return rows
-
-    def _eager(self, rows: Tensor, action: Tensor) -> Tensor:
-        """Return the rows after one step, operation by operation."""
-        state, memory = self.unpack(rows)
-        return self.pack(*self._function(state, action.T, memory))
 
 
 def _one(tensor: Tensor) -> Tensor:

@@ -17,6 +17,7 @@ from simgap.models.registry import MODELS
 from simgap.models.storage import DESCRIPTION_FILE, TENSOR_FILE, load_model, save_model
 from simgap.models.windows import gather
 from tests.pipeline.models import learnable
+from tests.pipeline.models.simulators import simulated
 
 RECORDINGS = {"joint": learnable.linear_joint, "swerve": learnable.swerve, "quadrotor": learnable.quadrotor}
 
@@ -57,6 +58,15 @@ def test_parts_are_models_and_identified_parameters_are_those_of_targets(name):
     states, actions, true = windows(model, held)
     assert all(part.rollout(states, actions).shape == true.shape for part in model.parts().values())
     assert set(model.identified()) <= set(model.layout.targets)
+
+
+@every_model
+@every_kind
+def test_a_simulator_that_a_model_moves_goes_where_its_rollout_does(name, kind):
+    """Its window ends with the present sample, and what it predicts is seen next."""
+    model, _, held = fitted(name, kind)
+    states, actions, _ = windows(model, held)
+    assert torch.allclose(simulated(model, states, actions), model.rollout(states, actions), atol=1e-6)
 
 
 @every_model
