@@ -126,14 +126,16 @@ class HybridModel(NetworkModel):
             silence(network.head)
             return network
 
-        learned = isinstance(self.motion, WhiteBoxModel) and settings.motion_learned
-        counts = self.motion.counts() if learned else []
+        white_box = (
+            self.motion if isinstance(self.motion, WhiteBoxModel) and settings.motion_learned else None
+        )
+        counts = white_box.counts() if white_box else []
         passing = targets if self.passes else 0
         network = HybridNetwork(
             stack(self.layout.input_features), stack(targets, beside=targets), counts, passing
         )
-        if learned:
-            self.motion.changes = network.changes
+        if white_box:
+            white_box.changes = network.changes
         return network
 
     def fit(

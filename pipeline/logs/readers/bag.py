@@ -86,7 +86,7 @@ class _Content:
         shifts = np.zeros(len(block.which), dtype=np.int64)
         shifts[read] = self._shifts(block.times[read])
         for topic, places, rows, found in topics:
-            times = (block.times[places] + shifts[places]) * _NANOSECOND
+            times = np.asarray((block.times[places] + shifts[places]) * _NANOSECOND, dtype=np.float64)
             topic.add(rows, times, shifts[places], found)
 
     def _shifts(self, recorded: NDArray[np.int64]) -> NDArray[np.int64]:
