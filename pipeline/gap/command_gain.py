@@ -11,14 +11,12 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from simgap.gap.residuals import bare_rows, row_weights, signals_inside, without_lost
-from simgap.physics.weak_form import WindowFunctions
+from simgap.gap.residuals import bare_rows, channel_series, row_weights, signals_inside, without_lost
+from simgap.physics.weak_form import WindowFunctions, mean_rate_of
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 from simgap.simulation.signals import COMMANDS
 
-_STEP = 0.05
-"""Of the commands: small beside them, and large enough that some gap is crossed later."""
 _BLOCKS = 60
 """Blocks, drawn evenly, that a gain is the mean of: a ratio of two such means is known to some percent."""
 _LEAST = 1e-6
@@ -38,16 +36,17 @@ class CommandGain:
         """
         self._part = torch.linspace(0, len(blocks) - 1, min(len(blocks), _BLOCKS)).round().long()
         self._blocks, self._functions = blocks, functions
-        self._joined = _joined(blocks, scaled(blocks.take(self._part), 1.0 + _STEP))
-        self._sound = without_lost(self._joined.take(self._part), functions)
-        _, change = self._evaluated(nominal)
-        self.commanded = float(change.square().mean())
-        self._nominal = float(change.abs().mean())
+        some = blocks.take(self._part)
+        self._joined = _joined(blocks, _without_commands(some))
+        self._sound = without_lost(some, functions)
+        self._moved = _moved(nominal, some, functions).square().mean((0, 1))
+        _, commanded, _ = self._evaluated(nominal)
+        self._commanded, self._nominal = commanded.square().mean((0, 1)), float(commanded.abs().mean())
 
     def rows(self, simulator: Simulator) -> Tensor:
         """Return the residual of a simulator on the side of its commands, (blocks, rows, channels)."""
-        rows, change = self._evaluated(simulator)
-        return rows * self._factor(change)
+        rows, commanded, _ = self._evaluated(simulator)
+        return rows * self._factor(commanded)
 
     def factor(self, simulator: Simulator) -> float:
         """Return the factor of a simulator's rows that puts them on the side of the commands.
@@ -56,24 +55,47 @@ class CommandGain:
         """
         return self._factor(self._evaluated(simulator)[1])
 
-    def _factor(self, change: Tensor) -> float:
-        """Return the nominal gain over that of a simulator whose rows change so.
+    def smaller_side(self, simulator: Simulator) -> Tensor:
+        """Return the mean square of the smaller side of an equation, on the side of the commands, (channels,).
 
-        A gain is the mean size of the change. That is finite where a command decides when a gap is crossed. The mean
-        square would grow without bounds as the change of the commands becomes small.
+        One side is what commands do in the nominal simulator, the other what is left of a simulator without commands
+        beside the recorded rate of momentum. Where commands act in few rows only, their mean does not show it.
         """
+        _, commanded, still = self._evaluated(simulator)
+        rest = still.square().mean((0, 1)) * self._factor(commanded) ** 2 + self._moved
+        return torch.minimum(rest, self._commanded) if self._nominal else rest
+
+    def _factor(self, commanded: Tensor) -> float:
+        """Return the nominal gain over that of a simulator, the mean size of what commands do to its rows."""
         if self._nominal == 0.0:
             return 1.0
-        return self._nominal / max(float(change.abs().mean()), _LEAST * self._nominal)
+        return self._nominal / max(float(commanded.abs().mean()), _LEAST * self._nominal)
 
-    def _evaluated(self, simulator: Simulator) -> tuple[Tensor, Tensor]:
-        """Return the rows, and for some blocks their change per relative change of the commands, in one evaluation."""
+    def _evaluated(self, simulator: Simulator) -> tuple[Tensor, Tensor, Tensor]:
+        """Return all rows, and of some blocks what commands do to them, and what they are without."""
         joined, count = self._joined, len(self._blocks)
         inner = signals_inside(simulator, joined, joined.acting)
         bare = bare_rows(simulator, joined, self._functions, inner)
-        change = (bare[count:] - bare[self._part]) * self._sound / _STEP
+        still = bare[count:] * self._sound
+        commanded = bare[self._part] * self._sound - still
         recorded = {name: series[:count] for name, series in inner.items()}
-        return bare[:count] * row_weights(simulator, recorded, self._blocks, self._functions), change
+        rows = bare[:count] * row_weights(simulator, recorded, self._blocks, self._functions)
+        return rows, commanded, still
+
+
+def _without_commands(blocks: Blocks) -> Blocks:
+    """Return blocks with commands that ask for nothing: none, or a servo's own position."""
+    silent = {name: torch.zeros_like(series) for name, series in blocks.signals.items() if name in COMMANDS}
+    if "position_command" in silent:
+        silent["position_command"] = blocks.signals["position"]
+    held = {name: silent[name] for name in blocks.held_commands}
+    return replace(blocks, signals={**blocks.signals, **silent}, held_commands=held)
+
+
+def _moved(nominal: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
+    """Return the recorded rate of each channel's momentum, (blocks, rows, channels)."""
+    series = channel_series(nominal, blocks)
+    return torch.stack([mean_rate_of(functions, each.measured, blocks.held) for each in series], dim=-1)
 
 
 def _joined(first: Blocks, second: Blocks) -> Blocks:
@@ -93,12 +115,3 @@ def _joined(first: Blocks, second: Blocks) -> Blocks:
         run=torch.cat([first.run, second.run]),
         start=torch.cat([first.start, second.start]),
     )
-
-
-def scaled(blocks: Blocks, factor: float) -> Blocks:
-    """Return blocks with their commands times a factor."""
-    signals, held = (
-        {name: factor * series if name in COMMANDS else series for name, series in part.items()}
-        for part in (blocks.signals, blocks.held_commands)
-    )
-    return replace(blocks, signals=signals, held_commands=held)

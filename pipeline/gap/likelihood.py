@@ -13,12 +13,9 @@ from torch import Tensor
 
 from simgap.effects import ActuatorEffect, Effect, MeasurementEffect
 from simgap.effects.time_offset import TimeOffset
-from simgap.gap.command_gain import scaled
 from simgap.gap.fit import Fit, Problem
-from simgap.gap.residuals import channel_series, rows_of
 from simgap.gap.row_noise import noise_of_rows
 from simgap.gap.temper import Temper
-from simgap.physics.weak_form import mean_rate_of
 from simgap.simulation import Simulator
 
 _SENT = "motor_command"
@@ -58,8 +55,6 @@ class LikelihoodOf:
         """Prepare for fits of simulators that extend a nominal one."""
         self.problem = problem
         self.base = problem.residual(nominal)
-        self.still = scaled(problem.blocks, 0.0)
-        self.moved = _moved(nominal, problem)
         self.temper = problem.counted or counted_beside(problem, self.base)
         self.untouched = self._untouched(nominal)
 
@@ -113,12 +108,9 @@ class LikelihoodOf:
         On an axis it is that of the smaller side of its equation: what commands do in the nominal simulator, or what
         is left of a simulator without commands. Elsewhere it is what the nominal simulator leaves.
         """
-        gain = self.problem.gain
-        if gain is None:
+        if self.problem.gain is None:
             return self.base.square().mean((0, 1)).clamp_min(_NOTHING)
-        rows = rows_of(simulator, self.still, self.problem.functions) * gain.factor(simulator)
-        rest = rows.square().mean((0, 1)) + self.moved
-        return (rest.clamp_max(gain.commanded) if gain.commanded > 0.0 else rest).clamp_min(_NOTHING)
+        return self.problem.gain.smaller_side(simulator).clamp_min(_NOTHING)
 
 
 def counted_beside(problem: Problem, base: Tensor) -> Temper:
@@ -146,12 +138,3 @@ def _filters_sent(effect: Effect, held: bool) -> bool:
     if isinstance(effect, TimeOffset):
         return held or _SENT in effect.on_command_clock
     return isinstance(effect, ActuatorEffect) and _filters(effect) and (held or _SENT in effect.needs)
-
-
-def _moved(nominal: Simulator, problem: Problem) -> Tensor:
-    """Return the mean square of the recorded rate of each channel's momentum, (channels,)."""
-    blocks, functions = problem.blocks, problem.functions
-    rates = [
-        mean_rate_of(functions, series.measured, blocks.held) for series in channel_series(nominal, blocks)
-    ]
-    return torch.stack([rate.square().mean() for rate in rates])

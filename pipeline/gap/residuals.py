@@ -129,15 +129,6 @@ def residual_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
     return rows * row_weights(simulator, inner, blocks, functions)
 
 
-def rows_of(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
-    """Return measured minus predicted of all windows with sound commands, in their own size: (blocks, rows, channels).
-
-    See `residual_rows`, which weighs them by what moves.
-    """
-    inner = signals_inside(simulator, blocks, blocks.acting)
-    return bare_rows(simulator, blocks, functions, inner) * without_lost(blocks, functions)
-
-
 def bare_rows(
     simulator: Simulator, blocks: Blocks, functions: WindowFunctions, inner: dict[str, Tensor]
 ) -> Tensor:

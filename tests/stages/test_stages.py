@@ -80,7 +80,10 @@ def test_the_steps_of_the_project_stand_behind_what_they_read() -> None:
     assert next(step.reads for step in order if step.name == "deploy") == (
         "configure",
         "sysid",
+        "build_sim",
+        "diagnose",
         "train_policy",
+        "profile",
     )
 
 

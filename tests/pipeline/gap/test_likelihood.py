@@ -117,15 +117,16 @@ def test_residuals_are_measured_against_what_commands_do():
 
 
 def test_an_energy_is_that_of_the_smaller_side():
+    """Of a hypothesis that adds friction without bounds it is that of the commands."""
     reading = read(Plant(friction=0.3))
     of = LikelihoodOf(reading.problem, reading.nominal)
-    commanded = torch.tensor([reading.problem.gain.commanded], dtype=torch.float64)
-    rested = with_effects(reading.nominal, viscous_friction={"coefficient": 1e3})
-    torch.testing.assert_close(of.energy(rested), commanded)
-    assert bool((of.energy(reading.nominal) <= commanded).all())
-    assert bool(
-        (of.energy(reading.nominal) > reading.problem.residual(reading.nominal).square().mean((0, 1))).all()
+    rubbed = (
+        with_effects(reading.nominal, viscous_friction={"coefficient": size}) for size in (0.0, 1e3, 1e4)
     )
+    plain, much, more = (of.energy(each) for each in rubbed)
+    torch.testing.assert_close(much, more)
+    assert bool((plain <= much).all())
+    assert bool((plain > reading.problem.residual(reading.nominal).square().mean((0, 1))).all())
 
 
 def test_a_scale_of_a_noisy_effort_is_not_shrunk_by_its_noise():
