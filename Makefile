@@ -5,6 +5,7 @@
 #   make prove   the concealed benchmark: SEED=1 CASES=60 (of each kind) KIND=quadrotor,joint,swerve
 #   make bench   measure the simulator beside its peers, write docs/benchmark.md (leave the machine alone meanwhile)
 #   make bench-training   measure training beside its bare loop, write docs/benchmark_training.md
+#   make bench-diagnosis  measure the time of diagnoses, write docs/benchmark_diagnosis.md (SEED, CASES as above)
 #   make bench-policies   measure PPO on the racing quadrotor beside a bare loop, write docs/benchmark_policies.md
 # The pins in constraints.txt are made by:
 #   uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --no-header --no-annotate \
@@ -18,7 +19,7 @@ KIND ?= quadrotor,joint,swerve
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-.PHONY: run test quick checks docs site prove bench bench-training bench-policies lint install
+.PHONY: run test quick checks docs site prove bench bench-training bench-diagnosis bench-policies lint install
 
 run: $(STAMP)
 	@$(BIN)/simgap reproduce $(BRANCH)
@@ -64,6 +65,14 @@ bench: $(STAMP) .venv-bench/.installed
 
 bench-training: $(STAMP)
 	@$(BIN)/python -W ignore -m benchmarks.training --output docs/benchmark_training.md
+
+bench-diagnosis: export OMP_NUM_THREADS := 1
+bench-diagnosis: $(STAMP)
+	@rm -rf build/bench_diagnosis
+	@$(BIN)/simgap prove seed=$(SEED) prove.cases=$(CASES) 'prove.kinds=[$(KIND)]' \
+		prove.folder=build/bench_diagnosis/cases output=build/bench_diagnosis
+	@$(BIN)/python -W ignore -m benchmarks.diagnosis --results build/bench_diagnosis/results.json \
+		--output docs/benchmark_diagnosis.md
 
 bench-policies: $(STAMP)
 	@$(BIN)/python -W ignore -m benchmarks.policies --output docs/benchmark_policies.md
