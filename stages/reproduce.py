@@ -48,7 +48,7 @@ def _reproduce(stage: str, branch: str) -> None:
 
 
 def write_first_page(artifacts: Path, branch: str) -> Path:
-    """Write the page of the diagnosis before training starts, so that it can be read meanwhile."""
+    """Write the page of the diagnosis before policies are trained, so that it can be read meanwhile."""
     from simgap.report import ReportInputs, write_page
 
     page = artifacts / "diagnosis.html"
