@@ -7,7 +7,7 @@ import pytest
 
 _CASE = "test_real_recordings.py::test_what_a_real_machine_is_known_to_have_is_believed_and_nothing_else"
 OPEN = {
-    f"{_CASE}[f1tenth_speed]": "steps from rest: inductance and a small inertia stand in for the lag of a speed loop",
+    f"{_CASE}[f1tenth_speed]": "steps from rest: friction that follows the load and a small inertia stand in for the lag",
     "test_real_recordings.py::test_rotor_drag_and_inflow_of_a_real_quadrotor": (
         "both are named, but the drag is 0.38 1/s where the authors have about 0.45"
     ),
@@ -16,10 +16,13 @@ OPEN = {
     ),
 }
 
+LONG = {f"{_CASE}[f1tenth_speed]"}
+"""Of these, one that takes more than a minute is not run: that it fails still is known."""
+
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark the cases above."""
     for item in items:
         for case, reason in OPEN.items():
             if item.nodeid.endswith(f"tests/pipeline/gap/{case}"):
-                item.add_marker(pytest.mark.xfail(reason=reason, strict=True))
+                item.add_marker(pytest.mark.xfail(reason=reason, strict=True, run=case not in LONG))
