@@ -72,7 +72,7 @@ bench-diagnosis: $(STAMP)
 	@$(BIN)/simgap prove seed=$(SEED) prove.cases=$(CASES) 'prove.kinds=[$(KIND)]' \
 		prove.folder=build/bench_diagnosis/cases output=build/bench_diagnosis
 	@$(BIN)/python -W ignore -m benchmarks.diagnosis --results build/bench_diagnosis/results.json \
-		--output docs/benchmark_diagnosis.md
+		--output docs/benchmark_diagnosis.md --command 'make bench-diagnosis SEED=$(SEED) CASES=$(CASES)'
 
 bench-policies: $(STAMP)
 	@$(BIN)/python -W ignore -m benchmarks.policies --output docs/benchmark_policies.md

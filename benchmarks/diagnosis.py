@@ -137,12 +137,16 @@ def by_kind(results: list[dict[str, Any]]) -> Iterator[list[str]]:
 
 
 def written(
-    results: list[dict[str, Any]], rows: tuple[list[list[str]], list[list[str]]], rounds: int, load: float
+    results: list[dict[str, Any]],
+    rows: tuple[list[list[str]], list[list[str]]],
+    rounds: int,
+    load: float,
+    command: str,
 ) -> str:
     """Return the page."""
     kinds = list(by_kind(results))
     return _PAGE.format(
-        command="make bench-diagnosis",
+        command=command,
         day=date.today().isoformat(),
         machine=machine("cpu", load),
         seed=", ".join(str(seed) for seed in sorted({r["seed"] for r in results if "seed" in r})),
@@ -164,11 +168,14 @@ def main() -> None:
     parser.add_argument("--results", type=Path, required=True, help="results.json of simgap prove")
     parser.add_argument("--output", type=Path, default=Path("docs/benchmark_diagnosis.md"))
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--command", default="make bench-diagnosis", help="that the page names")
     chosen = parser.parse_args()
     torch.set_num_threads(1)
     results = json.loads(chosen.results.read_text(encoding="utf-8"))
     load = os.getloadavg()[0]
-    chosen.output.write_text(written(results, growth(chosen.rounds), chosen.rounds, load), encoding="utf-8")
+    chosen.output.write_text(
+        written(results, growth(chosen.rounds), chosen.rounds, load, chosen.command), encoding="utf-8"
+    )
     print(f"wrote {chosen.output}")
 
 

@@ -17,7 +17,11 @@ def test_the_catalogue_begins_with_what_is_there_and_is_whole():
 def test_the_page_states_median_and_greatest_time_of_each_kind():
     results = [{"seed": 5, "case": {"kind": "joint"}, "seconds_busy": time} for time in (3.0, 4.0, 9.0)]
     page = written(
-        [*results, {"branch": "omni_drive", "seconds_busy": 99.0}], ([["40", "8,000", "2.0"]], []), 1, 0.0
+        [*results, {"branch": "omni_drive", "seconds_busy": 99.0}],
+        ([["40", "8,000", "2.0"]], []),
+        1,
+        0.0,
+        "make bench",
     )
     assert "| joint | 3 | 4.0 | 9.0 | 5 |" in page
     assert "Seed 5, 3 cases." in page
