@@ -6,13 +6,13 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
-from simgap.models.layout import Layout
+from simgap.models.rate_layout import RateLayout
 from simgap.models.swerve_layout import four
 from simgap.recordings.recording import Recording
 
 
 @dataclass(frozen=True)
-class AllSteeringLayout(Layout):
+class AllSteeringLayout(RateLayout):
     """States: the four steer velocities. Inputs: the voltages of all eight motors and the four drive velocities.
 
     As published ("Beyond linear horizons"): the network sees all eight motors and gives the next four steer velocities.
@@ -22,32 +22,10 @@ class AllSteeringLayout(Layout):
     kind: ClassVar[str] = "all_steering"
     states: ClassVar[tuple[str, ...]] = four("steer_velocity")
 
-    @property
-    def features(self) -> tuple[str, ...]:
-        """Velocities rad/s and voltages V of the eight motors."""
-        return (*self.states, *self.inputs)
-
-    @property
-    def targets(self) -> tuple[str, ...]:
-        """Increments of the steer velocities, rad/s."""
-        return self.states
-
     @classmethod
     def of_recording(cls, recording: Recording) -> "AllSteeringLayout":
         """Every swerve recording has the same columns."""
         return cls((*four("drive_velocity"), *four("drive_voltage"), *four("steer_voltage")))
-
-    def encode(self, state: Tensor, action: Tensor) -> Tensor:
-        """All of them side by side."""
-        return torch.cat([state, action], dim=-1)
-
-    def increment(self, state: Tensor, following: Tensor) -> Tensor:
-        """Return the changes of the velocities."""
-        return following - state
-
-    def advance(self, state: Tensor, increment: Tensor, time_step: float) -> Tensor:
-        """Return the next velocities."""
-        return state + increment
 
     def errors(self, predicted: Tensor, true: Tensor) -> dict[str, Tensor]:
         """Euclidean norm over the four modules, rad/s."""

@@ -6,12 +6,12 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
-from simgap.models.layout import Layout
+from simgap.models.rate_layout import RateLayout
 from simgap.recordings.recording import Recording
 
 
 @dataclass(frozen=True)
-class SteeringLayout(Layout):
+class SteeringLayout(RateLayout):
     """State: steer velocity of a module. The four modules are machines of one kind, each seen by itself.
 
     A linear model of two samples is the direct-current motor's law, V against sign(v), v and its difference.
@@ -24,11 +24,6 @@ class SteeringLayout(Layout):
     def features(self) -> tuple[str, ...]:
         """Velocity rad/s, its sign, voltage V."""
         return ("steer_velocity", "steer_sign", *self.inputs)
-
-    @property
-    def targets(self) -> tuple[str, ...]:
-        """Increment of the steer velocity, rad/s."""
-        return self.states
 
     def machines(self) -> dict[str, tuple[str, ...]]:
         """Return the columns of each module."""
@@ -45,14 +40,6 @@ class SteeringLayout(Layout):
     def encode(self, state: Tensor, action: Tensor) -> Tensor:
         """The sign is that of dry friction."""
         return torch.cat([state, torch.sign(state), action], dim=-1)
-
-    def increment(self, state: Tensor, following: Tensor) -> Tensor:
-        """Return the change of the velocity."""
-        return following - state
-
-    def advance(self, state: Tensor, increment: Tensor, time_step: float) -> Tensor:
-        """Return the next velocity."""
-        return state + increment
 
     def errors(self, predicted: Tensor, true: Tensor) -> dict[str, Tensor]:
         """Absolute difference, rad/s."""

@@ -5,6 +5,8 @@ from html import escape
 import numpy as np
 import pandas as pd
 
+from simgap.artifacts import svg
+
 _WIDTH, _HEIGHT, _LEFT, _TOP, _GAP = 860, 150, 70, 34, 26  # px, of each state's panel
 _COLOURS = {"measured": "#444444", "modelled": "#c0504d"}
 
@@ -17,24 +19,11 @@ def trace_figure(traces: pd.DataFrame) -> str:
     """
     states = list(dict.fromkeys(traces["state"]))
     height = _TOP + (_HEIGHT + _GAP) * len(states)
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_LEFT + _WIDTH + 10}" height="{height}"'
-        ' font-family="sans-serif" font-size="12">',
-        '<rect width="100%" height="100%" fill="white"/>',
-        *_legend(float(traces["t"].min()), float(traces["t"].max())),
-    ]
+    span = f"{float(traces['t'].min()):.3g} to {float(traces['t'].max()):.3g} s"
+    parts = svg.legend(_COLOURS, _LEFT, _LEFT + _WIDTH, span)
     for number, state in enumerate(states):
         parts += _panel(state, traces[traces["state"] == state], _TOP + number * (_HEIGHT + _GAP))
-    return "\n".join([*parts, "</svg>"]) + "\n"
-
-
-def _legend(first: float, last: float) -> list[str]:
-    parts = [f'<text x="{_LEFT + _WIDTH}" y="18" text-anchor="end">{first:.3g} to {last:.3g} s</text>']
-    for number, (name, colour) in enumerate(_COLOURS.items()):
-        x = _LEFT + 110 * number
-        parts.append(f'<rect x="{x}" y="8" width="12" height="12" fill="{colour}"/>')
-        parts.append(f'<text x="{x + 17}" y="18">{name}</text>')
-    return parts
+    return svg.document(_LEFT + _WIDTH + 10, height, parts)
 
 
 def _panel(state: str, rows: pd.DataFrame, top: int) -> list[str]:

@@ -23,5 +23,5 @@ def test_the_page_states_median_and_greatest_time_of_each_kind():
         0.0,
         "make bench",
     )
-    assert "| joint | 3 | 4.0 | 9.0 | 5 |" in page
+    assert "| joint | 3 | 4.0 | 9.0 | 5 | met |" in page
     assert "Seed 5, 3 cases." in page

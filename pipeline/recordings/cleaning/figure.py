@@ -6,6 +6,8 @@ from html import escape
 import numpy as np
 import pandas as pd
 
+from simgap.artifacts import svg
+
 _WIDTH, _BAR, _ROW, _LABEL, _TOP = 900, 14, 22, 220, 44  # px
 _LEVELS = 5  # shades of a pixel's share of interpolated samples
 _COLOURS = {"kept": "#4c9f70", "interpolated": "#e0a030", "dropped": "#c0504d", "missing": "#d9d9d9"}
@@ -20,24 +22,10 @@ def coverage_figure(coverage: pd.DataFrame) -> str:
     runs = list(coverage.groupby("run", sort=False))
     longest = max((float(rows["end"].max() - rows["start"].min()) for _, rows in runs), default=1.0)
     height = _TOP + _ROW * len(runs)
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_LABEL + _WIDTH + 10}" height="{height}"'
-        ' font-family="sans-serif" font-size="12">',
-        '<rect width="100%" height="100%" fill="white"/>',
-        *_legend(longest),
-    ]
+    parts = svg.legend(_COLOURS, _LABEL, _LABEL + _WIDTH, f"{longest:.4g} s")
     for number, (run, rows) in enumerate(runs):
         parts += _bar(str(run), rows, _TOP + number * _ROW, _WIDTH / max(longest, 1e-9))
-    return "\n".join([*parts, "</svg>"]) + "\n"
-
-
-def _legend(longest: float) -> list[str]:
-    parts = [f'<text x="{_LABEL + _WIDTH}" y="18" text-anchor="end">{longest:.4g} s</text>']
-    for number, (state, colour) in enumerate(_COLOURS.items()):
-        x = _LABEL + 110 * number
-        parts.append(f'<rect x="{x}" y="8" width="12" height="12" fill="{colour}"/>')
-        parts.append(f'<text x="{x + 17}" y="18">{state}</text>')
-    return parts
+    return svg.document(_LABEL + _WIDTH + 10, height, parts)
 
 
 def _bar(run: str, rows: pd.DataFrame, top: int, scale: float) -> list[str]:

@@ -71,10 +71,18 @@ class RowStep:
         Args:
             rows: of `pack`.
             action: (k, batch).
+
+        Raises:
+            InputError: when a compiled step gets rows or an action that are not contiguous.
         """
+        once = self._once(rows, action)
         for _ in range(self._repeats):
-            rows = self._eager(rows, action)
+            rows = once(rows, action)
         return rows
+
+    def _once(self, rows: Tensor, action: Tensor) -> Callable[[Tensor, Tensor], Tensor]:
+        """Return what takes one step of such rows."""
+        return self._eager
 
     def _eager(self, rows: Tensor, action: Tensor) -> Tensor:
         """Return the rows after one step, operation by operation."""

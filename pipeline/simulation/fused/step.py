@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import Any
 
 import torch
-from jaxtyping import Float
 from torch import Tensor
 from torch.utils import _pytree as tree
 
@@ -61,29 +60,15 @@ class FusedStep(RowStep):
             torch.Tag.pointwise in getattr(node.target, "tags", ()) for node in self._graph.graph.nodes
         )
 
-    @torch.no_grad()
-    def __call__(
-        self, rows: Float[Tensor, "components batch"], action: Float[Tensor, "k batch"]
-    ) -> Float[Tensor, "components batch"]:
-        """Return the rows after the step was taken `repeats` times.
-
-        Args:
-            rows: of `pack`.
-            action: (k, batch), contiguous.
-
-        Raises:
-            InputError: when rows or action are not contiguous.
-        """
+    def _once(self, rows: Tensor, action: Tensor) -> Callable[[Tensor, Tensor], Tensor]:
+        """Return the compiled step, which needs contiguous tensors, or the eager one without a compiler."""
         if not (rows.is_contiguous() and action.is_contiguous()):
             raise InputError("is not contiguous", "rows or action", "use pack and action.T.contiguous()")
         shared = rows.shape[1] >= _WORTH_SHARING
         if shared not in self._compiled:
             options = _COMPILER_OPTIONS if shared else _ALONE
             self._compiled[shared] = compiled(self._graph, rows, action, options) or self._eager
-        run = self._compiled[shared]
-        for _ in range(self._repeats):
-            rows = run(rows, action)
-        return rows
+        return self._compiled[shared]
 
 
 def _one(tensor: Tensor) -> Tensor:

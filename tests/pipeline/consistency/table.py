@@ -4,8 +4,9 @@ python -m tests.pipeline.consistency.table --kind joint --seed 778 --cases 40
 """
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from simgap.consistency import contradictions
 from simgap.platforms import platform_from_config
@@ -13,6 +14,8 @@ from simgap.recordings.cleaning import clean_recording
 from tests.pipeline.consistency.corruption import CORRUPTIONS, Corruption
 from tests.pipeline.consistency.plants import Good, good
 from tests.pipeline.consistency.row_faults import ROW_FAULTS, RowFault
+
+Spoiler = TypeVar("Spoiler", Corruption, RowFault)
 
 
 @dataclass
@@ -47,17 +50,9 @@ def tabulate(
         every: of so many corruptions one is tried.
     """
     chosen = CORRUPTIONS[kind][::every]
-    rows = {corruption.name: Row() for corruption in chosen}
-    for one in recordings:
-        for corruption in chosen:
-            row = rows[corruption.name]
-            if not corruption.possible(one.recording, one.platform) or (limit and row.tried >= limit):
-                continue
-            caught, right = tell(corruption, one)
-            row.tried, row.caught, row.right = row.tried + 1, row.caught + caught, row.right + right
-            if not right:
-                print(f"  not right: {corruption.name} of {one.name}", flush=True)
-    return rows
+    return _tabulated(
+        chosen, recordings, limit, lambda one, good: one.possible(good.recording, good.platform), tell
+    )
 
 
 def mend(fault: RowFault, one: Good) -> tuple[bool, bool]:
@@ -70,16 +65,28 @@ def mend(fault: RowFault, one: Good) -> tuple[bool, bool]:
 
 def tabulate_rows(kind: str, recordings: Iterable[Good], limit: int | None = None) -> dict[str, Row]:
     """Return a row for each fault of rows; arguments as of `tabulate`."""
-    rows = {fault.name: Row() for fault in ROW_FAULTS.get(kind, ())}
+    faults = ROW_FAULTS.get(kind, ())
+    return _tabulated(faults, recordings, limit, lambda fault, good: fault.possible(good.recording), mend)
+
+
+def _tabulated(
+    spoilers: Sequence[Spoiler],
+    recordings: Iterable[Good],
+    limit: int | None,
+    possible: Callable[[Spoiler, Good], bool],
+    outcome: Callable[[Spoiler, Good], tuple[bool, bool]],
+) -> dict[str, Row]:
+    """Try what spoils recordings on so many of them; `outcome` says whether it was caught, and rightly."""
+    rows = {spoiler.name: Row() for spoiler in spoilers}
     for one in recordings:
-        for fault in ROW_FAULTS.get(kind, ()):
-            row = rows[fault.name]
-            if not fault.possible(one.recording) or (limit and row.tried >= limit):
+        for spoiler in spoilers:
+            row = rows[spoiler.name]
+            if not possible(spoiler, one) or (limit and row.tried >= limit):
                 continue
-            said, right = mend(fault, one)
-            row.tried, row.caught, row.right = row.tried + 1, row.caught + said, row.right + right
+            caught, right = outcome(spoiler, one)
+            row.tried, row.caught, row.right = row.tried + 1, row.caught + caught, row.right + right
             if not right:
-                print(f"  not right: {fault.name} of {one.name}", flush=True)
+                print(f"  not right: {spoiler.name} of {one.name}", flush=True)
     return rows
 
 

@@ -16,13 +16,10 @@ OPEN = {
     ),
 }
 
-LONG = {f"{_CASE}[f1tenth_speed]"}
-"""Of these, one that takes more than a minute is not run: that it fails still is known."""
-
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark the cases above."""
     for item in items:
         for case, reason in OPEN.items():
             if item.nodeid.endswith(f"tests/pipeline/gap/{case}"):
-                item.add_marker(pytest.mark.xfail(reason=reason, strict=True, run=case not in LONG))
+                item.add_marker(pytest.mark.xfail(reason=reason, strict=True))
