@@ -1,11 +1,12 @@
-"""How strongly rows answer to the commands: residuals of an axis are put on the side of its commands.
+"""How strongly rows answer to the commands: residuals are put on the side of the commands.
 
-An equation of motion can be met by making all of its terms small: a dead zone as wide as the commands, next to a small
-inertia. What counts is by how much a command would have to differ for the equation to hold, as in a regression of the
-commands on the motion. So the rows of a simulator are divided by what commands do to them, relative to the nominal
-simulator.
+An equation of motion can be met by making all of its terms small: a dead zone as wide as the commands next to a small
+inertia, or a great inertia where rotor speeds are noisy. What counts is by how much a command would have to differ for
+the equation to hold, as in a regression of the commands on the motion. So the rows of a channel are divided by what
+commands do to them, relative to the nominal simulator.
 """
 
+from collections import OrderedDict
 from dataclasses import replace
 
 import torch
@@ -21,6 +22,8 @@ _BLOCKS = 60
 """Blocks, drawn evenly, that a gain is the mean of: a ratio of two such means is known to some percent."""
 _LEAST = 1e-6
 """Of the nominal gain: a simulator that no command reaches has none."""
+_KEPT = 8
+"""Simulators whose rows are kept: a step of a fit asks for those of one several times."""
 
 
 class CommandGain:
@@ -39,17 +42,18 @@ class CommandGain:
         some = blocks.take(self._part)
         self._joined = _joined(blocks, _without_commands(some))
         self._sound = without_lost(some, functions)
+        self._kept: OrderedDict[tuple[object, ...], tuple[Tensor, Tensor, Tensor]] = OrderedDict()
         self._moved = _moved(nominal, some, functions).square().mean((0, 1))
         _, commanded, _ = self._evaluated(nominal)
-        self._commanded, self._nominal = commanded.square().mean((0, 1)), float(commanded.abs().mean())
+        self._commanded, self._nominal = commanded.square().mean((0, 1)), commanded.abs().mean((0, 1))
 
     def rows(self, simulator: Simulator) -> Tensor:
         """Return the residual of a simulator on the side of its commands, (blocks, rows, channels)."""
         rows, commanded, _ = self._evaluated(simulator)
         return rows * self._factor(commanded)
 
-    def factor(self, simulator: Simulator) -> float:
-        """Return the factor of a simulator's rows that puts them on the side of the commands.
+    def factor(self, simulator: Simulator) -> Tensor:
+        """Return the factors of a simulator's rows that put them on the side of the commands, (channels,).
 
         1 for the nominal simulator, and for every one where no command moves the nominal one.
         """
@@ -63,16 +67,24 @@ class CommandGain:
         """
         _, commanded, still = self._evaluated(simulator)
         rest = still.square().mean((0, 1)) * self._factor(commanded) ** 2 + self._moved
-        return torch.minimum(rest, self._commanded) if self._nominal else rest
+        return torch.where(self._nominal > 0.0, torch.minimum(rest, self._commanded), rest)
 
-    def _factor(self, commanded: Tensor) -> float:
-        """Return the nominal gain over that of a simulator, the mean size of what commands do to its rows."""
-        if self._nominal == 0.0:
-            return 1.0
-        return self._nominal / max(float(commanded.abs().mean()), _LEAST * self._nominal)
+    def _factor(self, commanded: Tensor) -> Tensor:
+        """Return the nominal gain over that of a simulator, (channels,): the mean size of what commands do to rows."""
+        moved = self._nominal > 0.0
+        gain = torch.maximum(commanded.abs().mean((0, 1)), _LEAST * self._nominal)
+        return torch.where(moved, self._nominal, 1.0) / torch.where(moved, gain, 1.0)
 
     def _evaluated(self, simulator: Simulator) -> tuple[Tensor, Tensor, Tensor]:
         """Return all rows, and of some blocks what commands do to them, and what they are without."""
+        values = tuple((each.effect, *each.values.values()) for each in simulator.effects)
+        if values not in self._kept:
+            self._kept[values] = self._evaluate(simulator)
+        if len(self._kept) > _KEPT:
+            self._kept.popitem(last=False)
+        return self._kept[values]
+
+    def _evaluate(self, simulator: Simulator) -> tuple[Tensor, Tensor, Tensor]:
         joined, count = self._joined, len(self._blocks)
         inner = signals_inside(simulator, joined, joined.acting)
         bare = bare_rows(simulator, joined, self._functions, inner)

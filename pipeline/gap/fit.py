@@ -34,7 +34,8 @@ class Problem:
         temper: how rows count.
         sizes: typical effort, travel and speed of the recording, see `simgap.effects.sizes`.
         counted: how rows count in a likelihood, see `simgap.gap.likelihood.counted_beside`; the same for all readings.
-        nominal: the simulator whose rows keep their size, of an axis; rows of all simulators do where it is None.
+        nominal: the simulator whose rows keep their size; rows of all simulators do where it is None.
+        is_axis: whether both sides of its equation stand for one effort.
     """
 
     blocks: Blocks
@@ -46,15 +47,16 @@ class Problem:
     sizes: Mapping[str, float] = field(default_factory=dict)
     counted: Temper | None = None
     nominal: Simulator | None = None
+    is_axis: bool = False
 
     @cached_property
     def gain(self) -> CommandGain | None:
-        """How strongly rows answer to the commands, of an axis."""
+        """How strongly rows answer to the commands."""
         return None if self.nominal is None else CommandGain(self.nominal, self.blocks, self.functions)
 
-    def factor(self, simulator: Simulator) -> float:
-        """Return the factor that puts the rows of a simulator on the side of its commands."""
-        return 1.0 if self.gain is None else self.gain.factor(simulator)
+    def factor(self, simulator: Simulator) -> Tensor:
+        """Return the factors that put the rows of a simulator on the side of its commands, (channels,)."""
+        return torch.ones_like(self.noise) if self.gain is None else self.gain.factor(simulator)
 
     def weigh(self, residual: Tensor) -> tuple[Tensor, float]:
         """Return what rows are weighed with, and what they cost.
@@ -83,7 +85,7 @@ class Problem:
     def residual(self, simulator: Simulator) -> Tensor:
         """Return what a simulator leaves of the equations of motion, (blocks, rows, channels).
 
-        Of an axis it is in terms of its commands, see `simgap.gap.command_gain`.
+        It is in terms of the commands, see `simgap.gap.command_gain`.
         """
         if self.gain is None:
             return residual_rows(simulator, self.blocks, self.functions)
@@ -93,7 +95,7 @@ class Problem:
         """Return the columns of an effect that is linear here, (blocks, rows, channels, parameters), else None."""
         if simulator.is_linear_in(effect):
             assert isinstance(effect, WrenchEffect)
-            return _regressor_columns(simulator, effect, self) * self.factor(simulator)
+            return _regressor_columns(simulator, effect, self) * self.factor(simulator)[:, None]
         return None
 
 
@@ -168,7 +170,10 @@ def fit(simulator: Simulator, problem: Problem) -> Fit:
         change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
         if promised < problem.least_gain(residual):
             break
-        values, residual = line_search(simulator, problem, values, change, residual, scale)
+        values, rows = line_search(simulator, problem, values, change, residual, scale)
+        if rows is residual:
+            break
+        residual = rows
         jacobian = jacobian_of(with_values(simulator, values), problem, residual)
     scale, _ = problem.weigh(residual)
     covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)

@@ -64,7 +64,7 @@ class LikelihoodOf:
         noise, silenced = self.noise(simulator)
         energy = self.energy(simulator)
         explained = (self.base - fitted.residual).square().mean(1)
-        if self.problem.nominal is not None:
+        if self.problem.is_axis:
             explained = torch.minimum(explained, energy)
         noise = noise + _INEXACT**2 * explained
         left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
@@ -108,9 +108,10 @@ class LikelihoodOf:
         On an axis it is that of the smaller side of its equation: what commands do in the nominal simulator, or what
         is left of a simulator without commands. Elsewhere it is what the nominal simulator leaves.
         """
-        if self.problem.gain is None:
+        gain = self.problem.gain
+        if gain is None or not self.problem.is_axis:
             return self.base.square().mean((0, 1)).clamp_min(_NOTHING)
-        return self.problem.gain.smaller_side(simulator).clamp_min(_NOTHING)
+        return gain.smaller_side(simulator).clamp_min(_NOTHING)
 
 
 def counted_beside(problem: Problem, base: Tensor) -> Temper:

@@ -22,7 +22,7 @@ from simgap.simulation.blocks import Blocks, cut_blocks
 
 _SHORTEST = 0.5  # s, shortest block
 _AXES = ("joint",)
-"""Kinds whose equations can be met by making all terms small: both sides stand for one effort."""
+"""Kinds whose commands and motion are two sides of one effort, either of which may be small."""
 _LONGEST_STEP = 1.0  # s between samples; slower recordings do not show the motion
 
 
@@ -78,7 +78,8 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool)
         independent_clusters(fitted),
         temper,
         sizes,
-        nominal=nominal if recording.kind in _AXES else None,
+        nominal=nominal,
+        is_axis=recording.kind in _AXES,
     )
     return Prepared(nominal, width, problem, proving, held_out, remarks)
 

@@ -14,7 +14,14 @@ from simgap.gap.reading import Reading, readings_of
 from simgap.gap.settings import Gap
 from simgap.recordings.recording import Recording
 from simgap.simulation import FittedEffect, Simulator
-from tests.pipeline.gap.recordings import Plant, joint_recordings, joint_simulator, recording_of
+from tests.pipeline.gap.recordings import (
+    Plant,
+    flight,
+    joint_recordings,
+    joint_simulator,
+    racer,
+    recording_of,
+)
 from tests.pipeline.gap.units import driven_by_effort, in_units
 
 
@@ -139,6 +146,22 @@ def test_a_scale_of_a_noisy_effort_is_not_shrunk_by_its_noise():
     reading = readings_of(replace(recording, frame=frame), simulator, Gap())[0]
     scaled = fit(with_effects(reading.nominal, input_scale_error={"ratio": 0.9}), reading.problem)
     assert scaled.simulator.free[0].values["ratio"] > 0.97
+
+
+def test_an_inertia_is_not_grown_by_the_noise_of_rotor_speeds():
+    """A regression of the rates on the torques would find a machine that hardly answers."""
+    recording = flight()
+    frame, random = recording.frame.copy(), np.random.default_rng(0)
+    for column in (f"motor_command_{rotor}" for rotor in range(1, 5)):
+        noise = 0.05 * random.standard_normal(len(frame) // 20 + 1).repeat(20)
+        frame[column] = (frame[column] + noise[: len(frame)]).clip(0.0, 1.0)
+    noisy = replace(recording, frame=frame.drop(columns=[c for c in frame if c.startswith("motor_speed")]))
+    reading = readings_of(noisy, Simulator(racer()), Gap())[0]
+    effect = FittedEffect(effect_by_key("quadrotor", "inertia_error"), {"ratio": 3.0})
+    plain = fit(reading.nominal.with_effects((effect,)), replace(reading.problem, nominal=None))
+    found = fit(reading.nominal.with_effects((effect,)), reading.problem)
+    assert plain.simulator.free[0].values["ratio"] > 5.0
+    assert found.simulator.free[0].values["ratio"] < 1.5
 
 
 @pytest.mark.parametrize("held", [False, True])
