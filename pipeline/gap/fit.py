@@ -176,8 +176,24 @@ def fit(simulator: Simulator, problem: Problem) -> Fit:
         residual = rows
         jacobian = jacobian_of(with_values(simulator, values), problem, residual)
     scale, _ = problem.weigh(residual)
-    covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)
-    return Fit(with_errors(with_values(simulator, values), covariance), residual, jacobian, scale, covariance)
+    return finished(with_values(simulator, values), residual, jacobian, scale, problem)
+
+
+def finished(
+    simulator: Simulator, residual: Tensor, jacobian: Tensor, scale: Tensor, problem: Problem
+) -> Fit:
+    """Return the fit that a simulator with fitted values stands for.
+
+    A value that rests on a bound has no standard error, and those of the others are what they are beside it: on the
+    bound it moves no more, however little the recording says of it.
+    """
+    values, (low, high) = values_of(simulator), bounds_of(simulator)
+    free = torch.nonzero((values > low) & (values < high)).squeeze(1)
+    covariance = values.new_zeros(len(values), len(values))
+    if len(free):
+        own = clustered_covariance(jacobian[..., free], residual, scale, problem.cluster)
+        covariance[free[:, None], free] = own
+    return Fit(with_errors(simulator, covariance), residual, jacobian, scale, covariance)
 
 
 def values_of(simulator: Simulator) -> Tensor:

@@ -20,6 +20,7 @@ from simgap.gap.scoring import independent_clusters
 from simgap.gap.settings import Gap
 from simgap.physics.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
 from simgap.platforms import Controller, Joint
+from simgap.platforms.joint import GAINS
 from simgap.recordings.recording import Recording
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks, cut_blocks
@@ -142,16 +143,20 @@ def gain_remarks(simulator: Simulator, nominal: Simulator) -> list[str]:
     )
     if found is None or first is None:
         return []
+    identified = [gain for gain in GAINS if gain not in first.given and getattr(found, gain) is not None]
     units = {"proportional": "N·m/rad", "derivative": "N·m·s/rad"}
     if simulator.position_unit == "m":
         units = {"proportional": "N/m", "derivative": "N·s/m"}
     return [
-        f"controller.{gain} was not given; it was identified as {getattr(found, gain):.4g} ± "
-        f"{getattr(found, f'{gain}_std') or 0.0:.2g} {unit} (first estimate {getattr(first, gain):.4g} ± "
-        f"{getattr(first, f'{gain}_std') or 0.0:.2g}), in the scale of the platform's inertia"
-        for gain, unit in units.items()
-        if gain not in first.given
+        f"controller.{gain} was not given; it was identified as {_estimated(found, gain)} {units[gain]} "
+        f"(first estimate {_estimated(first, gain)}), in the scale of the platform's inertia"
+        for gain in identified
     ]
+
+
+def _estimated(controller: Controller, gain: str) -> str:
+    std = getattr(controller, f"{gain}_std")
+    return f"{getattr(controller, gain):.4g}" + (f" ± {std:.2g}" if std else "")
 
 
 def _fitted_blocks(recording: Recording, nominal: Simulator, settings: Gap) -> Blocks:

@@ -3,6 +3,7 @@
 import math
 
 from simgap.effects import ParameterError, effect_by_key
+from simgap.gap.gains import IdentifiedGain
 from simgap.gap.prepare import Prepared
 from simgap.recordings.contradiction import Contradiction
 from simgap.simulation import Simulator
@@ -20,11 +21,20 @@ def at_limits(simulator: Simulator) -> list[str]:
         ratio = fitted.effect.parameters[0]
         value = float(fitted.values[ratio.name])
         if min(abs(math.log(value / limit)) for limit in (ratio.low, ratio.high)) < _ON_LIMIT:
-            found.append(
-                f"{fitted.effect.name}: a ratio of {value:.3g} is the limit of what is looked for, so that the true "
-                "one may lie beyond; multiply the number in the platform file by it, and run again"
-            )
+            found.append(_said(fitted.effect, value))
     return found
+
+
+def _said(effect: ParameterError, ratio: float) -> str:
+    if isinstance(effect, IdentifiedGain):
+        return (
+            f"controller.{effect.gain}: {ratio:.3g} times the first estimate is the limit of what is looked for, so "
+            "this recording does not tell the gain; give it in the platform file, or record the effort"
+        )
+    return (
+        f"{effect.name}: a ratio of {ratio:.3g} is the limit of what is looked for, so that the true one may lie "
+        "beyond; multiply the number in the platform file by it, and run again"
+    )
 
 
 def excessive_thrust(prepared: Prepared) -> list[Contradiction]:

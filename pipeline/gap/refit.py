@@ -11,13 +11,12 @@ from simgap.gap.fit import (
     Problem,
     bounded_newton_step,
     bounds_of,
-    clustered_covariance,
     columns_of,
     effect_jacobian,
+    finished,
     fit,
     line_search,
     values_of,
-    with_errors,
     with_values,
 )
 from simgap.gap.starts import Starts, some_of
@@ -200,5 +199,4 @@ def _finished(
     simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem, scale: Tensor | None = None
 ) -> Fit:
     scale = problem.weigh(residual)[0] if scale is None else scale
-    covariance = clustered_covariance(jacobian, residual, scale, problem.cluster)
-    return Fit(with_errors(simulator, covariance), residual, jacobian, scale, covariance)
+    return finished(simulator, residual, jacobian, scale, problem)

@@ -141,8 +141,9 @@ def _answer(diagnosis: dict[str, Any]) -> str:
     if verdict == "contradiction":
         return _contradicted(diagnosis.get("contradictions") or [])
     if verdict == "missing_physics":
-        unsure = "Physics is missing from the simulator, but no single cause is likelier than not"
-        return f"{facts if missing else unsure}."
+        unsure = "physics is missing from the simulator, but no single cause is likelier than not"
+        numbers = f"{facts}. Beside that, {unsure}" if facts else f"{unsure[:1].upper()}{unsure[1:]}"
+        return f"{facts if missing else numbers}."
     if verdict == "parameter_mismatch":
         return f"No physics is missing. {facts or 'A number of the platform file seems to be wrong'}."
     if verdict == "none":

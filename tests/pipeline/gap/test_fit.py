@@ -107,6 +107,15 @@ def test_a_bound_does_not_hold_back_the_others():
     assert 0.0 <= float(found.values[1]) < 0.005
 
 
+def test_a_value_on_its_bound_has_no_error_and_does_not_widen_the_others():
+    """Friction that would have to push is at none: the inertia is as well known as without it."""
+    plant = Plant(viscous=-0.05, inertia=1.3)
+    alone = _fitted(plant, "inertia_error").covariance
+    beside = _fitted(plant, "inertia_error", "viscous_friction").covariance
+    assert float(beside[1, 1]) == 0.0
+    assert float(beside[0, 0]) == pytest.approx(float(alone), rel=0.05)  # of a fit that converged elsewhere
+
+
 def test_coloured_residuals_widen_the_clustered_error_and_white_ones_do_not():
     """800 clusters of four blocks: the ratio of variances is known to about 10 %."""
     jacobian = torch.ones(3200, 1, 1, 1, dtype=torch.float64)

@@ -71,6 +71,12 @@ def test_an_effort_that_was_recorded_needs_no_gains(plain):
     assert with_gains(driven, Simulator(UNKNOWN), Gap()) == Simulator(UNKNOWN)
 
 
+def test_a_limit_alone_of_a_loop_that_nobody_asked_says_nothing_of_gains(plain):
+    """A URDF file gives the limit of a joint's effort, whatever drives it."""
+    limited = Simulator(replace(PLATFORM, controller=Controller(effort_limit=3.0)))
+    assert gain_remarks(folded(limited), limited) == []
+
+
 def test_identified_gains_become_numbers_of_the_platform():
     estimated = replace(PLATFORM, controller=Controller(10.0, 0.5, None, 1.0, 0.1))
     ratios = {"proportional": 1.2, "derivative": 0.9}

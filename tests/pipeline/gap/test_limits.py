@@ -5,9 +5,11 @@ from dataclasses import replace
 import pytest
 
 from simgap.effects import effect_by_key
+from simgap.gap.gains import IdentifiedGain
 from simgap.gap.limits import at_limits, excessive_thrust
 from simgap.gap.prepare import prepare
 from simgap.gap.settings import Gap
+from simgap.platforms import Controller, Joint
 from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.gap.recordings import flown, racer
 
@@ -24,6 +26,13 @@ def test_a_ratio_on_its_limit_is_said_with_what_to_do(ratio):
     assert "inertia_error" in said
     assert f"{ratio:.3g}" in said
     assert "multiply the number in the platform file" in said
+
+
+def test_a_gain_on_its_limit_is_called_by_the_name_of_its_key():
+    servo = Joint(inertia=0.02, controller=Controller(proportional=2.0))
+    gain = FittedEffect(IdentifiedGain("derivative"), {"ratio": 100.0})
+    (said,) = at_limits(Simulator(servo, (gain,)))
+    assert said.startswith("controller.derivative: 100 times")
 
 
 def test_a_ratio_inside_is_not_nor_one_that_a_person_gave():

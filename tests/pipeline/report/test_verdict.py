@@ -34,6 +34,15 @@ def test_where_nothing_is_believed_no_name_is_stated():
     assert headline(found).endswith("no single cause is likelier than not.")
 
 
+def test_a_wrong_number_is_said_also_where_no_missing_physics_is_believed():
+    found = diagnosis("missing_physics")
+    found["effects"] = [DOUBTED, DOUBTED | {"name": "input_scale_error", "probability": 0.9}]
+    assert headline(found) == (
+        "The platform file is wrong about input scale. "
+        "Beside that, physics is missing from the simulator, but no single cause is likelier than not."
+    )
+
+
 def test_how_much_of_the_gap_closes_is_said_with_what_is_left():
     found = diagnosis("missing_physics")
     assert "closes 97% of the gap" in plain(summary(found).closed)
