@@ -1,6 +1,7 @@
 """The command that shows what a log holds and proposes a mapping of it; not a stage of the pipeline."""
 
 import argparse
+import shlex
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,21 +27,30 @@ def inspect(path: Path, kind: str | None = None, output: Path | None = None, eve
     recording = recording_as_it_is(path, kind)
     if recording is not None:
         print(*signal_lines(log, recording.channels, every), "", *_prospect(recording), sep="\n")
-        print("It has the contract's columns, so it needs no mapping.")
+        print(f"It has the contract's columns, so it needs no mapping: {_command(path)}")
         return
     proposal = propose(log, kind)
     print(*log_lines(log, proposal, every), "", sep="\n")
     if proposal.refusal:
-        print(f"No diagnosis: {proposal.refusal}.")
+        print(f"No diagnosis. {path.name}: {proposal.refusal}.")
         return
-    if not proposal.is_sure:
-        print(f"No diagnosis yet: {_doubt(proposal)}.")
-        ending = f"correct it, then simgap diagnose platform=NAME recording={path} mapping="
-    else:
+    if proposal.is_sure:
         print(*_mapped(log, proposal), sep="\n")
-        ending = f"no need to give it, if it is right: simgap diagnose platform=NAME recording={path}"
+    else:
+        print(f"No diagnosis yet: {_doubt(proposal)}.")
     written = write_proposal(log, proposal, output or Path(f"{path.name}.mapping.yaml"))
-    print(f"wrote {written}: {ending}{written if ending.endswith('=') else ''}")
+    if proposal.is_sure:
+        print(f"wrote {written}: no need to give it, if it is right: {_command(path)}")
+    else:
+        print(f"wrote {written}: correct it, then {_command(path, written)}")
+
+
+def _command(path: Path, mapping: Path | None = None) -> str:
+    """Return the command that diagnoses a log, as a shell takes it."""
+    given = {"recording": path} | ({"mapping": mapping} if mapping else {})
+    return shlex.join(
+        ["simgap", "diagnose", "platform=NAME", *(f"{key}={value}" for key, value in given.items())]
+    )
 
 
 def _doubt(proposal: "Proposal") -> str:
@@ -72,7 +82,8 @@ def _prospect(recording: "Recording") -> Iterator[str]:
     from simgap.consistency import contradictions
 
     seconds = recording.frame.groupby("run", sort=False)["t"].agg(lambda t: t.iloc[-1] - t.iloc[0]).sum()
-    yield f"{len(recording.runs)} runs, {len(recording.frame)} samples, {seconds:.1f} s"
+    runs = len(recording.runs)
+    yield f"{runs} run{'' if runs == 1 else 's'}, {len(recording.frame)} samples, {seconds:.1f} s"
     yield from recording.warnings
     yield from (f"Contradiction: {each.sentence}" for each in contradictions(recording))
 

@@ -168,7 +168,11 @@ def test_a_log_is_diagnosed_and_nothing_else_is_written(installed: Installed) ->
 @pytest.mark.parametrize(
     ("command", "line"),
     [
-        ("reproduce", "it works in a clone of the repository only; clone it and call it there"),
+        (
+            "reproduce",
+            "it works in a clone of the repository only, with the command that `make install` puts there; "
+            "clone it, run make install in it, and call .venv/bin/simgap there",
+        ),
         (
             "train_policy platform=racer train_policy=racing_quick",
             "needs tensordict; pip install 'simgap[race]'",

@@ -28,6 +28,7 @@ def require_checkout(what: str = "it") -> Path:
     """
     if CHECKOUT is None:
         raise InputError(
-            f"{what} works in a clone of the repository only", remedy="clone it and call it there"
+            f"{what} works in a clone of the repository only, with the command that `make install` puts there",
+            remedy="clone it, run make install in it, and call .venv/bin/simgap there",
         )
     return CHECKOUT

@@ -69,16 +69,20 @@ def scaled(
 
 def mapping(columns: tuple[str, ...], key: str) -> str:
     """Return the lines of a mapping that say the same of each column."""
-    return "Say in the mapping: " + "; ".join(f"{name}: {{from: {name}, {key}}}" for name in columns) + "."
+    return lines({name: f"from: {name}, {key}" for name in columns})
 
 
 def renamed(columns: Mapping[str, str]) -> str:
     """Return the lines of a mapping that take columns from others; a minus before a name turns its sign."""
-    lines = []
-    for name, source in columns.items():
-        sign = ", sign: -1" if source.startswith("-") else ""
-        lines.append(f"{name}: {{from: {source.lstrip('-')}{sign}}}")
-    return "Say in the mapping: " + "; ".join(lines) + "."
+    signs = {name: ", sign: -1" if source.startswith("-") else "" for name, source in columns.items()}
+    return lines({name: f"from: {source.lstrip('-')}{signs[name]}" for name, source in columns.items()})
+
+
+def lines(entries: Mapping[str, str]) -> str:
+    """Return what a mapping has to say of each column, in one sentence."""
+    each = ", a line each" if len(entries) > 1 else ""
+    said = "; ".join(f"{name}: {{{entry}}}" for name, entry in entries.items())
+    return f"Say in the mapping{each}: {said}."
 
 
 def taken(

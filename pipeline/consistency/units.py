@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from simgap.consistency.transformation import Transformation, mapping, scaled
+from simgap.consistency.transformation import Transformation, lines, scaled
 
 _DEGREE, _TURN = 180.0 / np.pi, 1.0 / (2.0 * np.pi)
 
@@ -96,8 +96,9 @@ def _both(
     other: str,
 ) -> Transformation:
     one = scaled(suspected, column, (*first, *second), factor, odds, key)
-    lines = mapping(first, key)[:-1] + "; " + mapping(second, other).removeprefix("Say in the mapping: ")
-    return Transformation(suspected, column, one.columns, odds, one.mend, lines)
+    keys = dict.fromkeys(first, key) | dict.fromkeys(second, other)
+    remedy = lines({name: f"from: {name}, {unit}" for name, unit in keys.items()})
+    return Transformation(suspected, column, one.columns, odds, one.mend, remedy)
 
 
 def duty(column: str, columns: tuple[str, ...], largest: float, supply: float) -> list[Transformation]:

@@ -2,15 +2,16 @@
 
 import difflib
 import math
+from collections.abc import Iterable
 from collections.abc import Mapping as AbstractMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from simgap.artifacts.plain_yaml import read_yaml
 from simgap.errors import InputError
 from simgap.logs.log import Span
-from simgap.recordings.contract import KINDS, channel_units
+from simgap.recordings.contract import COLUMNS, KINDS, channel_units
 from simgap.recordings.units import conversion, factor_and_offset
 
 _ENTRY_KEYS = ("from", "unit", "scale", "sign", "offset", "missing", "held", "times", "ratio", "integrate")
@@ -64,19 +65,23 @@ class Mapping:
     rate: float | None = None
 
 
-def read_mapping(path: Path) -> Mapping:
+def read_mapping(path: Path, kind: str | None = None) -> Mapping:
     """Read a mapping from a YAML file.
 
     The file is {column: {from, unit, scale, sign, …}} beside `kind`, and optional `runs` ({name: [begin, end]}, s)
     and `rate` (Hz). A column may be the name of a signal alone.
 
+    Args:
+        path: of the file.
+        kind: of the platform, where the file does not say it.
+
     Raises:
         InputError: when it cannot be read, or a key, a unit or a number is wrong.
     """
-    return mapping_from_config(read_yaml(path), str(path))
+    return mapping_from_config(read_yaml(path), str(path), kind)
 
 
-def mapping_from_config(content: Any, where: str = "mapping") -> Mapping:
+def mapping_from_config(content: Any, where: str = "mapping", kind: str | None = None) -> Mapping:
     """Make a mapping of the content of its file; see `read_mapping`.
 
     Raises:
@@ -84,7 +89,7 @@ def mapping_from_config(content: Any, where: str = "mapping") -> Mapping:
     """
     if not isinstance(content, AbstractMapping) or not content:
         raise InputError("is no mapping of columns", where, "write COLUMN: {from: SIGNAL, unit: UNIT}")
-    kind = content.get("kind")
+    kind = content.get("kind", kind)
     if kind not in KINDS:
         raise InputError(
             f"{kind!r} is no kind of platform", f"{where}, kind", f"use one of {', '.join(KINDS)}"
@@ -98,6 +103,18 @@ def mapping_from_config(content: Any, where: str = "mapping") -> Mapping:
     return Mapping(
         str(kind), columns, _windows(content.get("runs"), where), _rate(content.get("rate"), where)
     )
+
+
+def completed(mapping: Mapping, names: Iterable[str]) -> Mapping:
+    """Return a mapping that takes as they are the columns of the contract that it does not mention.
+
+    Args:
+        mapping: corrections of a table that has the contract's names.
+        names: of the table's columns.
+    """
+    known = {"run", "t", *COLUMNS[mapping.kind]}
+    plain = {name: Source(name) for name in names if name in known}
+    return replace(mapping, columns={**plain, **mapping.columns})
 
 
 def mapping_to_config(mapping: Mapping) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any
 from simgap.errors import InputError
 from simgap.logs.formats import format_of, read_log
 from simgap.logs.log import Log
-from simgap.logs.mapping import read_mapping
+from simgap.logs.mapping import completed, read_mapping
 from simgap.logs.proposal import Proposal, lacking, propose
 from simgap.logs.proposal_file import write_proposal
 from simgap.recordings.contract import COLUMNS, INDEX_COLUMNS, KINDS
@@ -23,8 +23,9 @@ def open_recording(
 ) -> Recording:
     """Read a recording from a log of any format.
 
-    A table with the contract's columns is read as it is. For any other log the mapping is taken, or one is proposed;
-    a proposal that is not sure is written beside the working directory, and the error names it.
+    A table with the contract's columns is read as it is; a mapping of it names only what it corrects. For any other log
+    the mapping is taken, or one is proposed; a proposal that is not sure is written beside the working directory, and
+    the error names it.
 
     Args:
         path: a file, or the folder of a format that has several files.
@@ -38,7 +39,9 @@ def open_recording(
     from simgap.logs.apply import recording_of
 
     if mapping is not None:
-        chosen = read_mapping(mapping)
+        chosen = read_mapping(mapping, kind)
+        if _is_recording_file(path):
+            chosen = completed(chosen, header_of(path))
         return recording_of(read_log(path), chosen, platform)
     found = recording_as_it_is(path, kind)
     if found is not None:
@@ -59,12 +62,17 @@ def recording_as_it_is(path: Path, kind: str | None = None) -> Recording | None:
     Raises:
         InputError: when there is no such file, or it cannot be used.
     """
-    if format_of(path).name not in ("Parquet", "CSV") or not _is_recording(path):
+    if not _is_recording_file(path):
         return None
     from simgap.logs.sparse import recording_of_sparse
 
     table = read_table(path)
     return recording_of_sparse(table, path, kind) or recording_from_table(table, kind, str(path))
+
+
+def _is_recording_file(path: Path) -> bool:
+    """Whether a file is a table that is meant as a recording."""
+    return format_of(path).name in ("Parquet", "CSV") and _is_recording(path)
 
 
 def _is_recording(path: Path) -> bool:

@@ -1,5 +1,6 @@
 """A log as a person brings it: shown, mapped by a file that can be corrected, and written as a recording."""
 
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +55,15 @@ def test_a_recording_needs_no_mapping_and_its_contradictions_are_shown(
     assert "another sign" in shown
     assert "no mapping" in shown
     assert not list(tmp_path.glob("*.yaml"))
+
+
+def test_the_command_that_is_shown_can_be_pasted(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = log.rename("my own log.csv")
+    with pytest.raises(SystemExit):
+        inspect_log([str(log), "--kind", "joint"])
+    command = shlex.split(capsys.readouterr().out.partition("simgap diagnose")[2])
+    assert "recording=my own log.csv" in command
+    assert all("=" in argument for argument in command)
 
 
 def test_a_written_mapping_is_never_overwritten(log: Path) -> None:

@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 
@@ -106,6 +107,25 @@ def test_a_table_whose_clock_starts_anew_is_two_runs(tmp_path: Path) -> None:
     assert len(recording.runs) == 2
     assert any("clock" in warning for warning in recording.warnings)
     assert recording.frame["t"].max() == pytest.approx(0.98)
+
+
+def test_a_mapping_of_a_table_with_the_names_of_the_contract_says_only_what_it_corrects(
+    tmp_path: Path,
+) -> None:
+    time = np.linspace(0.0, 2.0, 201)
+    columns = {
+        "run": "a",
+        "t": time,
+        "position": np.sin(time),
+        "velocity": np.cos(time),
+        "effort": 0.0 * time,
+    }
+    frame = pd.DataFrame(columns)
+    frame.assign(position=frame["position"] / (2.0 * np.pi)).to_csv(tmp_path / "log.csv", index=False)
+    (tmp_path / "mine.yaml").write_text("position: {from: position, unit: rev}\n")
+    mended = open_recording(tmp_path / "log.csv", "joint", tmp_path / "mine.yaml")
+    assert mended.units["position"] == "rad"
+    pd.testing.assert_frame_equal(mended.frame[list(columns)], frame, check_dtype=False)
 
 
 def test_the_mappings_of_the_page_are_mappings() -> None:
