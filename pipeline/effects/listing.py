@@ -15,10 +15,20 @@ def listing(kind: str, effects: Sequence[Effect]) -> str:
     """Return a table of a kind's effects: name, place, parameters and, on a second line, the meaning."""
     rows = [(e.key, e.acts_on, ", ".join(shown_parameters(e))) for e in effects]
     wide, narrow = (max(len(row[column]) for row in rows) for column in (0, 1))
-    lines = [f"{kind}: {len(rows)} effects"]
+    lines = [_counted(kind, effects)]
     for effect, (key, place, parameters) in zip(effects, rows, strict=True):
         lines += ["", f"  {key:{wide}}  {place:{narrow}}  {parameters}", f"  {'':{wide}}  {meaning(effect)}"]
     return "\n".join(lines) + "\n"
+
+
+def _counted(kind: str, effects: Sequence[Effect]) -> str:
+    """Say how many effects a diagnosis names, and why more lines may follow."""
+    named = {effect.name for effect in effects if effect.names_physics}
+    silent = sum(not effect.names_physics for effect in effects)
+    more = [f"{silent} more only in a simulator"] if silent else []
+    apart = ["one line for each rotor or group"] if len({e.name for e in effects}) < len(effects) else []
+    ending = f"; {', '.join([*more, *apart])}" if more or apart else ""
+    return f"{kind}: a diagnosis names {len(named)} effects{ending}"
 
 
 def description(effect: Effect) -> str:
