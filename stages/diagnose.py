@@ -31,7 +31,23 @@ class DiagnoseStage(StageConfig):
 
 @stage(DiagnoseStage)
 def diagnose(config: DiagnoseStage, run: StageRun) -> None:
-    """Find where a simulator and a recording differ, name the missing physics, and validate it on held-out runs."""
+    """Find where a simulator and a recording differ, name the missing physics, and validate it on held-out runs.
+
+    A recording of your own:
+
+      simgap diagnose platform=arm.yaml recording=log.csv output=answer
+      simgap diagnose platform=robot.urdf joint=elbow recording=log.mcap mapping=log.mapping.yaml output=answer
+
+    platform   a YAML, URDF or MJCF file of what you know of the machine, or the name of one of the project
+    joint      which joint of a URDF or MJCF file
+    recording  a log of any format; simgap inspect shows what is in it
+    mapping    which signal of the log is which column; simgap inspect proposes it
+    output     the folder for the answer
+
+    A branch of the pipeline, after simgap build_sim:
+
+      simgap diagnose branch=nanodrone
+    """
     from simgap.api.flow import diagnosed, write_report
 
     built = config.artifact("build_sim", "simulator.yaml")

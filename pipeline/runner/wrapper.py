@@ -1,6 +1,7 @@
 """The decorator that makes a function a stage: configuration, seed, tracking and atomic output around its call."""
 
 import importlib
+import inspect
 import time
 from collections.abc import Callable
 from dataclasses import asdict
@@ -41,7 +42,7 @@ class Stage(Generic[Config]):
         self.config_class = config_class
         self.compared = compared
         self.name = function.__name__
-        self.__doc__ = function.__doc__
+        self.__doc__ = inspect.getdoc(function)
         self.__module__ = function.__module__
 
     def __call__(self, config: Config, run: StageRun) -> None:
