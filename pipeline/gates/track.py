@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from simgap.errors import InputError
-from simgap.policies.racing.settings import GateSettings, TrackSettings
+from simgap.gates.settings import GateSettings, TrackSettings
 
 _REMEDY = "see conf/track for examples"
 
