@@ -109,10 +109,9 @@ def positions_from(camera: Camera, track: Track, gate: int, poses: GatePoses, at
     """
     to_camera = camera.axes.numpy() @ _matrix(attitude).T
     sides = _SIDES @ track.axes[gate].numpy()
-    alike = np.einsum(
-        "spij,ik,qjk->sqp", poses.turns, to_camera, sides
-    )  # grows as the angle between both falls
-    side, pose = np.divmod(alike.reshape(len(alike), -1).argmax(-1), 2)
+    # The trace of the turn between both attitudes, which grows as its angle falls.
+    alike = np.einsum("spij,ik,qjk->sqp", poses.turns, to_camera, sides)
+    side, pose = np.divmod(alike.reshape(len(alike), -1).argmax(-1), alike.shape[-1])
     sets = np.arange(len(alike))
     to_world = np.swapaxes(poses.turns[sets, pose] @ sides[side], -1, -2)
     from_body = poses.translations[sets, pose] + camera.axes.numpy() @ camera.position.numpy()
