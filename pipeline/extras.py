@@ -7,7 +7,8 @@ from importlib.util import find_spec
 
 from simgap.errors import InputError
 
-_OTHER_NAMES = {"sklearn": "scikit-learn"}  # module to distribution, where the two are called differently
+# Module to distribution, where the two are called differently.
+_OTHER_NAMES = {"cv2": "opencv-python-headless", "sklearn": "scikit-learn"}
 _OPTIONAL = re.compile(r'([\w.-]+)[^;\[]*;.*\bextra == "([\w-]+)"')
 
 

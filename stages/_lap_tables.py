@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 from simgap.runner import StageRun
 
 if TYPE_CHECKING:
+    from simgap.gates.track import Track
     from simgap.policies.racing.laps import Laps
-    from simgap.policies.racing.track import Track
 
 
 def write_laps(laps: "Laps", track: "Track", name: str, period: float, run: StageRun) -> None:

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from simgap.errors import InputError
-from simgap.policies.racing.settings import RacingSettings, TrackSettings
+from simgap.gates.settings import TrackSettings
+from simgap.policies.racing.settings import RacingSettings
 from simgap.policies.settings import PolicyEvaluation, PolicyTraining
 from simgap.runner import StageConfig, StageRun
 
@@ -72,10 +73,10 @@ def entered(
 def _planned(
     platform: Mapping[str, Any], track: TrackSettings, settings: RacingSettings, chosen: PolicyEvaluation
 ) -> Entry:
+    from simgap.gates.track import track_from
     from simgap.platforms import platform_from_config
     from simgap.policies.racing.entry import as_flown
     from simgap.policies.racing.model_predictive import time_optimal_pilot
-    from simgap.policies.racing.track import track_from
 
     settings, gravity = as_flown(settings, chosen.powertrain), platform_from_config(platform).gravity
     return Entry(time_optimal_pilot(track_from(track), settings, gravity), platform, track, settings)

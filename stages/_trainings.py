@@ -6,7 +6,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from simgap.policies.racing.settings import TASK, TrackSettings
+from simgap.gates.settings import TrackSettings
+from simgap.policies.racing.settings import TASK
 from simgap.policies.settings import PolicyTraining
 from simgap.runner import StageConfig, StageRun
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from simgap.gates.settings import TrackSettings
 from simgap.policies.profile.settings import Profile
-from simgap.policies.racing.settings import TrackSettings
 from simgap.policies.settings import Deployment, PolicyEvaluation, PolicyTraining
 from simgap.runner import StageConfig, StageRun, stage
 

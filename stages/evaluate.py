@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from simgap.policies.racing.settings import TrackSettings
+from simgap.gates.settings import TrackSettings
 from simgap.policies.settings import PolicyEvaluation, PolicyTraining
 from simgap.runner import StageConfig, StageRun, stage
 

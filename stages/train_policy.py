@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from simgap.errors import InputError
-from simgap.policies.racing.settings import TASK, TrackSettings
+from simgap.gates.settings import TrackSettings
+from simgap.policies.racing.settings import TASK
 from simgap.policies.settings import PolicyTraining
 from simgap.runner import StageConfig, StageRun, in_pipeline, stage
 from simgap.stages._trainings import trained

@@ -51,10 +51,11 @@ def race(
             racing needs is not installed.
     """
     with named_extras():
+        from simgap.gates.settings import TrackSettings
         from simgap.policies.gymnasium_adapter import GymnasiumEnvironment
         from simgap.policies.racing.entry import race_in
         from simgap.policies.racing.flying import left_out
-        from simgap.policies.racing.settings import RacingSettings, TrackSettings
+        from simgap.policies.racing.settings import RacingSettings
     gates = settings_of(TrackSettings, _track(track), "track")
     chosen = settings_of(RacingSettings, settings or {}, "settings")
     machine = _simulator(simulator)

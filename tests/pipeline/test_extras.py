@@ -11,7 +11,7 @@ from simgap.extras import missing_launcher, named_extras, require
 
 PROJECT = tomllib.loads(Path(__file__).parents[2].joinpath("pyproject.toml").read_text(encoding="utf-8"))
 EXTRAS: dict[str, list[str]] = PROJECT["project"]["optional-dependencies"]
-MODULES = {"scikit-learn": "sklearn"}
+MODULES = {"opencv-python-headless": "cv2", "scikit-learn": "sklearn"}
 
 
 def libraries(extra: str) -> list[str]:
@@ -25,7 +25,11 @@ def first_with(library: str) -> str:
 @pytest.mark.parametrize(
     "library",
     sorted(
-        {name for extra in ("learn", "race", "track", "benchmark", "pipeline") for name in libraries(extra)}
+        {
+            name
+            for extra in ("learn", "race", "track", "benchmark", "perception", "pipeline")
+            for name in libraries(extra)
+        }
     ),
 )
 def test_the_line_names_the_library_and_the_command(library: str) -> None:

@@ -9,8 +9,8 @@ import pytest
 from simgap.recordings.recording import write_recording
 from tests.pipeline.gap.recordings import Plant, joint_recording
 
-EXTRA = ("casadi", "dvc", "filelock", "gpytorch", "gymnasium", "matplotlib", "mlflow", "onnx")
-EXTRA += ("pytorch_lightning", "sklearn", "tensordict", "torchrl")
+EXTRA = ("casadi", "cv2", "dvc", "filelock", "filterpy", "gpytorch", "gymnasium", "matplotlib", "mlflow")
+EXTRA += ("onnx", "pytorch_lightning", "sklearn", "tensordict", "torchrl")
 WITHOUT = (
     "import sys; sys.modules |= dict.fromkeys({hidden}); from simgap.stages.__main__ import main; main()"
 )

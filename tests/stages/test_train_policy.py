@@ -146,7 +146,7 @@ def test_mistakes_are_said_in_one_line(tmp_path):
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "conf" / "track").glob("*.yaml")))
 def test_every_track_is_a_valid_configuration(name):
-    from simgap.policies.racing.track import track_from
+    from simgap.gates.track import track_from
     from simgap.runner.compose import compose, typed
 
     config = typed(TrainPolicyStage, compose([f"track={name}", "train_policy=racing"]))

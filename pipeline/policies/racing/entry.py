@@ -7,12 +7,13 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from simgap.gates.settings import TrackSettings
+from simgap.gates.track import Track, track_from
 from simgap.platforms import Quadrotor
 from simgap.policies.racing.flying import Flown, flight_in
 from simgap.policies.racing.racing import Misjudging, Racing
 from simgap.policies.racing.randomisation import nothing_left_over
-from simgap.policies.racing.settings import RacingSettings, Randomisation, TrackSettings
-from simgap.policies.racing.track import Track, track_from
+from simgap.policies.racing.settings import RacingSettings, Randomisation
 from simgap.runner.mistakes import configuration_mistakes
 from simgap.simulation import Simulator
 

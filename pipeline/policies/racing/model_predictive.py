@@ -16,13 +16,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from simgap.gates.track import Track
 from simgap.physics import rotations
 from simgap.policies.environment import Observation
 from simgap.policies.racing.observation import seen_state
 from simgap.policies.racing.settings import Flying, RacingSettings
 from simgap.policies.racing.starts import first_starts
 from simgap.policies.racing.time_optimal import Limits, OptimalLap, optimal_lap
-from simgap.policies.racing.track import Track
 
 _ERROR, _INPUT = 9, 4
 _PLACE, _SPEED, _TURN = slice(0, 3), slice(3, 6), slice(6, 9)

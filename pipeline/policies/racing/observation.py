@@ -3,9 +3,9 @@
 import torch
 from torch import Tensor
 
+from simgap.gates.track import Track
 from simgap.physics import rotations
 from simgap.policies.environment import Observation
-from simgap.policies.racing.track import Track
 
 POLICY_SIZE = 31
 PRIVILEGED_SIZE = 18

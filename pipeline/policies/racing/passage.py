@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from simgap.policies.racing.track import Track
+from simgap.gates.track import Track
 
 
 @dataclass(frozen=True)

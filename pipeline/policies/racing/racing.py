@@ -5,6 +5,7 @@ from typing import Protocol, runtime_checkable
 import torch
 from torch import Tensor
 
+from simgap.gates.track import Track
 from simgap.policies.environment import Environment, Machines, Observation
 from simgap.policies.racing.flying import STATE, Fleet, Flown, features_of, state_of
 from simgap.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
@@ -13,7 +14,6 @@ from simgap.policies.racing.randomisation import DRAWN, drawn_episode, drawn_wre
 from simgap.policies.racing.reward import racing_reward, reward_at
 from simgap.policies.racing.settings import Flying, RacingSettings
 from simgap.policies.racing.starts import drawn_start, first_starts, keep
-from simgap.policies.racing.track import Track
 from simgap.simulation.flight import Flight
 
 _COUNTED = ("gates", "crashes", "steps")

@@ -10,10 +10,10 @@ import torch
 from torch import Tensor
 
 from simgap.errors import InputError
+from simgap.gates.track import Track
 from simgap.physics import rotations
 from simgap.policies.racing.flying import PARTS, STATE
 from simgap.policies.racing.settings import Starts
-from simgap.policies.racing.track import Track
 
 
 def first_starts(track: Track, settings: Starts, planned: Tensor | None = None) -> Tensor:

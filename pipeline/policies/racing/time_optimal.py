@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simgap.errors import InputError
+from simgap.gates.track import Track
 from simgap.policies.racing.settings import Flying
-from simgap.policies.racing.track import Track
 
 _STATE_SIZE, _INPUT_SIZE = 13, 4
 _GUESSED_SPEED = 6.0  # m/s

@@ -10,9 +10,10 @@ from simgap.policies.racing.flying import PARTS, Fleet, flight_in
 from simgap.policies.racing.racing import Racing
 from simgap.policies.racing.settings import Flying, RacingSettings
 from simgap.simulation import Simulator
+from tests.pipeline.gates.tracks import track_named
 from tests.pipeline.models import learnable
 from tests.pipeline.policies.environment_contract import check_contract
-from tests.pipeline.policies.racing.machines import racer, track_named
+from tests.pipeline.policies.racing.machines import racer
 
 FLYING = Flying(period=0.02)  # two steps of the recording
 

@@ -13,7 +13,8 @@ from simgap.policies.environment import Observation
 from simgap.policies.racing.laps import fly_laps
 from simgap.policies.racing.model_predictive import bounded_least, time_optimal_pilot
 from simgap.policies.racing.settings import RacingSettings, Starts
-from tests.pipeline.policies.racing.machines import COARSE, racing, track_named
+from tests.pipeline.gates.tracks import track_named
+from tests.pipeline.policies.racing.machines import COARSE, racing
 
 CALM = Starts(position=0.1, velocity=0.1, attitude=0.02, body_rate=0.1)
 SETTINGS = RacingSettings(flying=COARSE, starts=CALM)

@@ -2,7 +2,7 @@ import torch
 
 from simgap.physics import rotations
 from simgap.policies.racing.observation import POLICY_SIZE, PRIVILEGED_SIZE, racing_observation
-from tests.pipeline.policies.racing.machines import track_named
+from tests.pipeline.gates.tracks import track_named
 
 
 def some_state(batch: int) -> dict[str, torch.Tensor]:

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simgap.policies.racing.passage import passage
-from tests.pipeline.policies.racing.test_track import track_from, two_gates
+from tests.pipeline.gates.test_track import track_from, two_gates
 
 TRACK = track_from(
     two_gates()

@@ -15,8 +15,9 @@ from simgap.policies.racing.passage import passage
 from simgap.policies.racing.settings import RacingSettings, Randomisation, Reward, Starts
 from simgap.policies.racing.time_optimal import Limits, optimal_lap
 from simgap.simulation import Simulator
+from tests.pipeline.gates.tracks import track_named, track_settings
 from tests.pipeline.policies.environment_contract import check_contract
-from tests.pipeline.policies.racing.machines import COARSE, racer, track_named, track_settings
+from tests.pipeline.policies.racing.machines import COARSE, racer
 
 PLANNED = RacingSettings(flying=COARSE, starts=Starts(kept=48, planned=0.25))
 

@@ -8,8 +8,9 @@ from simgap.policies.racing.flying import state_of
 from simgap.policies.racing.randomisation import drawn_episode, drawn_wrench
 from simgap.policies.racing.settings import RacingSettings, Randomisation
 from simgap.simulation import Simulator
+from tests.pipeline.gates.tracks import track_settings
 from tests.pipeline.policies.environment_contract import check_contract
-from tests.pipeline.policies.racing.machines import COARSE, racer, track_settings
+from tests.pipeline.policies.racing.machines import COARSE, racer
 from tests.pipeline.policies.racing.test_racing import put
 
 BOUNDS = Randomisation(drag=0.5, thrust=0.1, angular_acceleration=3.0)

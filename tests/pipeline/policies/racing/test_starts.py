@@ -9,7 +9,7 @@ from simgap.policies.racing.flying import PARTS
 from simgap.policies.racing.passage import passage
 from simgap.policies.racing.settings import Starts
 from simgap.policies.racing.starts import drawn_start, first_starts, keep, perturbed
-from tests.pipeline.policies.racing.machines import track_named
+from tests.pipeline.gates.tracks import track_named
 
 SETTINGS = Starts(kept=8)
 GATES = torch.arange(4).repeat(500)  # of the tiny track

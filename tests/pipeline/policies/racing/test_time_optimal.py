@@ -5,12 +5,12 @@ import pytest
 import torch
 
 from simgap.errors import InputError
+from simgap.gates.settings import GateSettings, TrackSettings
+from simgap.gates.track import track_from
 from simgap.physics import rotations
 from simgap.policies.racing.passage import passage
-from simgap.policies.racing.settings import GateSettings, TrackSettings
 from simgap.policies.racing.time_optimal import Limits, optimal_lap
-from simgap.policies.racing.track import track_from
-from tests.pipeline.policies.racing.machines import track_named
+from tests.pipeline.gates.tracks import track_named
 
 LIMITS = Limits(thrust=30.0, rate=10.0, yaw_rate=4.0)
 

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from simgap.errors import InputError
-from simgap.policies.racing.settings import GateSettings, TrackSettings
+from simgap.gates.settings import GateSettings, TrackSettings
 
 _REMEDY = "see conf/track for examples"
 
@@ -45,10 +45,10 @@ class Track:
         """Of a lap along straight lines from gate to gate, m."""
         return float((self.centres - self.centres.roll(1, 0)).norm(dim=-1).sum())
 
-    def to(self, device: torch.device | str) -> "Track":
-        """Return the track on a device."""
-        tensors = (self.centres.to(device), self.axes.to(device))
-        return Track(*tensors, self.opening, self.frame, self.clearance, self.box.to(device))
+    def to(self, target: torch.device | torch.dtype | str) -> "Track":
+        """Return the track on a device, or in another precision."""
+        tensors = (self.centres.to(target), self.axes.to(target))
+        return Track(*tensors, self.opening, self.frame, self.clearance, self.box.to(target))
 
     def outside(self, position: Tensor) -> Tensor:
         """Return whether machines at a position (batch, 3) have left the box or hit the ground, (batch,) bool."""

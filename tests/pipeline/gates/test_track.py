@@ -2,9 +2,9 @@ import pytest
 import torch
 
 from simgap.errors import InputError
-from simgap.policies.racing.settings import GateSettings, TrackSettings
-from simgap.policies.racing.track import track_from
-from tests.pipeline.policies.racing.machines import CONF, track_named
+from simgap.gates.settings import GateSettings, TrackSettings
+from simgap.gates.track import track_from
+from tests.pipeline.gates.tracks import CONF, track_named
 
 BOX = [[-5.0, -5.0, 0.0], [5.0, 5.0, 5.0]]
 
