@@ -60,7 +60,10 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     recording, nominal = _own(config, run) if own else _of_branch(config, run)
     found = diagnosed(recording, nominal, config.gap, config.clean, config.dataset.split, config.seed)
     found.write(run.output)
-    for warning in found.diagnosis.warnings:
+
+    from simgap.report.terminal import terminal_lines, warning_lines
+
+    for warning in warning_lines(found.document):
         run.warn(warning)
     fit = {key: found.document["fit"][key] for key in ("before", "after", "noise_floor", "gap_closed")}
     numbers = {key: value for key, value in fit.items() if value is not None}
@@ -73,7 +76,6 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
         write_report(run.output, run.output / "report.html", name, simulator)
 
     from simgap.api.gains import gains_line
-    from simgap.report.terminal import terminal_lines
 
     print(*terminal_lines(found.document), *([gains_line(found.gains)] if found.gains else []), sep="\n")
 

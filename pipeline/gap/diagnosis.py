@@ -1,9 +1,10 @@
 """From a cleaned recording and a nominal simulator to a diagnosis."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import torch
+from torch import Tensor
 
 from simgap.consistency import contradictions
 from simgap.effects import MeasurementEffect, ParameterError
@@ -31,6 +32,7 @@ from simgap.gap.validate import Validation, validate
 from simgap.gap.whiteness import Memory, memories_of, remembered
 from simgap.platforms.mechanism import Channel
 from simgap.recordings.contradiction import Contradiction
+from simgap.recordings.doubts import SINGLE_RUN
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
@@ -127,8 +129,8 @@ def diagnose(
     problem = replace(
         problem, noise=torch.minimum(problem.noise, noise_of_rows(simulator, fitted, functions))
     )
-    channels, regimes = channels_on(nominal, fitted), regimes_on(fitted, simulator)
-    mismatches = locate(naming.base.residual, channels, regimes, problem)
+    channels, regimes = channels_on(nominal, fitted), acting_regimes(fitted, simulator)
+    mismatches = locate(naming.base.residual, channels, regimes_on(fitted, simulator), problem)
     fold = folds_of(fitted, settings.folds)
     residual = cross_validated(naming.fit, fold)
     unnamed = find_unnamed(
@@ -136,7 +138,7 @@ def diagnose(
     )
     memories = memories_of(residual, channels, problem)
     learned = learn(residual, channels, regimes, problem, fold)
-    beside = learned_rows(learned, channels, regimes_on(proving, simulator), functions)
+    beside = learned_rows(learned, channels, acting_regimes(proving, simulator), functions)
     counted = _counted(naming, mismatches, channels)
     validation = validate(
         nominal, simulator, proving, functions, counted, held_out, settings.resamples, beside
@@ -155,7 +157,9 @@ def diagnose(
         *_doubts(naming, problem, () if contradicted else memories, held_out),
     )
     said = [contradiction.sentence for contradiction in contradicted]
-    warnings = dict.fromkeys((*said, *refuted, *recording.warnings, *prepared.remarks, *doubts))
+    # A single run is a doubt of the fit, which says what follows from it.
+    recorded = [warning for warning in recording.warnings if held_out or warning != SINGLE_RUN]
+    warnings = dict.fromkeys((*said, *refuted, *recorded, *prepared.remarks, *doubts))
     return Diagnosis(
         verdict="contradiction" if contradicted else _verdict(naming, gap, _remains(naming, problem)),
         contradictions=tuple(contradicted),
@@ -175,8 +179,20 @@ def diagnose(
 
 
 def regimes_on(blocks: Blocks, simulator: Simulator) -> list[Regime]:
-    """Return the regime variables on the blocks without their margins."""
-    signals = simulator.along_time(blocks.signals, blocks.time_step)
+    """Return the regime variables as a person knows them: as recorded, or as the simulator makes what was not.
+
+    An effect of the simulator may scale or delay a command; the blocks come without their margins.
+    """
+    acting = simulator.along_time(blocks.signals, blocks.time_step)
+    return _inner_regimes({**acting, **blocks.signals}, blocks, simulator)
+
+
+def acting_regimes(blocks: Blocks, simulator: Simulator) -> list[Regime]:
+    """Return the regime variables as they act in the simulator, on the blocks without their margins."""
+    return _inner_regimes(simulator.along_time(blocks.signals, blocks.time_step), blocks, simulator)
+
+
+def _inner_regimes(signals: Mapping[str, Tensor], blocks: Blocks, simulator: Simulator) -> list[Regime]:
     inner = {name: blocks.inner(series) for name, series in signals.items()}
     return regimes_of(simulator.platform.kind, inner, simulator.position_unit)
 

@@ -1,5 +1,6 @@
 """The evidence of a diagnosis: tables and series that the report draws."""
 
+import itertools
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,12 @@ import pandas as pd
 import torch
 from torch import Tensor
 
+from simgap.effects import Effect
 from simgap.gap.contract import write_json
 from simgap.gap.diagnosis import Diagnosis, regimes_on
 from simgap.gap.learned import LearnedResidual
 from simgap.gap.ranking import candidates, hypotheses
-from simgap.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
+from simgap.gap.regimes import Regime, bin_of, mean_per_bin, parted_at_zero, quantile_edges
 from simgap.gap.residuals import channel_series, measured_rows, residual_rows
 from simgap.gap.validate import gap_closed
 from simgap.physics.weak_form import mean_of
@@ -21,7 +23,10 @@ from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 
 _BINS = 8
-_LAW_BINS = 15
+_LAW_BINS, _LAW_POINTS = 15, 60  # of what is left by the others, and of the law itself
+_AS_WELL = 0.95  # of how well the best variable orders a law; then the one that is named first is drawn
+_EMPTY, _NOTABLE = 0.5, 0.02  # of the way between two points of a law, and of its range: no line crosses more
+_STEP = 0.25  # of a law's reach, within one step of its points across zero
 _MOST_ROWS = 20_000
 _Z95 = 1.96
 
@@ -150,7 +155,7 @@ def laws(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     regimes = [(r, mean_of(functions, r.series).flatten()) for r in regimes_on(blocks, diagnosis.simulator)]
     cluster = diagnosis.fitting.cluster.repeat_interleave(len(functions.centres))
     drawn = []
-    inside = {f.effect.key for f in fit.simulator.free}
+    inside = {f.effect.key: f.effect for f in fit.simulator.free}
     for key in (named.effect.key for named in diagnosis.naming.named if named.effect.key in inside):
         kept = tuple(f for f in diagnosis.simulator.effects if f.effect.key != key)
         without = residual_rows(diagnosis.simulator.with_effects(kept), blocks, functions)
@@ -161,28 +166,35 @@ def laws(diagnosis: Diagnosis) -> list[dict[str, Any]]:
                 target = law + fit.residual[..., i].flatten()
                 drawn.append(
                     {"effect": key, "channel": channel.name, "unit": channel.unit}
-                    | _law(law, target, regimes, cluster)
+                    | _law(law, target, _depends_on(inside[key], regimes), cluster)
                 )
     return drawn
+
+
+def _depends_on(effect: Effect, regimes: list[tuple[Regime, Tensor]]) -> list[tuple[Regime, Tensor]]:
+    """Return the variables of the signals that an effect needs, in its order; all where it needs none of them."""
+    needed = [entry for signal in effect.needs for entry in regimes if entry[0].of == signal]
+    return needed if any(len(quantile_edges(values, 2)) > 2 for _, values in needed) else regimes
 
 
 def _law(
     law: Tensor, target: Tensor, regimes: list[tuple[Regime, Tensor]], cluster: Tensor
 ) -> dict[str, Any]:
-    """Bin what an effect explains over the variable that orders it best."""
+    """Bin what an effect explains over the variable that orders it best: no bin reaches across zero.
+
+    The line of the law has a gap (a None) where the recording has one.
+    """
     scored = []
     for regime, values in regimes:
-        edges = quantile_edges(values, _LAW_BINS)
+        edges = parted_at_zero(quantile_edges(values, _LAW_BINS))
         if len(edges) < 3:
             continue
         place = bin_of(values, edges)
-        count = len(edges) - 1
-        means = mean_per_bin(law, place, count)
-        scored.append(
-            (float((means[place] - law.mean()).square().mean()), regime, values, place, count, means)
-        )
-    _, regime, values, place, count, means = max(scored, key=lambda entry: entry[0])
-    centre = mean_per_bin(values, place, count)
+        means = mean_per_bin(law, place, len(edges) - 1)
+        scored.append((float((means[place] - law.mean()).square().mean()), regime, values, edges))
+    best = max(score for score, *_ in scored)
+    regime, values, edges = next(rest for score, *rest in scored if score >= _AS_WELL * best)
+    place, count = bin_of(values, edges), len(edges) - 1
     mean = mean_per_bin(target, place, count)
     spread = mean_per_bin((target - mean[place]).square(), place, count)
     # Rows of one cluster move together: as many independent values as clusters in the bin.
@@ -190,18 +202,39 @@ def _law(
         [len(torch.unique(cluster[place == b])) for b in range(count)], dtype=torch.float64
     )
     error = _Z95 * (spread / independent.clamp_min(1.0)).sqrt()
+    x, line = _line(law, values)
     return {
         "variable": regime.name,
         "variable_unit": regime.unit,
-        "x": centre.tolist(),
-        "law": means.tolist(),
+        "x": x,
+        "law": line,
         "bins": {
-            "x": centre.tolist(),
+            "x": mean_per_bin(values, place, count).tolist(),
             "mean": mean.tolist(),
             "low": (mean - error).tolist(),
             "high": (mean + error).tolist(),
         },
     }
+
+
+def _line(law: Tensor, values: Tensor) -> tuple[list[float], list[float | None]]:
+    """Return a law over a variable as a line: a step at zero upright, a None where nothing was recorded between."""
+    edges = parted_at_zero(quantile_edges(values, _LAW_POINTS))
+    place, count = bin_of(values, edges), len(edges) - 1
+    filled = torch.bincount(place, minlength=count) > 0
+    x, y = (mean_per_bin(series, place, count)[filled].tolist() for series in (values, law))
+    known = values.sort().values
+    reach = max(y) - min(y)
+    points: list[tuple[float, float | None]] = [(x[0], y[0])]
+    for (left, right), (low, high) in zip(itertools.pairwise(x), itertools.pairwise(y), strict=True):
+        inside = known[torch.searchsorted(known, left) - 1 : torch.searchsorted(known, right) + 1]
+        empty = float(inside.diff().max())
+        if empty > _EMPTY * (right - left) and empty > _NOTABLE * (x[-1] - x[0]):
+            points.append(((left + right) / 2, None))
+        elif left < 0 < right and abs(high - low) > _STEP * reach:
+            points += [(0.0, low), (0.0, high)]
+        points.append((right, high))
+    return [place for place, _ in points], [height for _, height in points]
 
 
 def horizons(diagnosis: Diagnosis) -> list[dict[str, Any]]:

@@ -16,6 +16,8 @@ from simgap.simulation.blocks import Blocks
 _BINS = 8
 _TOLERATED = 1.2  # times the noise energy; the noise floor is itself an estimate
 _MISMATCH_LEVEL = 1e-3
+_EVERYWHERE = 0.75  # share of the recording, from which on a range of a variable says nothing
+_AS_TELLING = 0.5  # of how much the energy varies over the variable that it depends on most
 _WORDS = {
     "force_x": "along body x",
     "force_y": "along body y",
@@ -41,7 +43,7 @@ class Mismatch:
         channel: which equation of motion.
         share: of what the simulator leaves unexplained in all channels, 0..1.
         excess: energy of the residual over the noise's.
-        regime: variable, low and high between which it fails most.
+        regime: variable, low and high between which it fails most; None where it fails everywhere.
         runs: share of each run in the residual's energy above the noise.
         p_value: chance of such an energy if only sensor noise were there.
         where: one plain sentence.
@@ -50,7 +52,7 @@ class Mismatch:
     channel: Channel
     share: float
     excess: float
-    regime: tuple[str, float, float]
+    regime: tuple[str, float, float] | None
     runs: dict[str, float]
     p_value: float
     where: str
@@ -83,7 +85,7 @@ def locate(
         regime = _worst_regime(residual[..., i].flatten(), averaged)
         rms, noise = float(energy[i].sqrt()), float(problem.noise[i])
         sentence = _sentence(channels[i], rms, noise, regime)
-        low_high = (regime[0].name, regime[1], regime[2])
+        low_high = (regime[0].name, *regime[1:]) if regime else None
         share = float(misfit[i]) / total
         runs = _share_of_runs(residual[..., i], problem.noise[i], problem.blocks)
         found.append(Mismatch(channels[i], share, float(ratio[i]), low_high, runs, p_values[i], sentence))
@@ -110,10 +112,15 @@ def _chance_of_noise(ratio: float, rows: int) -> float:
     return float(stats.chi2.sf(freedom * ratio / _TOLERATED, freedom))
 
 
-def _worst_regime(residual: Tensor, regimes: Sequence[tuple[Regime, Tensor]]) -> tuple[Regime, float, float]:
-    """Return the variable that the residual's energy depends on most, and the range where it is above average."""
-    best, best_score, best_range = regimes[0][0], -1.0, (0.0, 0.0)
-    energy = residual.square()
+def _worst_regime(
+    residual: Tensor, regimes: Sequence[tuple[Regime, Tensor]]
+) -> tuple[Regime, float, float] | None:
+    """Return the variable that the residual's energy depends on most, and the range where it is above average.
+
+    A range that holds nearly all of the recording says nothing: then it is the next variable's that the energy depends
+    on nearly as much, or None where there is no such variable.
+    """
+    energy, found = residual.square(), []
     for regime, values in regimes:
         edges = quantile_edges(values, _BINS)
         if len(edges) < 3:
@@ -121,17 +128,25 @@ def _worst_regime(residual: Tensor, regimes: Sequence[tuple[Regime, Tensor]]) ->
         place = bin_of(values, edges)
         means = mean_per_bin(energy, place, len(edges) - 1)
         score = float((means[place] - energy.mean()).square().mean())
-        if score > best_score:
-            above = torch.nonzero(means >= energy.mean()).flatten()
-            best, best_score = regime, score
-            best_range = (float(edges[above.min()]), float(edges[above.max() + 1]))
-    return best, *best_range
+        above = torch.nonzero(means >= energy.mean()).flatten()
+        first, last = int(above.min()), int(above.max())
+        share = float(((place >= first) & (place <= last)).double().mean())
+        found.append((score, share, (regime, float(edges[first]), float(edges[last + 1]))))
+    telling = max((score for score, *_ in found), default=0.0)
+    narrow = [
+        (score, where)
+        for score, share, where in found
+        if share <= _EVERYWHERE and score >= _AS_TELLING * telling
+    ]
+    return max(narrow, key=lambda entry: entry[0])[1] if narrow else None
 
 
-def _sentence(channel: Channel, rms: float, noise: float, regime: tuple[Regime, float, float]) -> str:
+def _sentence(channel: Channel, rms: float, noise: float, regime: tuple[Regime, float, float] | None) -> str:
     place = _WORDS.get(channel.name, f"in {channel.name.replace('_', ' ')}")
+    size = f"The simulator's error {place} is {rms:.2g} {channel.unit}; sensor noise alone would give {noise:.2g}."
+    if regime is None:
+        return size
     variable, low, high = regime
     return (
-        f"The simulator's error {place} is {rms:.2g} {channel.unit}; sensor noise alone would give {noise:.2g}. It is "
-        f"largest at {variable.name.replace('_', ' ')} {low:.2g} to {high:.2g} {variable.unit}."
+        f"{size} It is largest at {variable.name.replace('_', ' ')} {low:.2g} to {high:.2g} {variable.unit}."
     )

@@ -17,11 +17,13 @@ class Regime:
         name: as in the diagnosis.
         unit: its unit.
         series: (blocks, samples).
+        of: the signal that it is made of.
     """
 
     name: str
     unit: str
     series: Tensor
+    of: str
 
 
 def regimes_of(kind: str, signals: Mapping[str, Tensor], position_unit: str = "rad") -> list[Regime]:
@@ -29,7 +31,7 @@ def regimes_of(kind: str, signals: Mapping[str, Tensor], position_unit: str = "r
     makers = {"quadrotor": _quadrotor, "joint": _joint, "swerve": _swerve}
     regimes = makers[kind](signals, position_unit)
     shared = [("battery_voltage", "V"), ("elapsed", "s")]
-    return regimes + [Regime(name, unit, signals[name]) for name, unit in shared if name in signals]
+    return regimes + [Regime(name, unit, signals[name], name) for name, unit in shared if name in signals]
 
 
 def _quadrotor(signals: Mapping[str, Tensor], position_unit: str) -> list[Regime]:
@@ -37,44 +39,54 @@ def _quadrotor(signals: Mapping[str, Tensor], position_unit: str) -> list[Regime
     if "velocity" in signals:
         velocity = signals["velocity"]
         place = [
-            Regime("airspeed", "m/s", velocity.norm(dim=-1)),
-            *(Regime(f"velocity_{axis}", "m/s", velocity[..., i]) for i, axis in enumerate(_AXES)),
-            Regime("height", "m", signals["position"][..., 2]),
+            Regime("airspeed", "m/s", velocity.norm(dim=-1), "velocity"),
+            *(
+                Regime(f"velocity_{axis}", "m/s", velocity[..., i], "velocity")
+                for i, axis in enumerate(_AXES)
+            ),
+            Regime("height", "m", signals["position"][..., 2], "position"),
         ]
     return [
         *place,
-        Regime("turning_rate", "rad/s", rate.norm(dim=-1)),
-        *(Regime(f"body_rate_{axis}", "rad/s", rate[..., i]) for i, axis in enumerate(_AXES)),
-        Regime("mean_rotor_speed", "rad/s", signals["rotor_speed"].mean(-1)),
+        Regime("turning_rate", "rad/s", rate.norm(dim=-1), "body_rate"),
+        *(Regime(f"body_rate_{axis}", "rad/s", rate[..., i], "body_rate") for i, axis in enumerate(_AXES)),
+        Regime("mean_rotor_speed", "rad/s", signals["rotor_speed"].mean(-1), "rotor_speed"),
     ]
 
 
 def _joint(signals: Mapping[str, Tensor], position_unit: str) -> list[Regime]:
     regimes = [
-        Regime("velocity", f"{position_unit}/s", signals["velocity"]),
-        Regime("speed", f"{position_unit}/s", signals["velocity"].abs()),
-        Regime("position", position_unit, signals["position"]),
-        Regime("effort", "N·m" if position_unit == "rad" else "N", signals["effort"]),
+        Regime("velocity", f"{position_unit}/s", signals["velocity"], "velocity"),
+        Regime("speed", f"{position_unit}/s", signals["velocity"].abs(), "velocity"),
+        Regime("position", position_unit, signals["position"], "position"),
+        Regime("effort", "N·m" if position_unit == "rad" else "N", signals["effort"], "effort"),
     ]
     extra = [("voltage", "V"), ("temperature", "°C")]
-    return regimes + [Regime(name, unit, signals[name]) for name, unit in extra if name in signals]
+    return regimes + [Regime(name, unit, signals[name], name) for name, unit in extra if name in signals]
 
 
 def _swerve(signals: Mapping[str, Tensor], position_unit: str) -> list[Regime]:
-    velocity = signals["chassis_velocity"]
+    chassis = signals["chassis_velocity"]
+    steer, drive = signals["steer_velocity"], signals["drive_voltage"]
     return [
-        Regime("chassis_speed", "m/s", velocity[..., :2].norm(dim=-1)),
-        Regime("chassis_velocity_x", "m/s", velocity[..., 0]),
-        Regime("chassis_velocity_y", "m/s", velocity[..., 1]),
-        Regime("chassis_rate", "rad/s", velocity[..., 2]),
-        *(Regime(f"steer_velocity_{m + 1}", "rad/s", signals["steer_velocity"][..., m]) for m in range(4)),
-        *(Regime(f"drive_voltage_{m + 1}", "V", signals["drive_voltage"][..., m]) for m in range(4)),
+        Regime("chassis_speed", "m/s", chassis[..., :2].norm(dim=-1), "chassis_velocity"),
+        Regime("chassis_velocity_x", "m/s", chassis[..., 0], "chassis_velocity"),
+        Regime("chassis_velocity_y", "m/s", chassis[..., 1], "chassis_velocity"),
+        Regime("chassis_rate", "rad/s", chassis[..., 2], "chassis_velocity"),
+        *(Regime(f"steer_velocity_{m + 1}", "rad/s", steer[..., m], "steer_velocity") for m in range(4)),
+        *(Regime(f"drive_voltage_{m + 1}", "V", drive[..., m], "drive_voltage") for m in range(4)),
     ]
 
 
 def quantile_edges(values: Tensor, bins: int) -> Tensor:
     """Return the edges of bins that hold about equally many values; fewer where values repeat."""
     return torch.unique(torch.quantile(values, torch.linspace(0, 1, bins + 1, dtype=values.dtype)))
+
+
+def parted_at_zero(edges: Tensor) -> Tensor:
+    """Return the edges with zero among them where they lie on both sides of it: there friction changes its sign."""
+    straddle = len(edges) and edges[0] < 0 < edges[-1]
+    return torch.unique(torch.cat([edges, edges.new_zeros(1)])) if straddle else edges
 
 
 def bin_of(values: Tensor, edges: Tensor) -> Tensor:

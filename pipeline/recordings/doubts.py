@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+SINGLE_RUN = "There is only one run, so none can be held out for validation."
 _GAP_STEPS = 20  # samples missing in a row
 _GAP_SECONDS = 1.0
 
@@ -64,4 +65,4 @@ def _constant(frame: pd.DataFrame, units: dict[str, str]) -> Iterator[str]:
 
 def _single_run(frame: pd.DataFrame) -> Iterator[str]:
     if frame["run"].nunique() == 1:
-        yield "There is only one run, so none can be held out for validation."
+        yield SINGLE_RUN

@@ -15,8 +15,9 @@ from simgap.report.figure import (
 from simgap.report.improvement import NO_INTERVAL, sureness, why_unknown
 from simgap.report.inputs import ReportInputs
 from simgap.report.section import Drawing, Section
-from simgap.report.text import is_number, quantity, spoken
+from simgap.report.text import is_number, quantity, short, spoken
 
+_WORSE = 1.05  # times the error before, from which on it is said to be greater
 _DIVERGENCE = 50.0  # ratio of the largest errors before and after
 
 
@@ -36,9 +37,22 @@ def fit_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
         "bars": _bars(fit | {"learned": learned.get("after")}),
         "learned": learned.get("channels") or [],
         "learned_closes": learned.get("gap_closed"),
+        "worse": [said for entry in horizons if (said := _worse(entry))],
         "horizons": [_horizon(entry) for entry in horizons if entry.get("horizon")],
     }
     return Section("fit", "Fit before and after", content)
+
+
+def _worse(entry: dict[str, Any]) -> str:
+    """Say over which horizons an error is greater after than before; empty where it is nowhere by more than 5 %."""
+    triples = zip(entry.get("horizon") or [], entry["before"], entry["after"], strict=True)
+    known = [triple for triple in triples if all(map(is_number, triple)) and triple[1] > 0]
+    worse = {time: after / before for time, before, after in known if after > _WORSE * before}
+    if not worse:
+        return ""
+    first, last = short(min(worse)), short(max(worse))
+    span = f"at {first} s" if first == last else f"between {first} and {last} s"
+    return f"{spoken(entry['quantity'])} {span} ({short(max(worse.values()), 2)} times at most)"
 
 
 def _bars(fit: dict[str, Any]) -> list[dict[str, Any]]:

@@ -24,7 +24,8 @@ def laws_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
 
 def _strength(law: dict[str, Any], residuals: pd.DataFrame | None) -> float:
     """Return how far the law reaches, in standard deviations of the channel's residual before."""
-    reach = float(np.ptp(np.asarray(law["law"], dtype=float)))
+    heights = np.asarray(law["law"], dtype=float)  # with gaps
+    reach = float(np.nanmax(heights) - np.nanmin(heights))
     if residuals is None:
         return reach
     spread = float(residuals.loc[residuals["channel"] == law["channel"], "before"].std())
@@ -35,7 +36,9 @@ def _figure(law: dict[str, Any], residuals: pd.DataFrame | None, drawing: Drawin
     marks = [] if residuals is None else _clouds(law, residuals, drawing)
     if (law.get("bins") or {}).get("x"):
         marks.append(_means(law["bins"]))
-    marks.append(line(law["x"], law["law"], "law", INK, width=2.5))
+    marks.append(
+        line(law["x"], law["law"], "law", INK, width=2.5, dot=1.5)
+    )  # a dot: a point alone is no line
     x = quantity(law["variable"], law.get("variable_unit"))
     y = quantity(f"residual of {law['channel']}", law.get("unit"))
     caption = f"{spoken(law['effect'])}: residual of {spoken(law['channel'])} over {spoken(law['variable'])}"

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from simgap.report.text import number, quantity, short, spoken, with_unit
+from simgap.report.text import NARROW_SPACE, UNKNOWN, apart, number, quantity, short, spoken, with_unit
 
 STAGES = ("before", "after")
 _LEAST = 1e-3  # noise floors; what keeps the logarithm of an error of zero finite
+_SMALLEST = 0.01  # noise floors that are written as a number
 
 
 @dataclass(frozen=True)
@@ -19,13 +20,14 @@ class Cell:
     """One bin of one channel.
 
     Attributes:
-        text: error as a multiple of the noise floor; empty where it is not known.
-        depth: of the colour, 0 at the noise floor or below to 100 at the greatest error of all maps.
+        text: error as a multiple of the noise floor; a dash where it is not known.
+        depth: of the colour, 0 at the noise floor or below to 100 at the greatest error of all maps; None where the
+            error is not known.
         said: the same with value and unit.
     """
 
     text: str
-    depth: float
+    depth: float | None
     said: str
 
 
@@ -37,13 +39,13 @@ class RegimeMap:
         caption: heading.
         variable: name with unit.
         bins: lower and upper end of each, as text.
-        rows: name of each channel with its cells, before and after.
+        rows: name of each channel with its cells by stage, before and after.
     """
 
     caption: str
     variable: str
     bins: list[tuple[str, str]]
-    rows: list[tuple[str, list[Cell], list[Cell]]]
+    rows: list[tuple[str, dict[str, list[Cell]]]]
 
 
 def regime_maps(regimes: list[dict[str, Any]]) -> list[RegimeMap]:
@@ -75,13 +77,9 @@ def _contrast(entries: list[dict[str, Any]]) -> float:
 
 def _map(entries: list[dict[str, Any]], highest: float) -> RegimeMap:
     first = entries[0]
-    bins = list(itertools.pairwise(short(edge, 2) for edge in first["edges"]))
+    bins = list(itertools.pairwise(apart(first["edges"])))
     rows = [
-        (
-            spoken(entry["channel"]),
-            _cells(entry, "before", bins, highest),
-            _cells(entry, "after", bins, highest),
-        )
+        (spoken(entry["channel"]), {stage: _cells(entry, stage, bins, highest) for stage in STAGES})
         for entry in entries
     ]
     variable = quantity(first["variable"], first.get("unit"))
@@ -95,8 +93,15 @@ def _cells(entry: dict[str, Any], stage: str, bins: list[tuple[str, str]], highe
     depths = 100 * np.log10(np.maximum(np.nan_to_num(ratios, nan=1.0), _LEAST)) / math.log10(highest)
     cells = []
     for ratio, depth, value, (low, high) in zip(ratios, depths, entry[stage], bins, strict=True):
-        error = with_unit(number(value), unit)
-        said = f"{stage}, {spoken(entry['variable'])} {low} to {high}: RMS error {error}, noise floor {floor}"
-        text = short(float(ratio), 2) if math.isfinite(ratio) else ""
-        cells.append(Cell(text, round(float(np.clip(depth, 0.0, 100.0)), 1), said))
+        there = f"{stage}, {spoken(entry['variable'])} {low} to {high}"
+        error = with_unit(number(value), unit) if value is not None and math.isfinite(value) else UNKNOWN
+        said = f"{there}: RMS error {error}, noise floor {floor}"
+        if math.isfinite(ratio):
+            cells.append(Cell(_multiple(float(ratio)), round(float(np.clip(depth, 0.0, 100.0)), 1), said))
+        else:
+            cells.append(Cell("–", None, said))
     return cells
+
+
+def _multiple(ratio: float) -> str:
+    return f"<{NARROW_SPACE}{_SMALLEST:g}" if ratio < _SMALLEST else short(ratio, 2)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from simgap.report.doubts import doubts_of
 from simgap.report.naming import with_subject
 from simgap.report.text import NARROW_SPACE, NO_BREAK, minus
 from simgap.report.verdict import Named, summary
@@ -11,6 +12,11 @@ from simgap.report.verdict import Named, summary
 def terminal_lines(diagnosis: dict[str, Any]) -> list[str]:
     """Return a diagnosis (docs/contract.md) as lines; the first holds the verdict as the contract writes it."""
     return [_plain(line) for line in _lines(diagnosis)]
+
+
+def warning_lines(diagnosis: dict[str, Any]) -> list[str]:
+    """Return the warnings of a diagnosis that `terminal_lines` does not hold, as lines."""
+    return [_plain(warning) for warning in doubts_of(diagnosis)]
 
 
 def _plain(line: str) -> str:

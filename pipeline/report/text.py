@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import TypeGuard
 
 from markupsafe import Markup, escape
@@ -39,6 +40,18 @@ def short(value: Real | None, digits: int = 3) -> str:
     text = number(value, digits)
     mantissa, cross, power = text.partition("×")
     return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + cross + power
+
+
+def apart(values: Sequence[Real], digits: int = 2, most: int = 6) -> list[str]:
+    """Write numbers with as many digits as it takes to tell neighbours apart, if `most` are enough."""
+    for more in range(digits, most):
+        written = [short(value, more) for value in values]
+        if all(
+            one != other or a == b
+            for (one, other), (a, b) in zip(pairwise(written), pairwise(values), strict=True)
+        ):
+            return written
+    return [short(value, most) for value in values]
 
 
 def estimate(value: Real | None, std: Real | None, unit: str = "") -> str:

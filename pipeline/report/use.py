@@ -1,8 +1,11 @@
 """How to go on: where the simulator is, how to use it, and what to record next."""
 
+import json
 import re
 from collections.abc import Iterator
 from typing import Any
+
+from markupsafe import Markup, escape
 
 from simgap.effects import effects_of, kinds
 from simgap.report.inputs import ReportInputs
@@ -22,10 +25,25 @@ def use_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     kind = str(inputs.recording_facts.get("platform_kind") or "")
     content = {
         "simulator": inputs.simulator,
+        "snippet": Markup(escape(snippet(inputs.simulator))),  # as it is: no minus sign of print in a path
         "effects": len(diagnosis["effects"]),
+        "contradicted": diagnosis["verdict"] == "contradiction",
         "next": list(dict.fromkeys(next_recordings(diagnosis, kind))),
     }
     return Section("use", "Use the answer", content)
+
+
+def snippet(simulator: str) -> str:
+    """Return a program that loads a simulator of any kind and drives it, as it stands."""
+    return f"""\
+import numpy as np
+import simgap
+
+machine = simgap.load_simulator({json.dumps(simulator, ensure_ascii=False)})
+state = machine.state()  # at rest; machine.state_names says what its entries are
+command = np.zeros(len(machine.command_names))  # machine.command_names likewise
+state = machine.step(state, command, dt=0.01)
+states = machine.rollout(state, np.tile(command, (200, 1)), dt=0.01)  # (steps + 1, n)"""
 
 
 def next_recordings(diagnosis: dict[str, Any], kind: str) -> Iterator[str]:

@@ -224,16 +224,22 @@ def _closed(diagnosis: dict[str, Any]) -> str:
     times = after / floor if is_number(after) and is_number(floor) and floor > 0 else None
     if not diagnosis["effects"]:
         return "" if times is None else f"Its error is {short(times, 2)} times the noise."
-    left = (
-        f" What is left is {short(times, 2)} times the noise."
-        if times is not None and times > TIMES_NOISE
-        else ""
-    )
+    left = _left(times, diagnosis) if times is not None and times > TIMES_NOISE else ""
     if not is_number(fit.get("gap_closed")):
         return f"How much of the gap closes is not known: {why_unknown(fit)}.{left}"
     sure = f" ({known})" if (known := sureness(fit)) else ""
     share = percent(fit["gap_closed"])
     return f"The corrected simulator closes {share} of the gap on runs never used for fitting{sure}.{left}"
+
+
+def _left(times: float, diagnosis: dict[str, Any]) -> str:
+    """Say how much is left beside the noise, and that nothing accounts for it where no line does."""
+    unknown = (
+        ""
+        if notable(diagnosis.get("unnamed") or [])
+        else "; neither an effect nor a formula of what was recorded accounts for it"
+    )
+    return f" What is left is {short(times, 2)} times the noise{unknown}."
 
 
 def _small(sentence: str) -> str:

@@ -5,7 +5,7 @@ from typing import Any
 from simgap.report.inputs import ReportInputs
 from simgap.report.maps import regime_maps
 from simgap.report.section import Drawing, Section
-from simgap.report.text import minus, short, spoken, with_unit
+from simgap.report.text import apart, minus, spoken, with_unit
 
 
 def where_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
@@ -24,7 +24,7 @@ def _row(entry: dict[str, Any], units: dict[str, str | None]) -> dict[str, Any]:
     regime = entry.get("regime") or {}
     text = ""
     if regime:
-        low, high = short(regime.get("low")), short(regime.get("high"))
+        low, high = apart([regime["low"], regime["high"]], digits=3)
         text = with_unit(f"{low} to {high}", units.get(regime["variable"]))
     where = minus(entry.get("where") or "")
     return entry | {

@@ -146,7 +146,9 @@ const chart = (() => {
   }
 
   return function (plot, spec) {
-    const panels = numbers(spec), whole = extent(panels.flatMap((panel) => panel.marks.flatMap((mark) => [...mark.x])));
+    const panels = numbers(spec), marks = panels.flatMap((panel) => panel.marks);
+    const [first, last] = extent(marks.flatMap((mark) => [...mark.x])), room = marks.some((mark) => mark.dot) ? 0.015 * (last - first) : 0;
+    const whole = [first - room, last + room]; // the outermost points are seen whole
     let view = whole;
     const svg = document.createElementNS(NAMESPACE, "svg"), tip = document.createElement("div");
     tip.className = "tip";

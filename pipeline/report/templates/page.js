@@ -35,11 +35,19 @@
     show();
   }
 
+  // A table that is wider than its box fades where it goes on.
+  function fade(box) {
+    const look = () => box.classList.toggle("more", box.scrollWidth - box.clientWidth - box.scrollLeft > 1);
+    box.addEventListener("scroll", look);
+    new ResizeObserver(look).observe(box);
+  }
+
   document.querySelectorAll(".plot").forEach((plot, number) => { plot.dataset.number = number; });
   document.querySelectorAll("script.figure").forEach((script) => {
     chart(script.parentElement.querySelector(".plot"), JSON.parse(script.textContent));
   });
   document.querySelectorAll(".traces").forEach(traceView);
+  document.querySelectorAll(".scroll").forEach(fade);
   const watch = new ResizeObserver((entries) => entries.forEach(({ target }) => target.redraw?.()));
   document.querySelectorAll(".plot").forEach((plot) => watch.observe(plot));
   document.documentElement.dataset.drawn = "";

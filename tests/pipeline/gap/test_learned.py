@@ -43,7 +43,7 @@ def test_noise_that_is_greater_than_believed_teaches_nothing(seed: int):
     shape = (len(problem.blocks), len(problem.functions.centres), 1)
     rows = 2.0 * problem.noise * torch.randn(shape, generator=random, dtype=torch.float64)
     regimes = [
-        Regime(name, "1", problem.blocks.inner(problem.blocks.signals[name]))
+        Regime(name, "1", problem.blocks.inner(problem.blocks.signals[name]), name)
         for name in ("position", "velocity")
     ]
     fold = torch.arange(len(problem.blocks)) % 5

@@ -1,5 +1,7 @@
+import torch
+
 from simgap.gap.fit import fit
-from simgap.gap.locate import locate
+from simgap.gap.locate import _worst_regime, locate
 from simgap.gap.regimes import Regime
 from simgap.gap.residuals import channels_on
 from tests.pipeline.gap.problems import problem_of
@@ -12,9 +14,24 @@ def test_the_run_in_which_a_simulator_fails_is_told():
     (recording,) = joint_recordings(Plant(friction=(0.0, 0.0, 0.3)), [0], runs=3)
     problem = problem_of(recording, simulator)
     blocks = problem.blocks
-    speed = Regime("speed", "rad/s", blocks.inner(blocks.signals["velocity"]).abs())
+    speed = Regime("speed", "rad/s", blocks.inner(blocks.signals["velocity"]).abs(), "velocity")
     (found,) = locate(fit(simulator, problem).residual, channels_on(simulator, blocks), [speed], problem)
     worst, share = next(iter(found.runs.items()))
     assert worst == blocks.runs[2]
     assert share > 0.9
     assert abs(sum(found.runs.values()) - 1.0) < 1e-9
+
+
+def test_a_range_that_holds_nearly_all_of_the_recording_is_not_told():
+    """An error at both ends of the velocity is told by the speed, and by nothing if the speed is not looked over."""
+    velocity = torch.linspace(-1.0, 1.0, 4000, dtype=torch.float64)
+    residual = velocity.square()
+    signed, size = (
+        (Regime(name, "rad/s", values, "velocity"), values)
+        for name, values in (("velocity", velocity), ("speed", velocity.abs()))
+    )
+    assert _worst_regime(residual, [signed]) is None
+    found = _worst_regime(residual, [signed, size])
+    assert found is not None
+    assert found[0].name == "speed"
+    assert 0.5 < found[1] < found[2] == 1.0

@@ -1,5 +1,7 @@
 import json
 import math
+import re
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -66,12 +68,69 @@ def test_the_map_shows_multiples_of_the_noise_floor_and_not_a_floor_of_zero(tmp_
     regimes[1]["noise_floor"] = 0.0
     path.write_text(json.dumps(regimes))
     (drawn,) = where_section(ReportInputs.of_branch(branch), Drawing()).content["maps"]
-    (_, before, after), (_, unknown, _) = drawn.rows
+    before, after = drawn.rows[0][1].values()
+    unknown = drawn.rows[1][1]["before"]
     assert (before[0].text, after[0].text) == ("2", "0.33")
     assert "RMS error 0.0600 m/s², noise floor 0.0300 m/s²" in before[0].said
     assert before[0].depth > after[0].depth == 0
     assert max(cell.depth for cell in before) == 100
-    assert {cell.text for cell in unknown} == {""}
+    assert {(cell.text, cell.depth) for cell in unknown} == {("–", None)}  # not the colour of a perfect one
+
+
+def test_bins_have_the_digits_that_tell_them_apart_and_tiny_cells_are_a_bound(tmp_path):
+    branch = make_branch(tmp_path)
+    path = branch / "diagnose" / "evidence" / "regimes.json"
+    (entry, *_) = json.loads(path.read_text())
+    entry |= {"edges": [-1.3812, -1.3794, -1.2, 0.0], "noise_floor": 1.0}
+    entry |= {"before": [1.8e-13, 2.0, 3.0], "after": [None, 1.0, 1.0]}
+    path.write_text(json.dumps([entry]))
+    (drawn,) = where_section(ReportInputs.of_branch(branch), Drawing()).content["maps"]
+    assert all(low != high for low, high in drawn.bins)
+    cells = drawn.rows[0][1]
+    assert cells["before"][0].text == "<\u202f0.01"
+    assert "unknown" in cells["after"][0].said
+
+
+def test_a_mismatch_that_is_everywhere_has_no_range(tmp_path):
+    branch = make_branch(tmp_path)
+    path = branch / "diagnose" / "diagnosis.json"
+    found = json.loads(path.read_text())
+    found["mismatch"][0]["regime"] = None
+    path.write_text(json.dumps(found))
+    assert where_section(ReportInputs.of_branch(branch), Drawing()).content["rows"][0]["regime_range"] == ""
+
+
+@pytest.mark.parametrize("theme", [0, 1], ids=["light", "dark"])
+def test_every_cell_of_a_map_can_be_read(theme):
+    """The least contrast of WCAG 2.2 for text, at both ends of the colours."""
+    style = resources.files("simgap.report").joinpath("templates", "page.css").read_text("utf-8")
+    ink, low, high = (
+        re.findall(rf"--{name}: (#[0-9a-f]{{6}})", style)[theme] for name in ("ink", "map-low", "map-high")
+    )
+    assert min(_contrast(ink, low), _contrast(ink, high)) >= 4.5
+
+
+def _contrast(one: str, other: str) -> float:
+    light, dark = sorted(map(_luminance, (one, other)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def _luminance(colour: str) -> float:
+    parts = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
+
+
+def test_horizons_at_which_the_answer_predicts_worse_are_said(tmp_path):
+    branch = make_branch(tmp_path)
+    inputs = ReportInputs.of_branch(branch)
+    assert fit_section(inputs, Drawing()).content["worse"] == []
+    path = branch / "diagnose" / "evidence" / "horizon.json"
+    horizons = json.loads(path.read_text())
+    horizons[0]["after"][-2:] = [2 * value for value in horizons[0]["before"][-2:]]
+    path.write_text(json.dumps(horizons))
+    (said,) = fit_section(inputs, Drawing()).content["worse"]
+    assert said == "position between 0.4 and 0.5 s (2 times at most)"
 
 
 def test_the_map_that_tells_most_comes_first(tmp_path):

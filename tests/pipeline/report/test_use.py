@@ -1,6 +1,15 @@
+import html
+from typing import Any
+
+import numpy as np
+import pytest
+
+from simgap.api.simulators import build_simulator
 from simgap.report.inputs import ReportInputs
 from simgap.report.page import write_page
 from simgap.report.use import next_recordings
+from simgap.simulation.storage import write_simulator
+from tests.pipeline.platforms.machines import MACHINES
 from tests.pipeline.report.artifacts import make_branch
 from tests.pipeline.report.diagnoses import DOUBTED, diagnosis
 
@@ -15,13 +24,29 @@ def test_the_page_ends_with_the_simulator_and_how_to_use_it(tmp_path):
     page = (tmp_path / "page.html").read_text("utf-8")
     last = page[page.index('<section id="use">') :]
     assert "<code>answer/simulator</code>" in last
-    for line in (
-        'machine = simgap.load_simulator("answer/simulator")',
-        "machine.step(state, command, dt)",
-        "machine.rollout(state, commands, dt)",
-    ):
-        assert line in last
     assert "<section" not in last[1:]
+
+
+@pytest.mark.parametrize("kind", MACHINES)
+def test_the_program_on_the_page_runs_as_it_stands(tmp_path, kind):
+    folder = tmp_path / 'out -1 "<b>" 1e-05'
+    write_simulator(build_simulator(MACHINES[kind]).simulator, folder)
+    write_page(ReportInputs.of_branch(make_branch(tmp_path), simulator=str(folder)), tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text("utf-8")
+    program = html.unescape(page.partition("<pre><code>")[2].partition("</code></pre>")[0])
+    made: dict[str, Any] = {}
+    exec(program, made)
+    assert made["machine"].kind == kind
+    assert made["states"].shape == (201, len(made["machine"].state_names))
+    assert np.isfinite(made["states"]).all()
+
+
+def test_after_a_contradiction_the_simulator_is_said_to_be_the_unchanged_one(tmp_path):
+    for verdict in ("contradiction", "missing_physics"):
+        branch = make_branch(tmp_path / verdict, verdict)
+        write_page(ReportInputs.of_branch(branch), tmp_path / "page.html")
+        last = (tmp_path / "page.html").read_text("utf-8").partition('<section id="use">')[2]
+        assert ("unchanged" in last) == (verdict == "contradiction")
 
 
 def test_what_cannot_be_told_apart_is_what_to_record():
