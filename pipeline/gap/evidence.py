@@ -193,7 +193,7 @@ def _law(
         means = mean_per_bin(law, place, len(edges) - 1)
         scored.append((float((means[place] - law.mean()).square().mean()), regime, values, edges))
     best = max(score for score, *_ in scored)
-    regime, values, edges = next(rest for score, *rest in scored if score >= _AS_WELL * best)
+    _, regime, values, edges = next(entry for entry in scored if entry[0] >= _AS_WELL * best)
     place, count = bin_of(values, edges), len(edges) - 1
     mean = mean_per_bin(target, place, count)
     spread = mean_per_bin((target - mean[place]).square(), place, count)
