@@ -128,14 +128,14 @@ class Mismatch:
     Attributes:
         channel: the equation, for example `torque`.
         share: of the whole mismatch, 0 to 1.
-        regime: where it is greatest; None where it is everywhere.
+        regime: where it is greatest.
         p_value: of the test against noise.
         where: the same as one sentence.
     """
 
     channel: str
     share: float
-    regime: Regime | None
+    regime: Regime
     p_value: float
     where: str
 

@@ -53,11 +53,11 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _mismatch(mismatch: Any) -> dict[str, Any]:
-    regime = mismatch.regime
+    variable, low, high = mismatch.regime
     return {
         "channel": mismatch.channel.name,
         "share": mismatch.share,
-        "regime": dict(zip(("variable", "low", "high"), regime, strict=True)) if regime else None,
+        "regime": {"variable": variable, "low": low, "high": high},
         "p_value": mismatch.p_value,
         "where": mismatch.where,
     }

@@ -18,6 +18,8 @@ _TOLERATED = 1.2  # times the noise energy; the noise floor is itself an estimat
 _MISMATCH_LEVEL = 1e-3
 _EVERYWHERE = 0.75  # share of the recording, from which on a range of a variable says nothing
 _AS_TELLING = 0.5  # of how much the energy varies over the variable that it depends on most
+LARGEST_AT = "It is largest at"
+"""Begins the sentence that tells a range; there is none where the simulator fails everywhere."""
 _WORDS = {
     "force_x": "along body x",
     "force_y": "along body y",
@@ -43,7 +45,7 @@ class Mismatch:
         channel: which equation of motion.
         share: of what the simulator leaves unexplained in all channels, 0..1.
         excess: energy of the residual over the noise's.
-        regime: variable, low and high between which it fails most; None where it fails everywhere.
+        regime: variable, low and high between which it fails most: all of the variable where it fails everywhere.
         runs: share of each run in the residual's energy above the noise.
         p_value: chance of such an energy if only sensor noise were there.
         where: one plain sentence.
@@ -52,7 +54,7 @@ class Mismatch:
     channel: Channel
     share: float
     excess: float
-    regime: tuple[str, float, float] | None
+    regime: tuple[str, float, float]
     runs: dict[str, float]
     p_value: float
     where: str
@@ -82,10 +84,10 @@ def locate(
     averaged = [(regime, mean_of(problem.functions, regime.series).flatten()) for regime in regimes]
     found = []
     for i in guilty:
-        regime = _worst_regime(residual[..., i].flatten(), averaged)
+        worst = _worst_regime(residual[..., i].flatten(), averaged)
         rms, noise = float(energy[i].sqrt()), float(problem.noise[i])
-        sentence = _sentence(channels[i], rms, noise, regime)
-        low_high = (regime[0].name, *regime[1:]) if regime else None
+        sentence = _sentence(channels[i], rms, noise, worst)
+        low_high = (worst.regime.name, worst.low, worst.high)
         share = float(misfit[i]) / total
         runs = _share_of_runs(residual[..., i], problem.noise[i], problem.blocks)
         found.append(Mismatch(channels[i], share, float(ratio[i]), low_high, runs, p_values[i], sentence))
@@ -112,13 +114,21 @@ def _chance_of_noise(ratio: float, rows: int) -> float:
     return float(stats.chi2.sf(freedom * ratio / _TOLERATED, freedom))
 
 
-def _worst_regime(
-    residual: Tensor, regimes: Sequence[tuple[Regime, Tensor]]
-) -> tuple[Regime, float, float] | None:
+@dataclass(frozen=True)
+class _Worst:
+    """The range of a variable in which a residual is above average, or all of it where that says nothing."""
+
+    regime: Regime
+    low: float
+    high: float
+    everywhere: bool = False
+
+
+def _worst_regime(residual: Tensor, regimes: Sequence[tuple[Regime, Tensor]]) -> _Worst:
     """Return the variable that the residual's energy depends on most, and the range where it is above average.
 
     A range that holds nearly all of the recording says nothing: then it is the next variable's that the energy depends
-    on nearly as much, or None where there is no such variable.
+    on nearly as much, or all of the first variable where there is no such one.
     """
     energy, found = residual.square(), []
     for regime, values in regimes:
@@ -131,22 +141,25 @@ def _worst_regime(
         above = torch.nonzero(means >= energy.mean()).flatten()
         first, last = int(above.min()), int(above.max())
         share = float(((place >= first) & (place <= last)).double().mean())
-        found.append((score, share, (regime, float(edges[first]), float(edges[last + 1]))))
-    telling = max((score for score, *_ in found), default=0.0)
-    narrow = [
-        (score, where)
-        for score, share, where in found
-        if share <= _EVERYWHERE and score >= _AS_TELLING * telling
-    ]
-    return max(narrow, key=lambda entry: entry[0])[1] if narrow else None
+        found.append((score, share, _Worst(regime, float(edges[first]), float(edges[last + 1]))))
+    if not found:
+        return _all_of(*regimes[0])
+    telling = max(score for score, *_ in found)
+    narrow = [each for each in found if each[1] <= _EVERYWHERE and each[0] >= _AS_TELLING * telling]
+    if narrow:
+        return max(narrow, key=lambda each: each[0])[2]
+    most = max(found, key=lambda each: each[0])[2].regime
+    return _all_of(*next(entry for entry in regimes if entry[0] is most))
 
 
-def _sentence(channel: Channel, rms: float, noise: float, regime: tuple[Regime, float, float] | None) -> str:
+def _all_of(regime: Regime, values: Tensor) -> _Worst:
+    return _Worst(regime, float(values.min()), float(values.max()), everywhere=True)
+
+
+def _sentence(channel: Channel, rms: float, noise: float, worst: _Worst) -> str:
     place = _WORDS.get(channel.name, f"in {channel.name.replace('_', ' ')}")
     size = f"The simulator's error {place} is {rms:.2g} {channel.unit}; sensor noise alone would give {noise:.2g}."
-    if regime is None:
+    if worst.everywhere:
         return size
-    variable, low, high = regime
-    return (
-        f"{size} It is largest at {variable.name.replace('_', ' ')} {low:.2g} to {high:.2g} {variable.unit}."
-    )
+    name, unit = worst.regime.name.replace("_", " "), worst.regime.unit
+    return f"{size} {LARGEST_AT} {name} {worst.low:.2g} to {worst.high:.2g} {unit}."

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from simgap.gap.locate import LARGEST_AT
 from simgap.report.inputs import ReportInputs
 from simgap.report.maps import regime_maps
 from simgap.report.section import Drawing, Section
@@ -23,7 +24,7 @@ def where_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
 def _row(entry: dict[str, Any], units: dict[str, str | None]) -> dict[str, Any]:
     regime = entry.get("regime") or {}
     text = ""
-    if regime:
+    if LARGEST_AT in (entry.get("where") or ""):
         low, high = apart([regime["low"], regime["high"]], digits=3)
         text = with_unit(f"{low} to {high}", units.get(regime["variable"]))
     where = minus(entry.get("where") or "")

@@ -30,8 +30,7 @@ def test_a_range_that_holds_nearly_all_of_the_recording_is_not_told():
         (Regime(name, "rad/s", values, "velocity"), values)
         for name, values in (("velocity", velocity), ("speed", velocity.abs()))
     )
-    assert _worst_regime(residual, [signed]) is None
-    found = _worst_regime(residual, [signed, size])
-    assert found is not None
-    assert found[0].name == "speed"
-    assert 0.5 < found[1] < found[2] == 1.0
+    alone, found = (_worst_regime(residual, variables) for variables in ([signed], [signed, size]))
+    assert (alone.everywhere, alone.low, alone.high) == (True, -1.0, 1.0)
+    assert (found.everywhere, found.regime.name) == (False, "speed")
+    assert 0.5 < found.low < found.high == 1.0

@@ -95,7 +95,7 @@ def test_a_mismatch_that_is_everywhere_has_no_range(tmp_path):
     branch = make_branch(tmp_path)
     path = branch / "diagnose" / "diagnosis.json"
     found = json.loads(path.read_text())
-    found["mismatch"][0]["regime"] = None
+    found["mismatch"][0]["where"] = "The simulator's error in roll is 2 N·m; sensor noise alone would give 1."
     path.write_text(json.dumps(found))
     assert where_section(ReportInputs.of_branch(branch), Drawing()).content["rows"][0]["regime_range"] == ""
 
