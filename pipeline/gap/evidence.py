@@ -227,7 +227,8 @@ def _line(law: Tensor, values: Tensor) -> tuple[list[float], list[float | None]]
     reach = max(y) - min(y)
     points: list[tuple[float, float | None]] = [(x[0], y[0])]
     for (left, right), (low, high) in zip(itertools.pairwise(x), itertools.pairwise(y), strict=True):
-        inside = known[torch.searchsorted(known, left) - 1 : torch.searchsorted(known, right) + 1]
+        first = max(int(torch.searchsorted(known, left)) - 1, 0)
+        inside = known[first : int(torch.searchsorted(known, right)) + 1]
         empty = float(inside.diff().max())
         if empty > _EMPTY * (right - left) and empty > _NOTABLE * (x[-1] - x[0]):
             points.append(((left + right) / 2, None))

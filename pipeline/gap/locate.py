@@ -11,6 +11,7 @@ from simgap.gap.fit import Problem
 from simgap.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
 from simgap.physics.weak_form import mean_of
 from simgap.platforms.mechanism import Channel
+from simgap.recordings.doubts import LARGEST_AT
 from simgap.simulation.blocks import Blocks
 
 _BINS = 8
@@ -18,8 +19,6 @@ _TOLERATED = 1.2  # times the noise energy; the noise floor is itself an estimat
 _MISMATCH_LEVEL = 1e-3
 _EVERYWHERE = 0.75  # share of the recording, from which on a range of a variable says nothing
 _AS_TELLING = 0.5  # of how much the energy varies over the variable that it depends on most
-LARGEST_AT = "It is largest at"
-"""Begins the sentence that tells a range; there is none where the simulator fails everywhere."""
 _WORDS = {
     "force_x": "along body x",
     "force_y": "along body y",

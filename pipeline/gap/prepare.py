@@ -21,6 +21,8 @@ from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks, cut_blocks
 
 _SHORTEST = 0.5  # s, shortest block
+_COMMANDED = ("joint", "quadrotor")
+"""Kinds whose rows are put on the side of the commands. On a swerve drive that hides limits of the motors' currents."""
 _AXES = ("joint",)
 """Kinds whose commands and motion are two sides of one effort, either of which may be small."""
 _LONGEST_STEP = 1.0  # s between samples; slower recordings do not show the motion
@@ -78,7 +80,7 @@ def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool)
         independent_clusters(fitted),
         temper,
         sizes,
-        nominal=nominal,
+        nominal=nominal if recording.kind in _COMMANDED else None,
         is_axis=recording.kind in _AXES,
     )
     return Prepared(nominal, width, problem, proving, held_out, remarks)

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+LARGEST_AT = "It is largest at"
+"""Begins the sentence that tells where a simulator fails most; there is none where it fails everywhere."""
 SINGLE_RUN = "There is only one run, so none can be held out for validation."
 _GAP_STEPS = 20  # samples missing in a row
 _GAP_SECONDS = 1.0

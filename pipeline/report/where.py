@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from simgap.gap.locate import LARGEST_AT
+from simgap.recordings.doubts import LARGEST_AT
 from simgap.report.inputs import ReportInputs
 from simgap.report.maps import regime_maps
 from simgap.report.section import Drawing, Section

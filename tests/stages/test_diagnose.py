@@ -1,5 +1,6 @@
 """`simgap diagnose` on a person's own file."""
 
+import html
 import json
 import os
 import subprocess
@@ -96,7 +97,7 @@ def test_from_a_parquet_file_in_another_folder(own):
     assert "The simulator leaves out Coulomb friction." in page
     assert "most probable explanations that were tried" in page
     assert "was ended before" not in page
-    assert 'simgap.load_simulator("found/simulator")' in page
+    assert 'simgap.load_simulator("found/simulator")' in html.unescape(page)
     assert len(page.encode()) < 1.5e6
     (effect,) = read_simulator(elsewhere / "found" / "simulator").effects
     assert effect.effect.name == "coulomb_friction"

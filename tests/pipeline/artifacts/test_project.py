@@ -34,5 +34,5 @@ def test_an_installation_is_refused_before_any_work(
     command: Callable[[], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(project, "CHECKOUT", None)
-    with pytest.raises(InputError, match="works in a clone of the repository only, .*; clone it"):
+    with pytest.raises(InputError, match=r"works in a clone of the repository only, .*; clone it"):
         command()

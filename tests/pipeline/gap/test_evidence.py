@@ -1,3 +1,4 @@
+import pytest
 import torch
 
 from simgap.effects import effects_of
@@ -51,6 +52,17 @@ def test_a_smooth_law_is_one_line():
     drawn = _drawn(0.3 * effort, [_regime("effort", effort)])
     assert None not in drawn["law"]
     assert drawn["x"] == sorted(set(drawn["x"]))  # no step at zero
+
+
+@pytest.mark.parametrize("level", [0.1, -0.7])
+def test_a_law_over_values_that_repeat_is_drawn(level):
+    """The mean of equal values may be off by a rounding, and so lie below all that was recorded."""
+    values = torch.tensor([level, 0.8, 5.9], dtype=torch.float64).repeat_interleave(
+        torch.tensor([101, 300, 300])
+    )
+    drawn = _drawn(0.3 * values, [_regime("voltage", values)])
+    assert drawn["x"][0] == pytest.approx(level)
+    assert drawn["law"] == [pytest.approx(0.3 * level), None, pytest.approx(0.3 * drawn["x"][-1])]
 
 
 def test_an_effect_of_no_such_variable_is_drawn_over_any():
