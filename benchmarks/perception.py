@@ -193,7 +193,7 @@ def _drift_table(settings: PerceptionSettings, track: Track) -> str:
 def _reading_table(settings: PerceptionSettings, track: Track) -> str:
     published = settings.drift
     readings = {
-        "σ, as published": published,
+        "σ": published,
         "σ²": DriftSettings(published.position**2, published.velocity**2),
         "σ for each second": DriftSettings(PERIOD * published.position, PERIOD * published.velocity),
     }
