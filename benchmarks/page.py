@@ -2,6 +2,7 @@
 
 import os
 import platform
+import subprocess
 from collections.abc import Iterable
 from datetime import date
 from importlib import metadata
@@ -65,13 +66,19 @@ def written(
 
 def machine(device: str, load_before: float) -> str:
     """Return a sentence on the machine and what else ran on it."""
-    graphics = f", {torch.cuda.get_device_name()}" if device == "cuda" else ""
+    graphics = f", {torch.cuda.get_device_name()} (driver {_driver()})" if device == "cuda" else ""
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
     return (
         f"Machine: {processor()}{graphics}, {memory:.0f} GiB; Python {platform.python_version()}, "
         f"PyTorch {metadata.version('torch')}. Load average of the machine before the run {load_before:.1f}, after it "
         f"{os.getloadavg()[0]:.1f} (its own work included)."
     )
+
+
+def _driver() -> str:
+    """Return the version of the GPU's driver."""
+    asked = ["nvidia-smi", "--query-gpu=driver_version", "--format=csv,noheader"]
+    return subprocess.run(asked, capture_output=True, text=True, check=True).stdout.split()[0]
 
 
 def table(head: list[str], rows: Iterable[list[str]]) -> str:

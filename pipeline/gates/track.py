@@ -1,6 +1,7 @@
 """A track: gates in the order in which they are to be passed, and the box that is not to be left."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import torch
 from torch import Tensor
@@ -34,7 +35,7 @@ class Track:
     def __len__(self) -> int:
         return len(self.centres)
 
-    @property
+    @cached_property
     def corners(self) -> Tensor:
         """Corners of the openings, (gates, 4, 3) m: left up, right up, right down, left down as one flies at them."""
         sides = torch.tensor([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]).to(self.centres)

@@ -6,7 +6,7 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor
 
-from simgap.policies.environment import Environment, Observation, Transition
+from simgap.policies.environment import Environment, Transition
 from simgap.policies.networks import Critic, Gaussian
 
 
@@ -16,7 +16,7 @@ class Segment:
 
     Attributes:
         steps: (horizon, batch) of `observation`, `privileged`, `action` and `action_log_prob`, and (horizon, batch, 1)
-            of `reward`, `terminated`, `done`, `value` and `next_value`.
+            of `reward`, `terminated`, `done`, `returned` (the episode's rewards so far), `value` and `next_value`.
         measures: means over the segment and over the episodes that ended in it.
     """
 
@@ -50,28 +50,54 @@ class Collector:
             horizon: control steps.
             generator: of the draws.
         """
-        steps: TensorDict | None = None
-        ended: list[Tensor] = []
+        steps = self._steps(gaussian, critic, horizon, generator)
+        self._value(steps, critic)
+        return Segment(steps, self._measures(steps))
+
+    def _steps(
+        self, gaussian: Gaussian, critic: Critic, horizon: int, generator: torch.Generator
+    ) -> TensorDict:
+        """Return control steps of all machines, not valued yet."""
+        row = self._step(gaussian, critic, generator)
+        steps = room(row, horizon)
         for step in range(horizon):
-            action, density = gaussian.sample(self.observation.policy, generator)
-            transition = self.environment.step(action)
-            row = _row(self.observation, action, density, transition, critic)
-            steps = _room(row, horizon) if steps is None else steps
+            row = row if step == 0 else self._step(gaussian, critic, generator)
             for name, tensor in row.items():
                 steps.get(name)[step].copy_(tensor)
-            ended.append(self._account(transition))
-            self.observation = transition.observation
-        assert steps is not None
-        self._value(steps, critic)
-        return Segment(steps, self._measures(steps, torch.cat(ended)))
+        return steps
 
-    def _account(self, transition: Transition) -> Tensor:
-        """Return the returns of the episodes that ended."""
+    def _step(self, gaussian: Gaussian, critic: Critic, generator: torch.Generator) -> dict[str, Tensor]:
+        """Let all machines act once, and return what is kept of it."""
+        seen = self.observation
+        action, density = gaussian.sample(seen.policy, generator)
+        transition = self.environment.step(action)
+        self.observation = transition.observation
+        done = transition.terminated | transition.truncated
         self.returns += transition.reward
-        over = transition.terminated | transition.truncated
-        ended = self.returns[over]
-        self.returns[over] = 0.0
-        return ended
+        row = {
+            "observation": seen.policy,
+            "privileged": seen.privileged,
+            "action": action,
+            "action_log_prob": density,
+            "reward": transition.reward[:, None],
+            "terminated": transition.terminated[:, None],
+            "done": done[:, None],
+            "returned": self.returns[:, None].clone(),
+            "next_value": self._cut_off_value(transition, critic),
+        }
+        self.returns.masked_fill_(done, 0.0)
+        return row
+
+    def _cut_off_value(self, transition: Transition, critic: Critic) -> Tensor:
+        """Return the value of what was reached where the episode was cut off there, and zero elsewhere, (batch, 1)."""
+        reached, cut = transition.reached, transition.truncated[:, None]
+        if self.environment.captured:
+            return critic(reached.policy, reached.privileged) * cut
+        value = torch.zeros_like(transition.reward)[:, None]
+        machines = cut.nonzero()[:, 0]
+        if len(machines):
+            value[machines] = critic(reached.policy[machines], reached.privileged[machines])
+        return value
 
     def _value(self, steps: TensorDict, critic: Critic) -> None:
         """Write the values of what was seen, and of what was seen next where the episode was not cut off there."""
@@ -81,7 +107,8 @@ class Collector:
         steps["value"] = value
         steps["next_value"] = torch.where(steps["done"], steps["next_value"], following)
 
-    def _measures(self, steps: TensorDict, ended: Tensor) -> dict[str, float]:
+    def _measures(self, steps: TensorDict) -> dict[str, float]:
+        ended = steps["returned"][steps["done"]]
         measures = {"reward": float(steps["reward"].mean()), "episodes": float(len(ended))}
         if len(ended):
             measures["return"] = float(ended.mean())
@@ -98,31 +125,8 @@ class Collector:
         self.returns = snapshot["collector"]["returns"].to(self.environment.device)
 
 
-def _row(
-    seen: Observation, action: Tensor, density: Tensor, transition: Transition, critic: Critic
-) -> dict[str, Tensor]:
-    return {
-        "observation": seen.policy,
-        "privileged": seen.privileged,
-        "action": action,
-        "action_log_prob": density,
-        "reward": transition.reward[:, None],
-        "terminated": transition.terminated[:, None],
-        "done": (transition.terminated | transition.truncated)[:, None],
-        "next_value": _cut_off_value(transition, critic),
-    }
-
-
-def _cut_off_value(transition: Transition, critic: Critic) -> Tensor:
-    """Return the value of what was reached where the episode was cut off there, and zero elsewhere, (batch, 1)."""
-    value = torch.zeros_like(transition.reward)[:, None]
-    cut = transition.truncated.nonzero()[:, 0]
-    if len(cut):
-        value[cut] = critic(transition.reached.policy[cut], transition.reached.privileged[cut])
-    return value
-
-
-def _room(row: dict[str, Tensor], horizon: int) -> TensorDict:
+def room(row: dict[str, Tensor], horizon: int) -> TensorDict:
+    """Return a place for control steps (horizon, batch), of which this is one."""
     batch = len(row["reward"])
-    room = {name: tensor.new_empty((horizon, *tensor.shape)) for name, tensor in row.items()}
-    return TensorDict(room, batch_size=[horizon, batch])  # type: ignore[arg-type]
+    places = {name: tensor.new_empty((horizon, *tensor.shape)) for name, tensor in row.items()}
+    return TensorDict(places, batch_size=[horizon, batch])  # type: ignore[arg-type]

@@ -68,6 +68,8 @@ class Environment(ABC):
         device: where all tensors are.
         state: what changes from step to step.
         generator: of all draws, on the device.
+        captured: whether a step asks nothing of the device, and may become a CUDA graph. A step then works on all
+            machines and chooses among them by masks; elsewhere it works on those that it concerns.
     """
 
     observation_size: ClassVar[int]
@@ -81,10 +83,15 @@ class Environment(ABC):
         self.device = torch.device(device)
         self.generator = torch.Generator(self.device)
         self.state: dict[str, Tensor] = {}
+        self.captured = False
 
     @abstractmethod
     def reset(self, machines: Tensor) -> None:
-        """Put some machines, (machines,) indices, where an episode of theirs starts."""
+        """Put some machines where an episode of theirs starts.
+
+        Args:
+            machines: indices, (machines,), or where steps are `captured` a mask, (batch,) bool.
+        """
 
     @abstractmethod
     def advance(self, action: Tensor) -> tuple[Tensor, Tensor]:
@@ -132,13 +139,21 @@ class Environment(ABC):
         age += 1
         truncated = (age >= self.episode_steps) & ~terminated
         reached = self.observe()
-        ended = (terminated | truncated).nonzero()[:, 0]
-        if not len(ended):
-            return Transition(reached, reward, terminated, truncated, reached)
-        age[ended] = 0
-        self.reset(ended)
-        observation = reached.replaced(ended, self.observe(ended))
+        ended = terminated | truncated
+        age.masked_fill_(ended, 0)
+        observation = self._started_anew(ended, reached)
         return Transition(reached, reward, terminated, truncated, observation)
+
+    def _started_anew(self, ended: Tensor, reached: Observation) -> Observation:
+        """Start the episodes anew that ended, (batch,) bool, and return what is seen then."""
+        if self.captured:
+            self.reset(ended)
+            return self.observe()
+        machines = ended.nonzero()[:, 0]
+        if not len(machines):
+            return reached
+        self.reset(machines)
+        return reached.replaced(machines, self.observe(machines))
 
     def snapshot(self) -> dict[str, Tensor]:
         """Return all that the machines' future depends on, tensors on the CPU."""

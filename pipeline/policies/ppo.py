@@ -38,9 +38,12 @@ class Learner:
             torch.manual_seed(seed)
             self.gaussian, self.critic = networks(environment, settings)
         self.generator = torch.Generator(self.device).manual_seed(seed)
-        self._loss = _loss(self.gaussian, self.critic, settings)
+        self._loss = _loss(self.gaussian, self.critic, settings).to(self.device)
         self._parameters = [*self.gaussian.parameters(), *self.critic.parameters()]
-        self.optimizer = torch.optim.Adam(self._parameters, lr=settings.learning_rate, fused=True)
+        self.optimizer = self._optimizer()
+
+    def _optimizer(self) -> torch.optim.Adam:
+        return torch.optim.Adam(self._parameters, lr=self.settings.learning_rate, fused=True)
 
     def learn(self, steps: TensorDict, share: float) -> dict[str, float]:
         """Improve policy and critic by a segment; return what stands in the learning curve.
@@ -52,13 +55,12 @@ class Learner:
         settings = self.settings
         rate = _interpolated(settings.learning_rate, settings.final_learning_rate, share)
         self._loss.entropy_coeff.fill_(_interpolated(settings.entropy, settings.final_entropy, share))
-        for group in self.optimizer.param_groups:
-            group["lr"] = rate
-        samples = self._samples(steps)
+        self._learn_at(rate)
+        samples = self._at_their_place(self._samples(steps))
         told: list[Tensor] = []
         for _ in range(settings.epochs):
             order = torch.randperm(len(samples), generator=self.generator, device=self.device)
-            told += [self._improve(samples[part]) for part in order.split(settings.minibatch)]
+            told += [self._improve_by(samples, part) for part in order.split(settings.minibatch)]
         means = torch.stack(told).mean(0).tolist()
         deviation = float(self.gaussian.log_deviation.detach().exp().mean())
         return {**dict(zip(_TOLD, means, strict=True)), "deviation": deviation, "learning_rate": rate}
@@ -79,6 +81,18 @@ class Learner:
         kept["advantage"] = (advantage - advantage.mean()) / (advantage.std() + 1e-8)
         kept["value_target"] = target
         return kept.flatten()
+
+    def _learn_at(self, rate: float) -> None:
+        for group in self.optimizer.param_groups:
+            group["lr"] = rate
+
+    def _at_their_place(self, samples: TensorDict) -> TensorDict:
+        """Return the samples where they are learnt from."""
+        return samples
+
+    def _improve_by(self, samples: TensorDict, part: Tensor) -> Tensor:
+        """Take a step of the optimiser by some of the samples, indices (minibatch,)."""
+        return self._improve(samples[part])
 
     def _improve(self, minibatch: TensorDict) -> Tensor:
         losses = self._loss(minibatch)
@@ -117,6 +131,13 @@ def networks(environment: Environment, settings: Learning) -> tuple[Gaussian, Cr
     return gaussian.to(environment.device), critic.to(environment.device)
 
 
+class _PPOLoss(ClipPPOLoss):
+    """The loss of torchrl, without its question to the device whether the entropy is finite: that of normals is."""
+
+    def _get_entropy(self, dist: Independent, adv_shape: torch.Size) -> Tensor:
+        return dist.entropy().unsqueeze(-1)
+
+
 def _loss(gaussian: Gaussian, critic: Critic, settings: Learning) -> ClipPPOLoss:
     distribution = ProbabilisticTensorDictModule(
         in_keys=["loc", "scale"],
@@ -126,7 +147,7 @@ def _loss(gaussian: Gaussian, critic: Critic, settings: Learning) -> ClipPPOLoss
     )
     mean = TensorDictModule(gaussian, in_keys=["observation"], out_keys=["loc", "scale"])
     value = TensorDictModule(critic, in_keys=["observation", "privileged"], out_keys=["state_value"])
-    loss = ClipPPOLoss(
+    loss = _PPOLoss(
         ProbabilisticTensorDictSequential(mean, distribution),
         value,
         clip_epsilon=settings.clip,

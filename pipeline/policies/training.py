@@ -7,6 +7,7 @@ from pathlib import Path
 import torch
 
 from simgap.artifacts import progress, staged_directory
+from simgap.policies.accelerated import CapturedCollector, CapturedLearner
 from simgap.policies.best import Best
 from simgap.policies.collector import Collector
 from simgap.policies.environment import Environment
@@ -33,9 +34,9 @@ class Training:
     ) -> None:
         self.settings = settings
         self.best = best
-        self.learner = Learner(environment, settings, seed)
+        self.learner = learner_for(environment, settings, seed)
         self.curve: Curve = []
-        self._collector = Collector(environment, seed)
+        self._collector = collector_for(environment, seed)
         self._per_update = environment.batch * settings.horizon
 
     @property
@@ -105,6 +106,16 @@ class Training:
         self.curve = content["curve"]
         if self.best is not None and content.get("best"):
             self.best.resume(content["best"])
+
+
+def learner_for(environment: Environment, settings: Learning, seed: int) -> Learner:
+    """Return what learns from an environment, as a CUDA graph where its steps are captured."""
+    return (CapturedLearner if environment.captured else Learner)(environment, settings, seed)
+
+
+def collector_for(environment: Environment, seed: int) -> Collector:
+    """Return what acts in an environment, as a CUDA graph where its steps are captured."""
+    return (CapturedCollector if environment.captured else Collector)(environment, seed)
 
 
 def _tell(log: Log | None, entry: dict[str, float], number: int) -> None:

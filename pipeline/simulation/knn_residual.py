@@ -73,6 +73,8 @@ class RecordedResidual(WrenchEffect):
 
     def __call__(self, features: Float[Tensor, "*#batch 7"]) -> Vector:
         """Return specific force, (..., 3) m/s², by `residual_features` (..., 7)."""
+        if self.neighbours.inputs.device != features.device:
+            self.neighbours = self.neighbours.to(features.device)
         flat = features.reshape(-1, features.shape[-1]).to(self.neighbours.inputs)
         return self.neighbours(flat).to(features).unflatten(0, features.shape[:-1])
 
@@ -125,6 +127,10 @@ class NearestNeighbours:
         middle, size = self._unit
         scaled = (self.inputs - middle) / size
         return -0.5 * scaled.square().sum(1), scaled.T.contiguous()
+
+    def to(self, device: torch.device | str) -> "NearestNeighbours":
+        """Return the samples on a device."""
+        return NearestNeighbours(self.inputs.to(device), self.outputs.to(device), self.count)
 
     def __call__(self, queries: Float[Tensor, "batch features"]) -> Float[Tensor, "batch channels"]:
         """Return the mean outputs at the nearest samples, (batch, channels).

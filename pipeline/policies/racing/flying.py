@@ -110,21 +110,26 @@ class Fleet:
     """A flight that is compiled, for machines as columns of one tensor (rows, batch) of state and memory.
 
     What a learned model does cannot be compiled so: it runs operation by operation.
+
+    Attributes:
+        flight: of the simulator.
+        compiled: whether it is.
     """
 
     def __init__(self, flight: Flight, device: torch.device | str = "cpu") -> None:
         self.flight = flight
-        self._learned = flight.simulator.learned is not None
-        level = torch.zeros(1, STATE, device=device)
+        self.compiled = flight.simulator.learned is None
+        level = torch.zeros(1, STATE)
         level[:, PARTS["attitude"].start] = 1.0
-        hover = torch.tensor([[flight.simulator.platform.gravity, 0.0, 0.0, 0.0]], device=device)
+        hover = torch.tensor([[flight.simulator.platform.gravity, 0.0, 0.0, 0.0]])
         with torch.no_grad():
-            _, self._memory = flight.step(level, hover)
+            _, memory = flight.step(level, hover)
             acting = flight.acting(level, hover)
+        self._memory = tree.tree_map(lambda tensor: tensor.to(device), memory)
         step, repeats = flight.inner_step, flight.substeps
         self._step = (
             RowStep(step, level, self._memory, repeats)
-            if self._learned
+            if not self.compiled
             else FusedStep(step, level, acting, self._memory, repeats)
         )
 
@@ -137,7 +142,7 @@ class Fleet:
         leaves, shape = tree.tree_flatten(self._memory)
         spread = [leaf.expand(len(state), *leaf.shape[1:]) for leaf in leaves]
         regulating, effects = tree.tree_unflatten(spread, shape)
-        if self._learned:
+        if not self.compiled:
             effects = self._remembering(state)
         regulating = {**regulating, "rate": state[:, PARTS["body_rate"]]}
         return self._step.pack(state, (regulating, effects))

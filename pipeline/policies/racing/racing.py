@@ -39,7 +39,7 @@ class Racing(Environment):
 
     Attributes:
         track: on the device.
-        reward: its weights now.
+        crash_cost: what a crash costs now, a tensor without dimensions.
         passage: what happened at the gates in the last step.
         crashed: in the last step, (batch,) bool.
     """
@@ -73,7 +73,6 @@ class Racing(Environment):
         """
         super().__init__(batch, device)
         self.settings = settings
-        self.reward = settings.reward
         self.period = flight.period
         self.episode_steps = settings.episode_steps
         self.track = track.to(device)
@@ -84,10 +83,12 @@ class Racing(Environment):
         self.inertia = torch.tensor(flight.simulator.platform.inertia, device=self.device)
         self.passage: Passage | None = None
         self.crashed = torch.zeros(batch, dtype=torch.bool, device=self.device)
+        self.crash_cost = torch.tensor(settings.reward.crash, device=self.device)
+        self.captured = self.device.type == "cuda" and isinstance(self.fleet, Fleet) and self.fleet.compiled
 
     def schedule(self, share: float) -> None:
         """Let a crash cost what it costs when so much of the training is done."""
-        self.reward = reward_at(self.settings.reward, share)
+        self.crash_cost.fill_(reward_at(self.settings.reward, share).crash)
 
     def reset(self, machines: Tensor) -> None:
         """Put machines near a state in which a gate was passed; the gate is drawn."""
@@ -98,18 +99,34 @@ class Racing(Environment):
         self.place(machines, states, (gates + 1) % len(self.track))
 
     def place(self, machines: Tensor, states: Tensor, target: Tensor) -> None:
-        """Put machines into states (machines, 13), with the next gate (machines,) and hover as the action before."""
-        self.state["rows"][:, machines] = self.fleet.rows(states)
-        self.state["target"][machines] = target
-        self.state["previous"][machines] = 0.0
+        """Put machines into states (machines, 13), with the next gate (machines,) and hover as the action before.
+
+        Args:
+            machines: indices, or a mask; then states and gates are those of the whole batch.
+            states: see `simgap.simulation.motion.QuadrotorMotion`.
+            target: indices of gates.
+        """
+        self._put("rows", machines, self.fleet.rows(states))
+        self._put("target", machines, target)
+        self._put("previous", machines, torch.zeros_like(states[:, :4]))
         if self.settings.randomisation.enabled:
             drawn = drawn_episode(len(machines), self.settings.randomisation, self.generator)
-            self.state["drawn"][machines] = drawn
+            self._put("drawn", machines, drawn)
         if self.misjudging is not None:
             which = torch.randint(
                 len(self.misjudging), machines.shape, generator=self.generator, device=self.device
             )
-            self.state["misjudged"][machines] = which
+            self._put("misjudged", machines, which)
+
+    def _put(self, name: str, machines: Tensor, fresh: Tensor) -> None:
+        """Give some machines a new part of the state; machines are the columns of the rows, and the rows of others."""
+        kept = self.state[name]
+        along = 1 if name == "rows" else 0
+        if machines.dtype != torch.bool:
+            kept.index_copy_(along, machines, fresh)
+        else:
+            chosen = machines[:, None] if kept.ndim == 2 and along == 0 else machines
+            self.state[name] = torch.where(chosen, fresh, kept)
 
     def _begin(self) -> None:
         batch = self.batch
@@ -134,7 +151,9 @@ class Racing(Environment):
         self.passage = passage(self.track, before, after["position"], target, self.settings.missed)
         self.crashed = self.passage.hit | self.passage.missed | self.track.outside(after["position"])
         gate = self.track.centres[target]
-        reward = racing_reward(self.reward, before, after, gate, command, previous, self.crashed)
+        reward = racing_reward(
+            self.settings.reward, before, after, gate, command, previous, self.crashed, self.crash_cost
+        )
         self._account(self.passage.passed & ~self.crashed)
         now["previous"] = action
         return reward, self.crashed
@@ -148,9 +167,9 @@ class Racing(Environment):
     def _account(self, passed: Tensor) -> None:
         """Send the machines that have passed a gate to the next one, and remember how they passed."""
         now = self.state
-        some = passed.nonzero()[:, 0]
-        states = now["rows"][:STATE, some].T
-        keep(now["starts"], now["target"][some], states, self.settings.starts, self.generator)
+        states, gates = now["rows"][:STATE].T, now["target"]
+        some = slice(None) if self.captured else passed.nonzero()[:, 0]
+        keep(now["starts"], gates[some], states[some], self.settings.starts, self.generator, passed[some])
         now["target"] = torch.where(passed, (now["target"] + 1) % len(self.track), now["target"])
         counted = [passed.sum(), self.crashed.sum(), torch.full_like(passed.sum(), self.batch)]
         now["counts"] += torch.stack(counted)
@@ -190,5 +209,4 @@ def commanded(action: Tensor, settings: Flying, gravity: float) -> Tensor:
         gravity: m/s².
     """
     thrust = (gravity + (settings.thrust - gravity) * action[:, :1]).clamp_min(0.0)
-    rates = torch.tensor([settings.rate, settings.rate, settings.yaw_rate]).to(action)
-    return torch.cat([thrust, rates * action[:, 1:]], dim=-1)
+    return torch.cat([thrust, settings.rate * action[:, 1:3], settings.yaw_rate * action[:, 3:]], dim=-1)

@@ -16,8 +16,10 @@ def drawn_episode(count: int, settings: Randomisation, generator: torch.Generato
     """Return the numbers of episodes, (count, 7), even within their bounds."""
     draw = torch.rand(count, DRAWN, generator=generator, device=generator.device)
     drag, signed = draw.split([3, 4], dim=-1)
-    bounds = torch.tensor([settings.thrust, *3 * [settings.angular_acceleration]]).to(draw)
-    return torch.cat([settings.drag * drag, bounds * (2.0 * signed - 1.0)], dim=-1)
+    thrust, turning = (2.0 * signed - 1.0).split([1, 3], dim=-1)
+    return torch.cat(
+        [settings.drag * drag, settings.thrust * thrust, settings.angular_acceleration * turning], dim=-1
+    )
 
 
 def drawn_wrench(drawn: Tensor, features: Tensor, inertia: Tensor) -> Tensor:

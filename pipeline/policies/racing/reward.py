@@ -18,17 +18,19 @@ def racing_reward(
     command: Tensor,
     previous: Tensor,
     crashed: Tensor,
+    crash: Tensor,
 ) -> Tensor:
     """Return r_prog + r_perc + r_cmd − r_crash, (batch,).
 
     Args:
-        settings: the weights.
+        settings: the weights of all but crashes.
         before: position at the start of the step, (batch, 3) m.
         after: state at its end, each part (batch, ...).
         gate: middle of the gate that was to be passed, (batch, 3) m.
         command: collective thrust over mass and body rates, (batch, 4) m/s² and rad/s.
         previous: command of the step before, (batch, 4).
         crashed: (batch,) bool.
+        crash: what it costs now, a tensor without dimensions: a captured step reads it anew, and a number only once.
     """
     towards = gate - after["position"]
     distance = torch.linalg.vector_norm(towards, dim=-1)
@@ -41,7 +43,7 @@ def racing_reward(
         + settings.perception * torch.exp(settings.perception_angle * angle**4)
         + settings.rates * rates
         + settings.change * change
-        - settings.crash * crashed
+        - crash * crashed
     )
 
 
@@ -64,7 +66,8 @@ def viewing_angle(settings: Reward, attitude: Tensor, towards: Tensor) -> Tensor
         towards: from machine to gate, world frame, (batch, 3) m.
     """
     pitch = settings.camera_pitch
-    camera = torch.tensor([math.cos(pitch), 0.0, math.sin(pitch)]).to(towards)
-    axis = rotations.rotate(attitude, camera.expand_as(towards))
+    one = torch.ones_like(towards[:, 0])
+    camera = torch.stack([math.cos(pitch) * one, 0.0 * one, math.sin(pitch) * one], dim=-1)
+    axis = rotations.rotate(attitude, camera)
     across = torch.linalg.vector_norm(rotations.cross(axis, towards), dim=-1)
     return torch.atan2(across, (axis * towards).sum(-1))

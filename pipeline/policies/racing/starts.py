@@ -55,25 +55,35 @@ def _staying(settings: Starts) -> tuple[int, int]:
     return slow, slow + round(settings.planned * settings.kept)
 
 
-def keep(starts: Tensor, gates: Tensor, states: Tensor, settings: Starts, generator: torch.Generator) -> None:
+def keep(
+    starts: Tensor,
+    gates: Tensor,
+    states: Tensor,
+    settings: Starts,
+    generator: torch.Generator,
+    passed: Tensor | None = None,
+) -> None:
     """Put states in which gates were passed in place of earlier ones, which are drawn; slow and planned ones stay.
 
     Args:
         starts: (gates, kept, 13), changed in place.
-        gates: that were passed, (passes,).
-        states: (passes, 13).
+        gates: of some machines, (machines,).
+        states: (machines, 13).
         settings: how many stay.
         generator: of the draws.
+        passed: which of the machines have passed their gates, (machines,) bool; None: all of them.
     """
-    kept = starts.shape[1]
+    if not len(gates):
+        return
+    flat, kept = starts.flatten(0, 1), starts.shape[1]
     _, staying = _staying(settings)
     places = torch.randint(staying, kept, gates.shape, generator=generator, device=starts.device)
-    # Of passes that drew one place the last counts, which writing all at once does not promise.
-    flat = gates * kept + places
-    order = torch.arange(len(flat), device=flat.device)
-    same = flat[:, None] == flat[None, :]
-    last = ~(same & (order[None, :] > order[:, None])).any(1)
-    starts[gates[last], places[last]] = states[last]
+    # Of passes that drew one place the last counts. What was not passed goes to a place beyond all of them.
+    slots = gates * kept + places
+    slots = slots if passed is None else slots.masked_fill(~passed, len(flat))
+    order = torch.arange(len(slots), device=slots.device)
+    last = torch.full_like(slots[:1], -1).repeat(len(flat) + 1).scatter_reduce_(0, slots, order, "amax")[:-1]
+    flat.copy_(torch.where((last >= 0)[:, None], states[last.clamp_min(0)], flat))
 
 
 def drawn_start(

@@ -19,7 +19,7 @@ def reward(
 ) -> float:
     state = {"position": torch.tensor([after]), "attitude": LEVEL}
     given = (torch.tensor([before]), state, GATE, command, HOVER, torch.tensor([crashed]))
-    return float(racing_reward(settings, *given))
+    return float(racing_reward(settings, *given, torch.tensor(settings.crash)))
 
 
 def test_progress_is_the_way_by_which_the_gate_comes_nearer():
