@@ -51,6 +51,8 @@ def trained(
     training = Training(race, chosen.learning, config.seed)
     if chosen.start:
         _go_on(training, run.input(Path(chosen.start)))
+    if chosen.start_deviation:
+        training.learner.gaussian.widen(chosen.start_deviation)
     identity = [asdict(chosen), asdict(track), dict(platform), config.seed, simulator_hash, run.inputs]
     checkpoint = checkpoint_folder(config.artifacts, identity)
     curve = training.run(checkpoint, run.log_metrics)

@@ -40,6 +40,7 @@ def finetune(config: FinetuneStage, run: StageRun) -> None:
         simulator=chosen.simulator or str(residual / "simulator"),
         observation=_if_there(residual / "observation"),
         start=str(policy),
+        start_deviation=chosen.deviation,
         learning=replace(config.train_policy.learning, **_learning(description, chosen)),
         racing=gone_on_with(racing, chosen.randomised),
     )

@@ -50,6 +50,11 @@ class Gaussian(nn.Module):
         density = -0.5 * noise.square() - self.log_deviation - 0.5 * math.log(2.0 * math.pi)
         return mean + deviation * noise, density.sum(-1)
 
+    @torch.no_grad()
+    def widen(self, deviation: float) -> None:
+        """Raise standard deviations that are smaller to this one, so that the actions explore again."""
+        self.log_deviation.clamp_(min=math.log(deviation))
+
 
 class Policy(nn.Module):
     """The deployed policy: the most likely action, within its bounds."""
