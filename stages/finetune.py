@@ -42,7 +42,7 @@ def finetune(config: FinetuneStage, run: StageRun) -> None:
         start=str(policy),
         start_deviation=chosen.deviation,
         learning=replace(config.train_policy.learning, **_learning(description, chosen)),
-        racing=gone_on_with(racing, chosen.randomised),
+        racing=gone_on_with(racing, chosen.randomised, chosen.thrust),
     )
     trained(training, track, description.configuration["platform"], config, run)
 

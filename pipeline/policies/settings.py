@@ -53,7 +53,9 @@ class PolicyTraining:
     )
     observation: str | None = None  # folder of a residual of observations; null: the state is known
     start: str | None = None  # folder of a policy to go on with; null: a new one
-    start_deviation: float | None = None  # of its actions, to which smaller ones are raised; null: as they are
+    start_deviation: float | None = (
+        None  # of its actions, to which smaller ones are raised; null: as they are
+    )
     device: str = "cpu"
     learning: Learning = field(default_factory=Learning)
     racing: RacingSettings = field(default_factory=RacingSettings)
@@ -68,6 +70,7 @@ class PolicyFinetuning:
     residual: str | None = None  # folder; null: what identify_residual wrote
     simulator: str | None = None  # as in train_policy; null: that of the residual
     randomised: bool = False  # whether dynamics that were drawn for every episode still are
+    thrust: float = 0.0  # share by which the thrust of an episode may differ, as with the charge of a battery
     deviation: float | None = None  # of its actions at the start, at least; null: as the training left it
     interactions: int = 20_000_000
     learning_rate: float = 3e-4
@@ -80,7 +83,7 @@ class PolicyFinetuning:
             InputError: on a number that has to be positive and is not.
         """
         check_positive(self, ("interactions", "learning_rate"), "finetune")
-        check_not_negative(self, ("final_learning_rate",), "finetune")
+        check_not_negative(self, ("final_learning_rate", "thrust"), "finetune")
         if self.deviation is not None:
             check_positive(self, ("deviation",), "finetune")
 

@@ -127,12 +127,15 @@ def as_flown(settings: RacingSettings, powertrain: bool | None) -> RacingSetting
     return replace(settings, flying=replace(settings.flying, powertrain=powertrain))
 
 
-def gone_on_with(settings: RacingSettings, randomised: bool) -> RacingSettings:
+def gone_on_with(settings: RacingSettings, randomised: bool, thrust: float = 0.0) -> RacingSettings:
     """Return the settings of a training as one has them that goes on with its policy: a crash costs what it did last.
 
     Args:
         settings: of the training.
         randomised: whether dynamics that were drawn for every episode still are; else it is as in a race.
+        thrust: share by which the thrust of an episode differs at least, where a simulator knows one level of the
+            battery and the machine flies with others.
     """
     kept = settings if randomised else as_flown(settings, None)
-    return replace(kept, reward=replace(settings.reward, first_crash=None))
+    randomisation = replace(kept.randomisation, thrust=max(kept.randomisation.thrust, thrust))
+    return replace(kept, randomisation=randomisation, reward=replace(settings.reward, first_crash=None))

@@ -65,3 +65,9 @@ def test_where_a_policy_is_trained_further_a_crash_costs_what_it_did_in_the_end(
     assert again.reward == still.reward == Reward()
     assert (again.starts.planned, again.randomisation) == (0.0, Randomisation())
     assert (still.starts, still.randomisation) == (drawn.starts, drawn.randomisation)
+
+
+def test_where_a_policy_is_trained_further_thrust_differs_as_much_as_asked_for_at_least():
+    drawn = replace(PLANNED, randomisation=Randomisation(drag=0.3, thrust=0.1))
+    assert gone_on_with(drawn, False, thrust=0.08).randomisation == Randomisation(thrust=0.08)
+    assert gone_on_with(drawn, True, thrust=0.08).randomisation == drawn.randomisation
