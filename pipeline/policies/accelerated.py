@@ -1,5 +1,7 @@
 """Collection and learning as CUDA graphs, for environments whose steps are captured."""
 
+from functools import partial
+
 import torch
 from tensordict import TensorDict
 from torch import Tensor
@@ -28,7 +30,7 @@ class CapturedCollector(Collector):
         if self._for != asked:
             self._for, self._room = asked, None
             generators = (generator, self.environment.generator)
-            work = lambda: self._write(gaussian, critic, horizon, generator)  # noqa: E731
+            work = partial(self._write, gaussian, critic, horizon, generator)
             self._acting = Captured(work, generators, self.environment.device)
         self._place.zero_()
         for _ in range(horizon):

@@ -4,9 +4,8 @@ from collections.abc import Callable, Sequence
 
 import torch
 
-_PREPARING = (
-    3  # calls that run as they are: libraries set themselves up, and an optimiser makes room for its state
-)
+_PREPARING = 3
+"""Calls that run as they are: libraries set themselves up, and an optimiser makes room for its state."""
 
 
 class Captured:

@@ -53,9 +53,7 @@ class PolicyTraining:
     )
     observation: str | None = None  # folder of a residual of observations; null: the state is known
     start: str | None = None  # folder of a policy to go on with; null: a new one
-    start_deviation: float | None = (
-        None  # of its actions, to which smaller ones are raised; null: as they are
-    )
+    start_deviation: float | None = None  # least deviation of its actions at first; null: as they are
     device: str = "cpu"
     learning: Learning = field(default_factory=Learning)
     racing: RacingSettings = field(default_factory=RacingSettings)
