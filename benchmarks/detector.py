@@ -46,7 +46,7 @@ from simgap.runner.compose import compose
 
 TRACKS = ("split_s", "figure_eight")
 SPEEDS = (5.0, 9.0, 15.0)  # m/s, in the gates
-APART = 20  # steps from image to image
+APART = 40  # steps from image to image
 NEAR = 5.0  # px, mean over the corners, within which a gate counts as found
 TOGETHER = {"cpu": 8, "cuda": 16}  # images
 DISTANCES = (0.0, 3.0, 6.0, 9.0, 12.0, 20.0)  # m
