@@ -43,7 +43,7 @@ class Detector(nn.Module):
             for above, below, kernel in zip(filters, filters[1:], kernels, strict=False)
         )
         self.last = nn.Conv2d(filters[0], CHANNELS, kernels[0], padding=kernels[0] // 2)
-        nn.init.constant_(self.last.bias[:CORNERS], math.log(_RARE / (1.0 - _RARE)))
+        nn.init.constant_(self.last.get_parameter("bias")[:CORNERS], math.log(_RARE / (1.0 - _RARE)))
 
     def forward(
         self, images: Float[Tensor, "batch 1 height width"]
@@ -95,6 +95,5 @@ def _level(inputs: int, filters: int, kernel: int, slope: float) -> nn.Sequentia
     for channels in (inputs, filters):
         convolution = nn.Conv2d(channels, filters, kernel, padding=kernel // 2)
         nn.init.kaiming_normal_(convolution.weight, slope)
-        nn.init.zeros_(convolution.bias)
         layers += [convolution, nn.BatchNorm2d(filters), nn.LeakyReLU(slope)]
     return nn.Sequential(*layers)

@@ -130,7 +130,7 @@ def learned(steps: int, seed: int = 0) -> tuple[Learning, float]:
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
-        losses.append(float(loss))
+        losses.append(loss.item())
     return module, losses[-1] / losses[0]
 
 
