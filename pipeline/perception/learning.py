@@ -1,6 +1,7 @@
 """Training of a gate detector with PyTorch Lightning, on images that are drawn as they are needed."""
 
 import math
+from typing import Any
 
 import pytorch_lightning as lightning
 import torch
@@ -38,7 +39,7 @@ class Learning(lightning.LightningModule):
     def on_fit_start(self) -> None:
         """Make the renderer where the network is."""
         self.renderer = Renderer(self.camera, self.settings.images, self.device)
-        self.network.to(memory_format=torch.channels_last)
+        self.network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     def train_dataloader(self) -> range:
         """Return the numbers of an epoch's steps."""
@@ -61,7 +62,7 @@ class Learning(lightning.LightningModule):
             VALIDATION_LOSS, self.loss(*self.examples(number)), on_epoch=True, batch_size=self.learning.batch
         )
 
-    def configure_optimizers(self) -> dict[str, object]:
+    def configure_optimizers(self) -> Any:
         """Return Adam, whose rate rises in the first twentieth and falls along a cosine."""
         optimizer = torch.optim.Adam(self.parameters(), lr=self.learning.learning_rate)
         schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, self._rate)
