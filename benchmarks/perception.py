@@ -5,7 +5,7 @@ corners are known to a pixel or so. The tables are those of docs/perception.md.
 """
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -99,6 +99,7 @@ def corrected(
     odometry: Flight,
     seed: int,
     every: int = EVERY,
+    found: Mapping[int, Array] | None = None,
 ) -> Flight:
     """Return the odometry with its drift taken off by what the camera sees.
 
@@ -109,20 +110,32 @@ def corrected(
         odometry: what is believed of it.
         seed: of the noise of the corners.
         every: steps from image to image.
+        found: corners of the gates that a detector found, by step; None: exact ones with noise.
     """
-    random = np.random.default_rng(seed)
+    if found is None:
+        found = noisy_corners(settings, track, flight, seed, every)
     correction = DriftCorrection(settings, track, seed)
-    seen = seen_along(settings, track, flight)
     estimates = []
     for step in range(len(flight.position)):
         correction.advance(PERIOD)
-        if step % every == 0:
-            corners = seen.corners[step][seen.visible[step]].numpy()
-            noisy = corners + settings.corners.noise * random.standard_normal(corners.shape)
-            correction.see(noisy, Belief(odometry.position[step], odometry.attitude[step]))
+        if step in found:
+            correction.see(found[step], Belief(odometry.position[step], odometry.attitude[step]))
         estimates.append(correction.corrected(odometry.position[step], odometry.velocity[step]))
     position, velocity = (np.stack(part) for part in zip(*estimates, strict=True))
     return Flight(position, velocity, odometry.attitude)
+
+
+def noisy_corners(
+    settings: PerceptionSettings, track: Track, flight: Flight, seed: int, every: int
+) -> dict[int, Array]:
+    """Return the corners of the gates in view with the noise of a detector, by step."""
+    random = np.random.default_rng(seed)
+    seen = seen_along(settings, track, flight)
+    found = {}
+    for step in range(0, len(flight.position), every):
+        corners = seen.corners[step][seen.visible[step]].numpy()
+        found[step] = corners + settings.corners.noise * random.standard_normal(corners.shape)
+    return found
 
 
 def seen_along(settings: PerceptionSettings, track: Track, flight: Flight) -> View:
@@ -155,11 +168,8 @@ def fixes_along(
     """Yield distance to the gate, m, error (3,) m and covariance (3, 3) m² of the positions that single gates give."""
     camera, gates = camera_from(settings.camera), track.to(torch.float64)
     random = np.random.default_rng(seed)
-    seen = seen_along(settings, track, flight)
-    for step in range(0, len(flight.position), every):
+    for step, noisy in noisy_corners(settings, track, flight, seed, every).items():
         truth = Belief(flight.position[step], flight.attitude[step])
-        corners = seen.corners[step][seen.visible[step]].numpy()
-        noisy = corners + settings.corners.noise * random.standard_normal(corners.shape)
         for fix in fixes_from(camera, gates, noisy, truth, settings.corners, random):
             distance = np.linalg.norm(gates.centres[fix.gate].numpy() - truth.position)
             yield float(distance), fix.position - truth.position, fix.covariance

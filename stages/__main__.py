@@ -26,6 +26,7 @@ ORDER = (
     "evaluate",
     "report",
     "profile",
+    "train_detector",
     "prove",
     "calibrate",
     "results",

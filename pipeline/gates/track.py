@@ -37,9 +37,12 @@ class Track:
 
     @cached_property
     def corners(self) -> Tensor:
-        """Corners of the openings, (gates, 4, 3) m: left up, right up, right down, left down as one flies at them."""
+        """Corners of the openings, (gates, 4, 3) m: left up, right up, right down, left down as one flies at them.
+
+        Of several tracks at once, whose centres and axes have further dimensions in front, so have the corners.
+        """
         sides = torch.tensor([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]).to(self.centres)
-        return self.centres[:, None] + 0.5 * self.opening * sides @ self.axes[:, 1:]
+        return self.centres[..., None, :] + 0.5 * self.opening * sides @ self.axes[..., 1:, :]
 
     @property
     def length(self) -> float:

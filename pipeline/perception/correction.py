@@ -10,6 +10,7 @@ from simgap.perception.camera import camera_from
 from simgap.perception.drift import DriftFilter
 from simgap.perception.pose import Array, Belief, Fix, fixes_from
 from simgap.perception.settings import PerceptionSettings
+from simgap.perception.view import upright
 
 
 class DriftCorrection:
@@ -42,11 +43,15 @@ class DriftCorrection:
         """Take in an image, and return the positions that its gates gave.
 
         Args:
-            corners: of each gate that is wholly in it, in the order of `simgap.perception.view.View`, (gates, 4, 2) px.
+            corners: of each gate that is wholly in it, clockwise as the image shows them, from any of them,
+                (gates, 4, 2) px.
             odometry: of the same moment, with its drift.
         """
         belief = replace(odometry, position=odometry.position - self.drift.position)
-        fixes = fixes_from(self._camera, self._track, corners, belief, self._corners, self._random)
+        ordered = upright(
+            self._camera, torch.from_numpy(corners), torch.from_numpy(odometry.attitude)
+        ).numpy()
+        fixes = fixes_from(self._camera, self._track, ordered, belief, self._corners, self._random)
         if fixes:
             drifts = np.stack([odometry.position - fix.position for fix in fixes])
             self.drift.correct(drifts, np.stack([fix.covariance for fix in fixes]))

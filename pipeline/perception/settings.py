@@ -35,9 +35,79 @@ class DriftSettings:
 
 
 @dataclass
+class ImageSettings:
+    """How images are taken, and of what but gates. Two numbers are the ends of a range from which each image draws."""
+
+    exposures: int = (
+        6  # instants within the shutter whose light is averaged; each looks at another part of a pixel
+    )
+    shutter: list[float] = field(default_factory=lambda: [0.002, 0.01])  # s
+    blur: list[float] = field(default_factory=lambda: [0.0, 0.8])  # px, standard deviation of the lens's blur
+    gain: list[float] = field(default_factory=lambda: [0.7, 1.4])
+    vignetting: list[float] = field(
+        default_factory=lambda: [0.0, 0.5]
+    )  # light that a corner of the image lacks
+    shot: list[float] = field(default_factory=lambda: [0.0, 0.02])  # noise of full light, over full light
+    read: list[float] = field(default_factory=lambda: [0.0, 0.02])  # noise without light, over full light
+    gate: list[float] = field(default_factory=lambda: [0.7, 1.0])  # brightness of gates
+    clutter: int = 6  # panels in the background
+    clutter_distance: list[float] = field(default_factory=lambda: [4.0, 30.0])  # m
+    clutter_size: list[float] = field(default_factory=lambda: [0.05, 2.5])  # m, half a side
+    covers: int = 2  # panels in the foreground
+    cover_distance: list[float] = field(default_factory=lambda: [0.4, 2.0])  # m
+    cover_size: list[float] = field(default_factory=lambda: [0.02, 0.2])  # m, half a side
+
+
+@dataclass
+class ViewSettings:
+    """From where gates are seen in training, drawn anew for every image."""
+
+    gates: int = 4  # in the world of an image
+    opening: float = 1.5  # m, inner side of a gate
+    frame: float = 0.3  # m, width of the frame around it
+    distance: list[float] = field(default_factory=lambda: [1.0, 20.0])  # m, even in its logarithm
+    aside: float = 1.4  # rad, greatest angle between a gate and the camera's axis
+    askew: float = 1.3  # rad, greatest angle between the line of sight and a gate's normal
+    tilt: float = 0.9  # rad, standard deviation of the angle between the body's z axis and the vertical
+    speed: float = 20.0  # m/s, greatest
+    rate: float = 4.0  # rad/s, standard deviation about each axis
+
+
+@dataclass
+class LearningSettings:
+    """How a detector is trained."""
+
+    batch: int = 16  # images
+    steps: int = 200  # of an epoch
+    epochs: int = 60
+    validation: int = 8  # batches
+    learning_rate: float = 4e-3  # greatest; it falls along a cosine
+    corner: float = 300.0  # weight of the pixels of corners, over that of the others
+    edge: float = 20.0  # weight of the pixels of edges, likewise
+
+
+@dataclass
+class DetectorSettings:
+    """A network that finds corners, and how they are read off its maps."""
+
+    filters: list[int] = field(default_factory=list)  # of each level
+    kernels: list[int] = field(default_factory=list)  # px, of each level
+    slope: float = 0.01  # of LeakyReLU below zero
+    corner: float = 2.0  # px, standard deviation of a corner's bell in its map
+    edge: float = 2.0  # px, half the width of an edge in its field
+    peaks: int = 20  # of a map, at most
+    least_peak: float = 0.45  # of a map
+    least_edge: float = 0.45  # mean of the field along an edge
+    views: ViewSettings = field(default_factory=ViewSettings)
+    learning: LearningSettings = field(default_factory=LearningSettings)
+
+
+@dataclass
 class PerceptionSettings:
     """The configuration group `perception`."""
 
     camera: CameraSettings = field(default_factory=CameraSettings)
+    images: ImageSettings = field(default_factory=ImageSettings)
+    detector: DetectorSettings = field(default_factory=DetectorSettings)
     corners: CornerSettings = field(default_factory=CornerSettings)
     drift: DriftSettings = field(default_factory=DriftSettings)
