@@ -72,7 +72,6 @@ class LikelihoodOf:
         self.problem = problem
         self.base = problem.residual(nominal)
         self.temper = problem.counted or counted_beside(problem, self.base)
-        self.nominal = nominal
         self.untouched = self._untouched(nominal)
 
     def __call__(self, fitted: Fit) -> Likelihood:
@@ -82,14 +81,13 @@ class LikelihoodOf:
         because all terms are small there.
         """
         simulator = fitted.simulator
-        factor = self.problem.factor(simulator)
         noise, silenced = self.noise(simulator)
-        sides = [self._on_side(fitted.residual, noise, silenced, self.energy(simulator))]
-        if self.problem.gain is not None:
-            energy = self.energy(self.nominal)
-            motion = self._on_side(fitted.residual / factor, noise / factor**2, silenced / factor**2, energy)
-            sides.append(motion.scaled(factor))
-        return sides[0] if len(sides) == 1 else sides[0].lower(sides[1])
+        energy, factor = self.energy(simulator), self.problem.factor(simulator)
+        by_commands = self._on_side(fitted.residual, noise, silenced, energy)
+        if self.problem.gain is None:
+            return by_commands
+        by_motion = self._on_side(fitted.residual / factor, noise / factor**2, silenced / factor**2, energy)
+        return by_commands.lower(by_motion.scaled(factor))
 
     def _on_side(self, residual: Tensor, noise: Tensor, silenced: Tensor, energy: Tensor) -> Likelihood:
         """Return the likelihood of a residual that is measured against an energy."""
