@@ -127,9 +127,14 @@ class CommandGain:
 
 
 def _relative(changed: Tensor, nominal: Tensor) -> Tensor:
-    """Return the mean size of a change of rows over that of a nominal one, (channels,); infinite where that is none."""
-    gain, usual = changed.abs().mean((0, 1)), nominal.abs().mean((0, 1))
+    """Return the spread of a change of rows over that of a nominal one, (channels,); infinite where that is none."""
+    gain, usual = _spread(changed), _spread(nominal)
     return torch.where(usual > 0.0, torch.maximum(gain, _LEAST * usual) / usual, torch.inf)
+
+
+def _spread(rows: Tensor) -> Tensor:
+    """Return the mean deviation of rows from their mean, (channels,): a trim that others cancel is no answer."""
+    return (rows - rows.mean((0, 1))).abs().mean((0, 1))
 
 
 def _without_commands(blocks: Blocks) -> Blocks:
