@@ -62,6 +62,9 @@ class CommandGain:
         self._some = blocks.take(self._part)
         self._joined = _joined(blocks, _without_commands(self._some))
         self._sound = without_lost(self._some, functions)
+        # What a position loop exerts answers the motion: it is no measure of what the loop is told.
+        looped = "position_command" in blocks.signals
+        self._exerted = () if looped else nominal.mechanism.exerted
         self._kept: OrderedDict[tuple[object, ...], Answer] = OrderedDict()
         self._moved = _moved(nominal, self._some, functions).square().mean((0, 1))
         self._nominal = self._evaluated(nominal)
@@ -120,9 +123,7 @@ class CommandGain:
 
     def _relaxed(self, simulator: Simulator, inner: dict[str, Tensor]) -> Tensor:
         """Return the rows of some blocks of a simulator whose actuators exert nothing, (blocks, rows, channels)."""
-        exerted = {
-            name: torch.zeros_like(inner[name]) for name in simulator.mechanism.exerted if name in inner
-        }
+        exerted = {name: torch.zeros_like(inner[name]) for name in self._exerted if name in inner}
         return bare_rows(simulator, self._some, self._functions, inner | exerted) * self._sound
 
 
