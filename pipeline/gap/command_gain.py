@@ -4,10 +4,13 @@ An equation of motion can be met by making all of its terms small: a dead zone a
 inertia, or a great inertia where rotor speeds are noisy. What counts is by how much a command would have to differ for
 the equation to hold, as in a regression of the commands on the motion. So the rows of a channel are divided by what
 commands do to them, relative to the nominal simulator.
+
+What a command does is not the same everywhere: without a voltage, back-EMF brakes, and friction may make much of it.
+The gain is therefore the smaller one of two: of rows without commands, and of rows without what actuators exert.
 """
 
 from collections import OrderedDict
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
@@ -26,6 +29,23 @@ _KEPT = 8
 """Simulators whose rows are kept: a step of a fit asks for those of one several times."""
 
 
+@dataclass(frozen=True)
+class Answer:
+    """How the rows of one simulator answer to its actuators.
+
+    Attributes:
+        rows: of all blocks, (blocks, rows, channels).
+        commanded: what commands do to those of some blocks, (some blocks, rows, channels).
+        exerted: what forces of actuators do to them.
+        still: what they are without commands.
+    """
+
+    rows: Tensor
+    commanded: Tensor
+    exerted: Tensor
+    still: Tensor
+
+
 class CommandGain:
     """Rows of simulators on one set of blocks, and their gains relative to that of a nominal simulator."""
 
@@ -39,25 +59,27 @@ class CommandGain:
         """
         self._part = torch.linspace(0, len(blocks) - 1, min(len(blocks), _BLOCKS)).round().long()
         self._blocks, self._functions = blocks, functions
-        some = blocks.take(self._part)
-        self._joined = _joined(blocks, _without_commands(some))
-        self._sound = without_lost(some, functions)
-        self._kept: OrderedDict[tuple[object, ...], tuple[Tensor, Tensor, Tensor]] = OrderedDict()
-        self._moved = _moved(nominal, some, functions).square().mean((0, 1))
-        _, commanded, _ = self._evaluated(nominal)
-        self._commanded, self._nominal = commanded.square().mean((0, 1)), commanded.abs().mean((0, 1))
+        self._some = blocks.take(self._part)
+        self._joined = _joined(blocks, _without_commands(self._some))
+        self._sound = without_lost(self._some, functions)
+        # What a position loop exerts answers the motion: it is no measure of what the loop is told.
+        looped = "position_command" in blocks.signals
+        self._exerted = () if looped else nominal.mechanism.exerted
+        self._kept: OrderedDict[tuple[object, ...], Answer] = OrderedDict()
+        self._moved = _moved(nominal, self._some, functions).square().mean((0, 1))
+        self._nominal = self._evaluated(nominal)
 
     def rows(self, simulator: Simulator) -> Tensor:
         """Return the residual of a simulator on the side of its commands, (blocks, rows, channels)."""
-        rows, commanded, _ = self._evaluated(simulator)
-        return rows * self._factor(commanded)
+        answer = self._evaluated(simulator)
+        return answer.rows * self._factor(answer)
 
     def factor(self, simulator: Simulator) -> Tensor:
         """Return the factors of a simulator's rows that put them on the side of the commands, (channels,).
 
         1 for the nominal simulator, and for every one where no command moves the nominal one.
         """
-        return self._factor(self._evaluated(simulator)[1])
+        return self._factor(self._evaluated(simulator))
 
     def smaller_side(self, simulator: Simulator) -> Tensor:
         """Return the mean square of the smaller side of an equation, on the side of the commands, (channels,).
@@ -65,18 +87,23 @@ class CommandGain:
         One side is what commands do in the nominal simulator, the other what is left of a simulator without commands
         beside the recorded rate of momentum. Where commands act in few rows only, their mean does not show it.
         """
-        _, commanded, still = self._evaluated(simulator)
-        rest = still.square().mean((0, 1)) * self._factor(commanded) ** 2 + self._moved
-        return torch.where(self._nominal > 0.0, torch.minimum(rest, self._commanded), rest)
+        answer = self._evaluated(simulator)
+        rest = answer.still.square().mean((0, 1)) * self._factor(answer) ** 2 + self._moved
+        commanded = self._nominal.commanded
+        return torch.where(
+            commanded.any(0).any(0), torch.minimum(rest, commanded.square().mean((0, 1))), rest
+        )
 
-    def _factor(self, commanded: Tensor) -> Tensor:
-        """Return the nominal gain over that of a simulator, (channels,): the mean size of what commands do to rows."""
-        moved = self._nominal > 0.0
-        gain = torch.maximum(commanded.abs().mean((0, 1)), _LEAST * self._nominal)
-        return torch.where(moved, self._nominal, 1.0) / torch.where(moved, gain, 1.0)
+    def _factor(self, answer: Answer) -> Tensor:
+        """Return the nominal gain over that of a simulator, (channels,)."""
+        gain = torch.minimum(
+            _relative(answer.commanded, self._nominal.commanded),
+            _relative(answer.exerted, self._nominal.exerted),
+        )
+        return torch.where(gain.isinf(), 1.0, 1.0 / gain)
 
-    def _evaluated(self, simulator: Simulator) -> tuple[Tensor, Tensor, Tensor]:
-        """Return all rows, and of some blocks what commands do to them, and what they are without."""
+    def _evaluated(self, simulator: Simulator) -> Answer:
+        """Return how rows answer, from memory where the simulator was seen just before."""
         values = tuple((each.effect, *each.values.values()) for each in simulator.effects)
         if values not in self._kept:
             self._kept[values] = self._evaluate(simulator)
@@ -84,15 +111,31 @@ class CommandGain:
             self._kept.popitem(last=False)
         return self._kept[values]
 
-    def _evaluate(self, simulator: Simulator) -> tuple[Tensor, Tensor, Tensor]:
+    def _evaluate(self, simulator: Simulator) -> Answer:
         joined, count = self._joined, len(self._blocks)
         inner = signals_inside(simulator, joined, joined.acting)
         bare = bare_rows(simulator, joined, self._functions, inner)
-        still = bare[count:] * self._sound
-        commanded = bare[self._part] * self._sound - still
         recorded = {name: series[:count] for name, series in inner.items()}
         rows = bare[:count] * row_weights(simulator, recorded, self._blocks, self._functions)
-        return rows, commanded, still
+        some, still = bare[self._part] * self._sound, bare[count:] * self._sound
+        relaxed = self._relaxed(simulator, {name: series[self._part] for name, series in recorded.items()})
+        return Answer(rows, some - still, some - relaxed, still)
+
+    def _relaxed(self, simulator: Simulator, inner: dict[str, Tensor]) -> Tensor:
+        """Return the rows of some blocks of a simulator whose actuators exert nothing, (blocks, rows, channels)."""
+        exerted = {name: torch.zeros_like(inner[name]) for name in self._exerted if name in inner}
+        return bare_rows(simulator, self._some, self._functions, inner | exerted) * self._sound
+
+
+def _relative(changed: Tensor, nominal: Tensor) -> Tensor:
+    """Return the spread of a change of rows over that of a nominal one, (channels,); infinite where that is none."""
+    gain, usual = _spread(changed), _spread(nominal)
+    return torch.where(usual > 0.0, torch.maximum(gain, _LEAST * usual) / usual, torch.inf)
+
+
+def _spread(rows: Tensor) -> Tensor:
+    """Return the mean deviation of rows from their mean, (channels,): a trim that others cancel is no answer."""
+    return (rows - rows.mean((0, 1))).abs().mean((0, 1))
 
 
 def _without_commands(blocks: Blocks) -> Blocks:

@@ -31,21 +31,37 @@ class Likelihood:
     """The tempered log likelihood of a recording under one fitted simulator.
 
     Attributes:
-        value: log likelihood up to a constant that all hypotheses share.
+        channels: log likelihood of each channel up to a constant that all hypotheses share, (channels,).
         weight: what each row's squared residual counts in it, (blocks, channels): the curvature of the likelihood.
         left: mean square of the residual in each block, at least the noise's, (blocks, channels).
         noise: mean square of the noise there, with what no law is exact to, (blocks, channels).
     """
 
-    value: float
+    channels: Tensor
     weight: Tensor
     left: Tensor
     noise: Tensor
 
     @property
+    def value(self) -> float:
+        """The log likelihood of all channels."""
+        return float(self.channels.sum())
+
+    @property
     def excess(self) -> Tensor:
         """Mean square of the residual over the noise's, at least 1, (channels,)."""
         return (self.left / self.noise).mean(0)
+
+    def scaled(self, factor: Tensor) -> "Likelihood":
+        """Return the same likelihood in terms of rows that are larger by a factor, (channels,)."""
+        size = factor**2
+        return Likelihood(self.channels, self.weight / size, self.left * size, self.noise * size)
+
+    def lower(self, other: "Likelihood") -> "Likelihood":
+        """Return the lower one of two likelihoods, channel by channel."""
+        mine = self.channels <= other.channels
+        parts = ("channels", "weight", "left", "noise")
+        return Likelihood(*(torch.where(mine, getattr(self, part), getattr(other, part)) for part in parts))
 
 
 class LikelihoodOf:
@@ -59,20 +75,31 @@ class LikelihoodOf:
         self.untouched = self._untouched(nominal)
 
     def __call__(self, fitted: Fit) -> Likelihood:
-        """Return the likelihood of a fit."""
+        """Return the likelihood of a fit: of each channel, that of the side of its equation on which it is lower.
+
+        Errors lie in the commands or in the motion, and nobody knows in which. What is small on one side alone is so
+        because all terms are small there.
+        """
         simulator = fitted.simulator
         noise, silenced = self.noise(simulator)
-        energy = self.energy(simulator)
-        explained = (self.base - fitted.residual).square().mean(1)
+        energy, factor = self.energy(simulator), self.problem.factor(simulator)
+        by_commands = self._on_side(fitted.residual, noise, silenced, energy)
+        if self.problem.gain is None:
+            return by_commands
+        by_motion = self._on_side(fitted.residual / factor, noise / factor**2, silenced / factor**2, energy)
+        return by_commands.lower(by_motion.scaled(factor))
+
+    def _on_side(self, residual: Tensor, noise: Tensor, silenced: Tensor, energy: Tensor) -> Likelihood:
+        """Return the likelihood of a residual that is measured against an energy."""
+        explained = (self.base - residual).square().mean(1)
         if self.problem.is_axis:
             explained = torch.minimum(explained, energy)
         noise = noise + _INEXACT**2 * explained
-        left = torch.maximum(fitted.residual.square().mean(1) + silenced, noise)
+        left = torch.maximum(residual.square().mean(1) + silenced, noise)
         mixture = self.temper.mixture(left, noise)
         value = self.temper.value_of(mixture, left, noise)
-        value = value + 0.5 * self.temper.lasting * len(left) * energy.log()
-        value = value + self.untouched
-        return Likelihood(float(value.sum()), self.temper.weight_of(mixture, left, noise), left, noise)
+        value = value + 0.5 * self.temper.lasting * len(left) * energy.log() + self.untouched
+        return Likelihood(value, self.temper.weight_of(mixture, left, noise), left, noise)
 
     def _untouched(self, nominal: Simulator) -> Tensor:
         """Return the log likelihood of the samples that an estimated driver has used up, (channels,).

@@ -86,6 +86,17 @@ class Neighbours:
         left = centre.likelihood.left[part]
         self.mixture, self.present = self.temper.mixture(left, self.noise), self._value(left)
         self.total = np.einsum("bc,bcpq->pq", centre.likelihood.weight[part].numpy(), self.gram)
+        for hypothesis in added:
+            self.gain[_last(hypothesis).effect.key] -= self._overstated(hypothesis)
+
+    def _overstated(self, hypothesis: Hypothesis) -> float:
+        """Return by how much the linearisation promises more of an effect alone than it keeps, in log likelihood.
+
+        It may promise that a scale makes all rows vanish.
+        """
+        left = torch.from_numpy(self._left((), (_last(hypothesis).effect.key,)))
+        promised = float(self._value(left) - self.present)
+        return max(promised - (hypothesis.likelihood.value - self.centre.likelihood.value), 0.0)
 
     def _note(self, key: str, series: list[Tensor], columns: Tensor) -> None:
         first = sum(part.shape[-1] for part in series)

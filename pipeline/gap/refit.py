@@ -31,8 +31,8 @@ _FOLLOWED = 3  # starts that are tried beside the fit, and followed where the be
 def extend(current: Fit, effect: Effect, problem: Problem, starts: Starts | None = None) -> Fit:
     """Add an effect to a fit: its own columns are computed, those of the others kept.
 
-    An effect that is known already is set free. A linear effect needs no evaluation of the simulator at all, any other
-    a handful; channels are weighed anew at every step. The winner of a round is fitted again in full.
+    An effect that is known already is set free. Channels are weighed anew at every step. The winner of a round is
+    fitted again in full.
 
     Args:
         current: without the effect.
@@ -106,7 +106,7 @@ def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) 
         if step > 0 and not linear:
             added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
-        simulator, residual = _stepped(simulator, residual, jacobian, problem, scale, linear)
+        simulator, residual = _stepped(simulator, residual, jacobian, problem, scale)
         scale, cost = problem.weigh(residual)
         costs.append(cost)
         if costs[-2] - costs[-1] <= _PROGRESS * (costs[0] - costs[-1]):
@@ -125,21 +125,13 @@ def remove(current: Fit, effect: Effect, problem: Problem, known: FittedEffect |
 def shrink(current: Fit, effect: Effect, problem: Problem, known: FittedEffect | None = None) -> Fit:
     """Take an effect out of a fit, or put it back to what was known of it.
 
-    The others move by one Newton step where the effect is linear, else by a few with the slopes that they had beside
-    it; where those lead nowhere, they are fitted again.
+    The others move by a few Newton steps with the slopes that they had beside it; where those lead nowhere, they are
+    fitted again.
     """
     simulator = _without(current, effect, known)
     mine = columns_of(current, effect)
     others = [column for column in range(current.jacobian.shape[-1]) if column not in mine]
-    if not current.simulator.is_linear_in(effect):
-        return _eased(simulator, current.jacobian[..., others], problem) or fit(simulator, problem)
-    rest = torch.tensor(list((known.values if known else effect.neutral()).values()), dtype=torch.float64)
-    residual = current.residual + current.jacobian[..., mine] @ (current.values[mine] - rest)
-    jacobian = current.jacobian[..., others]
-    if others:
-        scale, _ = problem.weigh(residual)
-        simulator, residual = _stepped(simulator, residual, jacobian, problem, scale, linear=True)
-    return _finished(simulator, residual, jacobian, problem)
+    return _eased(simulator, current.jacobian[..., others], problem) or fit(simulator, problem)
 
 
 def _without(current: Fit, effect: Effect, known: FittedEffect | None) -> Simulator:
@@ -152,7 +144,7 @@ def _eased(simulator: Simulator, jacobian: Tensor, problem: Problem) -> Fit | No
     residual = problem.residual(simulator)
     for step in range(_SLOPE_STEPS if jacobian.shape[-1] else 0):
         scale, _ = problem.weigh(residual)
-        moved, rows = _stepped(simulator, residual, jacobian, problem, scale, linear=False)
+        moved, rows = _stepped(simulator, residual, jacobian, problem, scale)
         if moved is simulator:
             if step == 0:
                 return None
@@ -183,14 +175,11 @@ def _promise(simulator: Simulator, effect: Effect, current: Fit, few: Problem, p
 
 
 def _stepped(
-    simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem, scale: Tensor, linear: bool
+    simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem, scale: Tensor
 ) -> tuple[Simulator, Tensor]:
     low, high = bounds_of(simulator)
     values = values_of(simulator)
     change, _ = bounded_newton_step(jacobian, residual, scale, values, low, high)
-    if linear:
-        after = (values + change).clamp(low, high)
-        return with_values(simulator, after), residual - jacobian @ (after - values)
     after, rows = line_search(simulator, problem, values, change, residual, scale)
     return (simulator, residual) if rows is residual else (with_values(simulator, after), rows)
 

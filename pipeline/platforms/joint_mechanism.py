@@ -22,6 +22,7 @@ class JointMechanism(Mechanism):
 
     kind = "joint"
     actuator_signals = ("effort", "voltage", "position_command")
+    exerted = ("effort",)
 
     def __init__(self, platform: Joint, position_unit: str = "rad") -> None:
         self.platform = platform

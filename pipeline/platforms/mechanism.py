@@ -42,6 +42,8 @@ class Mechanism(ABC):
     actuator_output: ClassVar[str] = ""
     """The actuator's output signal, which a recording may hold; empty if it is never recorded."""
     actuator_input: ClassVar[str] = ""
+    exerted: ClassVar[tuple[str, ...]]
+    """Signals of what actuators exert on the machine: without them only the rest acts."""
 
     def channels_of(self, signals: Signals) -> tuple[Channel, ...]:
         """Return the equations that these signals can test; a recorded actuator output adds some."""

@@ -28,6 +28,7 @@ class QuadrotorMechanism(Mechanism):
     actuator_signals = ("rotor_speed", "motor_command")
     actuator_output = "rotor_speed"
     actuator_input = "motor_command"
+    exerted = ("rotor_speed",)
     channels = (
         *(Channel(f"force_{axis}", "m/s²", "force") for axis in _AXES),
         *(Channel(f"torque_{axis}", "N·m", "torque") for axis in _AXES),

@@ -42,6 +42,7 @@ class SwerveMechanism(Mechanism):
 
     kind = "swerve"
     actuator_signals = ("drive_voltage", "steer_voltage")
+    exerted = ("drive_torque", "steer_torque")
     channels = (
         Channel("drive_x", "N", "drive"),
         Channel("drive_y", "N", "drive"),

@@ -11,10 +11,13 @@ from simgap.effects import effect_by_key
 from simgap.gap.fit import Fit, Problem, clustered_covariance, fit, jacobian_of
 from simgap.gap.likelihood import LikelihoodOf
 from simgap.gap.reading import Reading, readings_of
+from simgap.gap.residuals import channels_on
 from simgap.gap.settings import Gap
+from simgap.platforms import Joint
 from simgap.recordings.recording import Recording
 from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.gap.recordings import (
+    TIME_STEP,
     Plant,
     flight,
     joint_recordings,
@@ -47,6 +50,21 @@ def short(plant: Plant) -> Recording:
 @functools.cache
 def read(plant: Plant, held: bool = True) -> Reading:
     return readings_of(short(plant), joint_simulator(), Gap())[int(held)]
+
+
+DRAG = 0.3  # N·m·s/rad
+
+
+def shaken(runs: int = 4, samples: int = 1600) -> tuple[Recording, Simulator]:
+    """An axis that slowly follows an effort against drag, while something shakes it at 3 Hz."""
+    random, time = np.random.default_rng(0), np.arange(samples) * TIME_STEP
+    phase = random.uniform(0.0, 2.0 * np.pi, (2, runs, 1))
+    effort = 3.0 * np.sin(2.0 * np.pi * 0.2 * time + phase[0])
+    velocity = effort / DRAG + 0.3 * np.sin(2.0 * np.pi * 3.0 * time + phase[1])
+    read = velocity + 1e-3 * random.standard_normal(velocity.shape)
+    recording = recording_of(effort, np.cumsum(velocity, axis=1) * TIME_STEP, read)
+    frame = recording.frame.rename(columns={"voltage": "effort"})
+    return replace(recording, frame=frame), Simulator(Joint(inertia=0.5))
 
 
 def test_the_truth_is_more_probable_than_values_next_to_it():
@@ -121,6 +139,39 @@ def test_residuals_are_measured_against_what_commands_do():
     assert gain.factor(friction) == pytest.approx(1.0, rel=1e-6)
     assert gain.factor(halved) == pytest.approx(2.0, rel=1e-6)
     assert gain.factor(silent) > 1e3
+
+
+def test_friction_of_a_braking_motor_is_no_answer_to_commands():
+    """Without a voltage the motor brakes, and friction that grows with this load would pass for a great command."""
+    reading = read(Plant(friction=0.3))
+    rubbed = with_effects(reading.nominal, load_dependent_friction={"ratio": 0.9})
+    assert float(reading.problem.gain.factor(rubbed)) >= 1.0
+
+
+def test_rows_of_a_quadrotor_answer_to_recorded_rotor_speeds():
+    reading = readings_of(flight(), Simulator(racer()), Gap())[0]
+    effect = FittedEffect(effect_by_key("quadrotor", "inertia_error"), {"ratio": 2.0})
+    factor = reading.problem.factor(reading.nominal.with_effects((effect,)))
+    names = [channel.name for channel in channels_on(reading.nominal, reading.problem.blocks)]
+    turned = [each for name, each in zip(names, factor.tolist(), strict=True) if name.startswith("torque")]
+    assert turned == pytest.approx([2.0] * 3, rel=0.05)
+
+
+def test_what_is_small_on_one_side_alone_is_no_merit():
+    """An axis that drags and is shaken: by the commands, an inertia that does not feel the shaking is nearly right."""
+    recording, simulator = shaken()
+    reading = readings_of(recording, simulator, Gap())[0]
+    dragged = with_effects(reading.nominal, viscous_friction={"coefficient": DRAG})
+    light = with_effects(dragged, inertia_error={"ratio": 0.1})
+    fits = [fitted_as(each, reading.problem) for each in (dragged, light)]
+    by_commands, by_motion = (
+        [float((each.residual / size(each)).square().mean()) for each in fits]
+        for size in (lambda each: 1.0, lambda each: reading.problem.factor(each.simulator))
+    )
+    assert by_commands[1] < 0.1 * by_commands[0]
+    assert by_motion[1] == pytest.approx(by_motion[0], rel=0.2)
+    values = [reading.likelihood_of(each).value for each in fits]
+    assert values[1] - values[0] < 1.0
 
 
 def test_an_energy_is_that_of_the_smaller_side():
