@@ -56,7 +56,7 @@ def next_recordings(diagnosis: dict[str, Any], kind: str) -> Iterator[str]:
     for contradiction in diagnosis.get("contradictions") or []:
         yield f"{contradiction['remedy']} Then diagnose again."
     if not (diagnosis.get("fit") or {}).get("held_out_runs"):
-        yield "Record at least five separate runs: one of them can then be held out, which proves the result."
+        yield "Record at least two runs, and each sort of motion twice: what is held out then proves the result."
     for entry in diagnosis.get("ambiguous") or []:
         yield f"To tell {listed(rivals(entry), 'and')} apart: {entry['separate_by']}"
     shown_by = {effect.name: effect.excitation for effect in effects_of(kind)} if kind in kinds() else {}
