@@ -118,6 +118,8 @@ def diagnosed(
     gap.check()
     # Before cleaning: a column in a wrong unit looks like spikes, and would be cleaned away.
     contradicted = contradictions(recording, nominal.platform)
+    if not contradicted:
+        recording = _doubted(recording, nominal)
     try:
         cleaned = None if recording.cleaned else clean_with_coverage(recording, clean, split, seed)
         used = cleaned.recording if cleaned else recording
@@ -130,6 +132,19 @@ def diagnosed(
         first = contradicted[0]
         raise InputError(first.evidence, f"column {first.column!r}", first.remedy) from error
     return Found(found, cleaned, gains)
+
+
+def _doubted(recording: "Recording", nominal: "Simulator") -> "Recording":
+    """Return a recording whose warnings also say which other gear ratio or motor would explain it."""
+    from simgap.consistency import gear_doubts
+    from simgap.effects import ParameterError
+    from simgap.platforms import Joint
+
+    corrected = any(isinstance(known.effect, ParameterError) for known in nominal.effects)
+    if corrected or not isinstance(nominal.platform, Joint):
+        return recording
+    said = gear_doubts(recording, nominal.platform)
+    return replace(recording, warnings=(*recording.warnings, *said)) if said else recording
 
 
 def write_report(folder: Path, target: Path, name: str, simulator: str) -> None:

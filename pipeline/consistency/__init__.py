@@ -6,8 +6,9 @@ from simgap.lazy import imported_late
 
 if TYPE_CHECKING:
     from simgap.consistency.decide import contradictions
+    from simgap.consistency.gearing import gear_doubts
 
-__all__ = ["contradictions"]
+__all__ = ["contradictions", "gear_doubts"]
 
 # Whoever reads a recording alone does not wait for the check.
-__getattr__ = imported_late(__name__, decide=("contradictions",))
+__getattr__ = imported_late(__name__, decide=("contradictions",), gearing=("gear_doubts",))

@@ -27,31 +27,45 @@ _PER_MODULE = 0.75  # four modules are alike: their errors are, too
 
 def joint_laws(samples: Samples, joint: Joint) -> Iterator[Agreement | None]:
     """Yield the comparison of a joint's effort or voltage with its motion, and of its current with its voltage."""
-    position, velocity = samples.mean(samples["position"]), samples.mean(samples["velocity"])
-    inertial = joint.inertia * samples.rate(samples["velocity"])
-    jerky, shaky = samples.noise_of_rate(samples["velocity"]), samples.noise_of_mean(samples["velocity"])
-    others = _other_physics(joint, position, velocity)
     if "effort" in samples:
-        columns = ("effort", "position", "velocity")
-        name = "'effort' against the motion"
-        drive = samples.mean(samples["effort"])
-        terms = [Term(inertial, INERTIA, joint.inertia * jerky), *_told_load(joint, position, 1.0)]
-        yield law_agreement(name, columns, drive, terms, _with(others, velocity), fits=False)
+        yield _effort_law(samples, joint)
     motor = joint.motor
     if motor is None or "voltage" not in samples:
         return
-    volts = samples.mean(samples["voltage"])
-    constant = motor.torque_constant * motor.gear_ratio
-    volts_per_torque = motor.resistance / constant
-    terms = [
-        Term(volts_per_torque * inertial, INERTIA, volts_per_torque * joint.inertia * jerky),
-        Term(constant * velocity, BACK_EMF, constant * shaky, exact=True),
-        *_told_load(joint, position, volts_per_torque),
-    ]
     columns = ("voltage", "position", "velocity")
+    volts, terms, others = voltage_law(samples, joint, motor)
     yield law_agreement("'voltage' against the motion", columns, volts, terms, others, fits=False)
     if "current" in samples:
-        yield _circuit(samples, motor, volts, velocity)
+        yield _circuit(samples, motor, volts, samples.mean(samples["velocity"]))
+
+
+def _effort_law(samples: Samples, joint: Joint) -> Agreement | None:
+    position, velocity = samples.mean(samples["position"]), samples.mean(samples["velocity"])
+    inertial = joint.inertia * samples.rate(samples["velocity"])
+    jerky = joint.inertia * samples.noise_of_rate(samples["velocity"])
+    terms = [Term(inertial, INERTIA, jerky), *_told_load(joint, position, 1.0)]
+    others = _with(_other_physics(joint, position, velocity), velocity)
+    columns = ("effort", "position", "velocity")
+    drive = samples.mean(samples["effort"])
+    return law_agreement("'effort' against the motion", columns, drive, terms, others, fits=False)
+
+
+def voltage_law(
+    samples: Samples, joint: Joint, motor: JointMotor
+) -> tuple[np.ndarray, list[Term], np.ndarray]:
+    """Return the voltage of a joint's motor, what the platform foretells of it (inertia and back-EMF first), and other
+    physics that may add to it; (windows,) each, V.
+    """
+    position, velocity = samples.mean(samples["position"]), samples.mean(samples["velocity"])
+    constant = motor.torque_constant * motor.gear_ratio
+    inertia = motor.resistance / constant * joint.inertia
+    jerky, shaky = samples.noise_of_rate(samples["velocity"]), samples.noise_of_mean(samples["velocity"])
+    terms = [
+        Term(inertia * samples.rate(samples["velocity"]), INERTIA, inertia * jerky),
+        Term(constant * velocity, BACK_EMF, constant * shaky, exact=True),
+        *_told_load(joint, position, motor.resistance / constant),
+    ]
+    return samples.mean(samples["voltage"]), terms, _other_physics(joint, position, velocity)
 
 
 def _circuit(

@@ -124,7 +124,7 @@ def law_agreement(
     Returns:
         None where there are too few windows, or the drive never changes.
     """
-    motion = np.concatenate([np.stack([term.foretold for term in terms], axis=-1), others], axis=-1)
+    motion = _motion(terms, others)
     best: Agreement | None = None
     for lag in LAGS:
         found = _compared(
@@ -137,6 +137,35 @@ def law_agreement(
     return best
 
 
+def estimates_of(
+    drive: np.ndarray, terms: list[Term], others: np.ndarray
+) -> tuple[list[Estimate], float] | None:
+    """Return the coefficients of the terms at the lag that leaves least, and the share of the drive's energy left.
+
+    Arguments are as of `law_agreement`. None where there are too few windows, or the drive never changes.
+    """
+    motion = _motion(terms, others)
+    found = []
+    for lag in LAGS:
+        told, moved = _known(*shifted(drive, motion, lag))
+        if _tells(told, moved):
+            found.append(_regressed(moved, told, len(terms)))
+    return min(found, key=lambda each: each[1], default=None)
+
+
+def _motion(terms: list[Term], others: np.ndarray) -> np.ndarray:
+    return np.concatenate([np.stack([term.foretold for term in terms], axis=-1), others], axis=-1)
+
+
+def _known(drive: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    known = np.isfinite(motion).all(axis=1) & np.isfinite(drive)
+    return drive[known], motion[known]
+
+
+def _tells(drive: np.ndarray, motion: np.ndarray) -> bool:
+    return len(drive) >= max(_FEWEST, 2 * motion.shape[1]) and bool(np.ptp(drive) > 0.0)
+
+
 def _compared(
     name: str,
     columns: tuple[str, ...],
@@ -147,9 +176,8 @@ def _compared(
     weight: float,
     fits: bool,
 ) -> Agreement | None:
-    known = np.isfinite(motion).all(axis=1) & np.isfinite(drive)
-    motion, drive = motion[known], drive[known]
-    if len(drive) < max(_FEWEST, 2 * motion.shape[1]) or not np.ptp(drive) > 0.0:
+    drive, motion = _known(drive, motion)
+    if not _tells(drive, motion):
         return None
     moves = [np.std(column) > _DISTURBED * term.noise for term, column in zip(terms, motion.T, strict=False)]
     if not any(moves):

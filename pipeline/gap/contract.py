@@ -9,6 +9,7 @@ from typing import Any
 
 from simgap.gap.diagnosis import Diagnosis
 from simgap.gap.name import Named, Rivalry
+from simgap.gap.told import UNTOLD, is_told
 from simgap.simulation import FittedEffect
 
 SCHEMA = "simgap.diagnosis/1"
@@ -67,7 +68,7 @@ def _effect(diagnosis: Diagnosis, named: Named, fitted: FittedEffect) -> dict[st
     effect, unit = named.effect, diagnosis.simulator.position_unit
     units = effect.units(unit)
     acts_on = "force" if effect.acts_on == "torque" and unit == "m" else effect.acts_on
-    return {
+    entry = {
         "name": effect.name,
         "subject": effect.subject(fitted.values) or None,
         "probability": named.probability,
@@ -76,8 +77,8 @@ def _effect(diagnosis: Diagnosis, named: Named, fitted: FittedEffect) -> dict[st
             name: {"value": value, "std": fitted.std[name], "unit": units[name]}
             for name, value in fitted.values.items()
         },
-        "statement": effect.statement(fitted.values, unit),
     }
+    return entry | {"statement": effect.statement(fitted.values, unit) if is_told(entry) else UNTOLD}
 
 
 def ambiguous(rivalry: Rivalry, fitted: Mapping[str, FittedEffect]) -> dict[str, Any]:

@@ -12,10 +12,10 @@ from simgap.gap.coarseness import coarse_axes, coarseness_of
 from simgap.gap.confusion import told_apart
 from simgap.gap.drift import drifts_of
 from simgap.gap.fit import Problem, channels_of, excess_of
-from simgap.gap.gains import folded, gain_remarks, with_gains
+from simgap.gap.gains import folded, with_gains
 from simgap.gap.horizon import HorizonError, horizon_errors
 from simgap.gap.learned import LearnedResidual, learn, learned_rows
-from simgap.gap.limits import at_limits, excessive_thrust
+from simgap.gap.limits import at_limits, excessive_thrust, gains_said
 from simgap.gap.locate import Mismatch, locate
 from simgap.gap.name import Naming, name
 from simgap.gap.observable import observable, unjudged
@@ -145,13 +145,14 @@ def diagnose(
     )
     gap = bool(unnamed) or _is_gap(naming, problem)
     refuted = (*_refuted(naming, validation), *_held_out_only(validation, naming, problem, channels))
+    on_limit = at_limits(naming.best.fit.simulator)
     doubts = (
         *unjudged(aside),
         *_unfinished(naming, settings),
-        *gain_remarks(folded(simulator), nominal),
+        *gains_said(folded(simulator), nominal, on_limit),
         *undecided,
         *within_tolerance(naming, fitted.time_step),
-        *at_limits(naming.best.fit.simulator),
+        *on_limit,
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
         *_doubts(naming, problem, () if contradicted else memories, held_out),

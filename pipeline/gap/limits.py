@@ -3,13 +3,19 @@
 import math
 
 from simgap.effects import ParameterError, effect_by_key
-from simgap.gap.gains import IdentifiedGain
+from simgap.gap.gains import IdentifiedGain, gain_remarks
 from simgap.gap.prepare import Prepared
+from simgap.platforms import Joint
+from simgap.platforms.joint import GAINS
 from simgap.recordings.contradiction import Contradiction
 from simgap.simulation import Simulator
 
 _NOTHING = 1e-12  # (m/s²)², where no rotor turns
 _ON_LIMIT = 1e-3  # of a ratio, by which a fit may stay off its limit
+_TO_TELL_GAINS = (
+    "gains and friction look alike in a log of positions; give it in the platform file, or record the effort or the "
+    "current beside command steps of several sizes"
+)
 
 
 def at_limits(simulator: Simulator) -> list[str]:
@@ -25,11 +31,42 @@ def at_limits(simulator: Simulator) -> list[str]:
     return found
 
 
+def gains_said(simulator: Simulator, nominal: Simulator, on_limit: list[str]) -> list[str]:
+    """Return a sentence about each gain that was identified; no value is given of one that the recording does not tell.
+
+    Args:
+        simulator: with the gains as they were found.
+        nominal: with the first estimates.
+        on_limit: what `at_limits` said, of gains also; they are left out here.
+    """
+    known = [remark for remark in gain_remarks(simulator, nominal) if not _is_about(remark, on_limit)]
+    return [_untold(simulator, remark) or remark for remark in known]
+
+
+def _is_about(remark: str, others: list[str]) -> bool:
+    return any(other.partition(":")[0] == remark.partition(" ")[0] for other in others)
+
+
+def _untold(simulator: Simulator, remark: str) -> str:
+    """Return what is said in place of a remark on a gain whose error is as large as itself; empty where it is not."""
+    controller = simulator.platform.controller if isinstance(simulator.platform, Joint) else None
+    for gain in GAINS:
+        value, std = (getattr(controller, name, None) for name in (gain, f"{gain}_std"))
+        if (
+            remark.startswith(f"controller.{gain} ")
+            and value is not None
+            and std is not None
+            and std >= value
+        ):
+            return f"controller.{gain} was not given, and this recording does not tell it: {_TO_TELL_GAINS}"
+    return ""
+
+
 def _said(effect: ParameterError, ratio: float) -> str:
     if isinstance(effect, IdentifiedGain):
         return (
             f"controller.{effect.gain}: {ratio:.3g} times the first estimate is the limit of what is looked for, so "
-            "this recording does not tell the gain; give it in the platform file, or record the effort"
+            f"this recording does not tell the gain: {_TO_TELL_GAINS}"
         )
     return (
         f"{effect.name}: a ratio of {ratio:.3g} is the limit of what is looked for, so that the true one may lie "

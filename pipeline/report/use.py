@@ -8,6 +8,7 @@ from typing import Any
 from markupsafe import Markup, escape
 
 from simgap.effects import effects_of, kinds
+from simgap.gap.told import is_told
 from simgap.report.inputs import ReportInputs
 from simgap.report.naming import rivals
 from simgap.report.section import Drawing, Section
@@ -56,11 +57,15 @@ def next_recordings(diagnosis: dict[str, Any], kind: str) -> Iterator[str]:
     for contradiction in diagnosis.get("contradictions") or []:
         yield f"{contradiction['remedy']} Then diagnose again."
     if not (diagnosis.get("fit") or {}).get("held_out_runs"):
-        yield "Record at least five separate runs: one of them can then be held out, which proves the result."
+        yield "Record at least two runs, and each sort of motion twice: what is held out then proves the result."
     for entry in diagnosis.get("ambiguous") or []:
         yield f"To tell {listed(rivals(entry), 'and')} apart: {entry['separate_by']}"
     shown_by = {effect.name: effect.excitation for effect in effects_of(kind)} if kind in kinds() else {}
-    for effect in told_apart(diagnosis["effects"])[1]:
+    believed, doubted = told_apart(diagnosis["effects"])
+    for effect in believed:
+        if effect["name"] in shown_by and not is_told(effect):
+            yield f"To learn the size of {spoken(effect['name'])}: {shown_by[effect['name']]}."
+    for effect in doubted:
         if effect["name"] in shown_by:
             yield f"To decide about {spoken(effect['name'])}: {shown_by[effect['name']]}."
     for entry in notable(diagnosis.get("unnamed") or []) if not diagnosis.get("contradictions") else []:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from simgap.gap.told import is_told
 from simgap.recordings.contradiction import SUSPECTED
 from simgap.report.doubts import doubts_of, refuted, unfinished
 from simgap.report.improvement import sureness, why_unknown
@@ -155,11 +156,17 @@ def _answer(diagnosis: dict[str, Any]) -> str:
 
 
 def parameters(effect: dict[str, Any]) -> list[str]:
-    """Return `name value ± std unit` of each parameter of an effect."""
+    """Return `name value ± std unit` of each parameter of an effect; of a size that is not told, only its error."""
+    told = is_told({"parameters": {}, **effect})
     return [
-        f"{_parameter(effect, name)} {estimate(entry.get('value'), entry.get('std'), entry.get('unit'))}"
+        f"{_parameter(effect, name)} "
+        + (estimate(entry.get("value"), entry.get("std"), entry.get("unit")) if told else _untold(entry))
         for name, entry in (effect.get("parameters") or {}).items()
     ]
+
+
+def _untold(entry: dict[str, Any]) -> str:
+    return f"not told (error {with_unit(short(entry['std'], 2), entry.get('unit'))})"
 
 
 def verdict_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:

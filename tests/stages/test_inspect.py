@@ -83,6 +83,30 @@ def test_a_mapped_log_is_written_as_a_recording(log: Path) -> None:
     np.testing.assert_allclose(frame["velocity"], np.cos(frame["t"]))
 
 
+def test_a_platform_gives_the_numbers_that_a_mapping_needs(
+    log: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A turn of what was logged is so many of the axis, as the platform says."""
+    Path("arm.yaml").write_text(
+        "inertia: 0.01\nmotor: {resistance: 1, torque_constant: 0.02, gear_ratio: 4}\n"
+    )
+    Path("mine.yaml").write_text(MAPPING.replace("unit: deg}", "unit: deg, ratio: motor.gear_ratio}"))
+    given = [str(log), "--map", "mine.yaml", "platform=arm.yaml", "-o", "recording.parquet"]
+    with pytest.raises(SystemExit) as ended:
+        import_log(given)
+    assert not ended.value.code
+    frame = read_recording("recording.parquet").frame
+    np.testing.assert_allclose(frame["position"], 4.0 * np.sin(frame["t"]))
+    for wrong, said in (
+        ("platfrom=arm.yaml", "is not known here"),
+        ("joint=elbow", "give platform=FILE, too"),
+    ):
+        with pytest.raises(SystemExit) as ended:
+            import_log([*given[:3], wrong, *given[4:]])
+        assert ended.value.code == 2
+        assert said in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("command", [inspect_log, lambda given: import_log([*given, "-o", "r.parquet"])])
 def test_what_is_not_there_is_one_line(command, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:

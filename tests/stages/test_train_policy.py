@@ -86,9 +86,7 @@ def test_a_killed_training_of_a_policy_ends_like_an_undisturbed_one(trained, tmp
     process.wait()
     assert not (tmp_path / "train_policy").exists()
     assert any(tmp_path.rglob("checkpoint.pt"))
-    subprocess.run(
-        command, cwd=ROOT, check=True, capture_output=True, env={**os.environ, "OMP_NUM_THREADS": "1"}
-    )
+    ran(train_policy, *FEW, f"artifacts={tmp_path}")
     for file in ("curve.json", "metrics.json", "policy/policy.yaml", "policy/policy.safetensors"):
         assert (tmp_path / "train_policy" / file).read_bytes() == (
             trained / "train_policy" / file

@@ -4,44 +4,19 @@ import re
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from simgap.consistency import contradictions
-from simgap.platforms import Joint
-from simgap.platforms.joint import JointMotor
 from simgap.recordings.contradiction import SUSPECTED
-from simgap.recordings.recording import Recording, recording_from_frame
+from simgap.recordings.recording import Recording
 from tests.pipeline.consistency.corruption import CORRUPTIONS
-from tests.pipeline.consistency.plants import sample
+from tests.pipeline.consistency.plants import SERVO, sample, servo
 from tests.pipeline.consistency.table import alarms, show, tabulate, tabulate_rows
 
-SERVO = Joint(inertia=0.02, motor=JointMotor(resistance=0.5, torque_constant=0.02, gear_ratio=20.0))
-STEP = 0.01
 # Flights and drives are slow to record under type checks at every call.
 KINDS = ["joint", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("swerve", "quadrotor"))]
 EVERY = {"joint": 2, "swerve": 9, "quadrotor": 16}
 """Of so many corruptions a fast test tries one; tests/pipeline/consistency/table.py tries them all."""
-
-
-def servo(friction: float = 0.4, scale: float = 1.0, viscous: float = 0.0) -> Recording:
-    """Return a servo that is moved along sums of sines by exactly the voltage that it needs, over `scale`."""
-    random = np.random.default_rng(5)
-    runs = []
-    for run in range(3):
-        time = np.arange(0.0, 6.0, STEP)
-        rates, phases = random.uniform(1.0, 6.0, 5), random.uniform(0.0, 6.0, 5)
-        waves = rates * time[:, None] + phases
-        position = 0.4 * np.sin(waves).sum(axis=1)
-        velocity = 0.4 * (rates * np.cos(waves)).sum(axis=1)
-        torque = -0.4 * SERVO.inertia * (rates**2 * np.sin(waves)).sum(axis=1)
-        torque += friction * np.tanh(velocity / 0.05) + viscous * velocity
-        constant = SERVO.motor.torque_constant * SERVO.motor.gear_ratio
-        voltage = SERVO.motor.resistance * torque / constant + constant * velocity
-        columns = {"run": f"run{run}", "t": time, "position": position + random.normal(0, 1e-4, len(time))}
-        columns |= {"velocity": velocity + random.normal(0, 5e-3, len(time)), "voltage": voltage / scale}
-        runs.append(pd.DataFrame(columns))
-    return recording_from_frame(pd.concat(runs, ignore_index=True), "joint")
 
 
 def scaled(recording: Recording, factor: float, *columns: str) -> Recording:

@@ -6,7 +6,7 @@ import pytest
 
 from simgap.effects import effect_by_key
 from simgap.gap.gains import IdentifiedGain
-from simgap.gap.limits import at_limits, excessive_thrust
+from simgap.gap.limits import at_limits, excessive_thrust, gains_said
 from simgap.gap.prepare import prepare
 from simgap.gap.settings import Gap
 from simgap.platforms import Controller, Joint
@@ -33,6 +33,18 @@ def test_a_gain_on_its_limit_is_called_by_the_name_of_its_key():
     gain = FittedEffect(IdentifiedGain("derivative"), {"ratio": 100.0})
     (said,) = at_limits(Simulator(servo, (gain,)))
     assert said.startswith("controller.derivative: 100 times")
+
+
+def test_of_identified_gains_those_are_numbers_that_the_recording_tells():
+    """One is on its limit, of which `at_limits` speaks; one has an error as large as itself; one is known."""
+    nominal = Simulator(Joint(inertia=0.02, controller=Controller(2.0, 0.1, None, 1.0, 0.1)))
+    for std, told in ((0.4, True), (3.0, False)):
+        found = Simulator(Joint(inertia=0.02, controller=Controller(2.5, 0.2, None, std, 0.01)))
+        proportional, derivative = gains_said(found, nominal, [])
+        assert ("identified as 2.5 ± 0.4 " in proportional) == told
+        assert ("does not tell it: gains and friction look alike" in proportional) != told
+        assert "identified as 0.2 ± 0.01 " in derivative
+        assert gains_said(found, nominal, ["controller.derivative: 100 times"]) == [proportional]
 
 
 def test_a_ratio_inside_is_not_nor_one_that_a_person_gave():

@@ -62,7 +62,9 @@ def test_a_doubted_effect_is_shown_by_the_manoeuvre_of_the_catalogue():
 
 
 def test_one_run_asks_for_more_runs_and_a_contradiction_for_its_remedy():
-    assert advice(diagnosis("none", bare=True))[0].startswith("Record at least five separate runs")
+    assert advice(diagnosis("none", bare=True))[0].startswith(
+        "Record at least two runs, and each sort of motion twice"
+    )
     assert advice(diagnosis("contradiction"))[0].startswith("Compare the sign of 'voltage'")
 
 

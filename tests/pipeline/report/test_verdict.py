@@ -1,7 +1,9 @@
 import pytest
 
+from simgap.gap.told import UNTOLD
 from simgap.report.doubts import doubts_of
 from simgap.report.terminal import terminal_lines
+from simgap.report.use import next_recordings
 from simgap.report.verdict import headline, summary
 from tests.pipeline.report.diagnoses import DOUBTED, UNFINISHED, VERDICTS, diagnosis
 
@@ -205,3 +207,18 @@ def test_held_out_runs_that_refute_the_answer_stand_in_the_headline():
     found["warnings"].insert(0, "held-out runs refute the named effects: do not rely on them")
     assert summary(found).headline == f"{before} Held-out runs refute the named effects: do not rely on them."
     assert doubts_of(found) == doubts
+
+
+def test_no_number_is_given_of_a_size_that_is_not_told():
+    found = diagnosis("missing_physics")
+    unsure = {"value": 21.0, "std": 110.0, "unit": "N*m"}
+    found["effects"] = [
+        {"name": "dead_zone", "probability": 0.9, "parameters": {"width": unsure}, "statement": UNTOLD}
+    ]
+    (said,) = summary(found).believed
+    assert plain(said.facts) == "width not told (error 110 N·m), probability 90%"
+    assert "  dead_zone: width not told" in "\n".join(terminal_lines(found))
+    assert "21" not in said.statement
+    assert any(
+        line.startswith("To learn the size of dead zone: ") for line in next_recordings(found, "joint")
+    )
