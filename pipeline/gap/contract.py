@@ -7,9 +7,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from simgap.effects.told import UNTOLD, is_told
 from simgap.gap.diagnosis import Diagnosis
 from simgap.gap.name import Named, Rivalry
-from simgap.gap.told import UNTOLD, is_told
 from simgap.simulation import FittedEffect
 
 SCHEMA = "simgap.diagnosis/1"

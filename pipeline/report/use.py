@@ -8,7 +8,7 @@ from typing import Any
 from markupsafe import Markup, escape
 
 from simgap.effects import effects_of, kinds
-from simgap.gap.told import is_told
+from simgap.effects.told import is_told
 from simgap.report.inputs import ReportInputs
 from simgap.report.naming import rivals
 from simgap.report.section import Drawing, Section

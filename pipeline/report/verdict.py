@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from simgap.gap.told import is_told
+from simgap.effects.told import is_told
 from simgap.recordings.contradiction import SUSPECTED
 from simgap.report.doubts import doubts_of, refuted, unfinished
 from simgap.report.improvement import sureness, why_unknown

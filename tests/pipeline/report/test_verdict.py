@@ -1,6 +1,6 @@
 import pytest
 
-from simgap.gap.told import UNTOLD
+from simgap.effects.told import UNTOLD
 from simgap.report.doubts import doubts_of
 from simgap.report.terminal import terminal_lines
 from simgap.report.use import next_recordings

@@ -2,7 +2,7 @@
 
 import pytest
 
-from simgap.gap.told import is_told
+from simgap.effects.told import is_told
 
 
 def effect(name: str, **parameters: tuple[float | None, float | None]) -> dict:
