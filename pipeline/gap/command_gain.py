@@ -6,7 +6,7 @@ the equation to hold, as in a regression of the commands on the motion. So the r
 commands do to them, relative to the nominal simulator.
 
 What a command does is not the same everywhere: without a voltage, back-EMF brakes, and friction may make much of it.
-The gain is therefore the smaller one of two: of rows without commands, and of rows without what actuators exert.
+The gain is therefore the smaller one of two: of what commands do to rows, and of what the actuators' own forces do.
 """
 
 from collections import OrderedDict
@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
+from simgap.effects import WrenchEffect
 from simgap.gap.residuals import bare_rows, channel_series, row_weights, signals_inside, without_lost
 from simgap.physics.weak_form import WindowFunctions, mean_rate_of
 from simgap.simulation import Simulator
@@ -118,13 +119,22 @@ class CommandGain:
         recorded = {name: series[:count] for name, series in inner.items()}
         rows = bare[:count] * row_weights(simulator, recorded, self._blocks, self._functions)
         some, still = bare[self._part] * self._sound, bare[count:] * self._sound
-        relaxed = self._relaxed(simulator, {name: series[self._part] for name, series in recorded.items()})
-        return Answer(rows, some - still, some - relaxed, still)
+        exerted = self._exerted_by(simulator, {name: series[self._part] for name, series in recorded.items()})
+        return Answer(rows, some - still, exerted, still)
 
-    def _relaxed(self, simulator: Simulator, inner: dict[str, Tensor]) -> Tensor:
-        """Return the rows of some blocks of a simulator whose actuators exert nothing, (blocks, rows, channels)."""
-        exerted = {name: torch.zeros_like(inner[name]) for name in self._exerted if name in inner}
-        return bare_rows(simulator, self._some, self._functions, inner | exerted) * self._sound
+    def _exerted_by(self, simulator: Simulator, inner: dict[str, Tensor]) -> Tensor:
+        """Return what the forces of actuators do to the rows of some blocks, (blocks, rows, channels).
+
+        Loads that only come with them, such as friction or drag of rotors, are none of theirs.
+        """
+        bare = simulator.with_effects(
+            tuple(f for f in simulator.effects if not isinstance(f.effect, WrenchEffect))
+        )
+        nothing = {name: torch.zeros_like(inner[name]) for name in self._exerted if name in inner}
+        acting, relaxed = (
+            bare_rows(bare, self._some, self._functions, signals) for signals in (inner, inner | nothing)
+        )
+        return (acting - relaxed) * self._sound
 
 
 def _relative(changed: Tensor, nominal: Tensor) -> Tensor:
