@@ -14,7 +14,7 @@ from tests.stages.racing import FEW
 
 def ran(stage: str, artifacts: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-W", "ignore", "-m", "simgap.stages", stage, *FEW, f"artifacts={artifacts}"]
-    command += ["train_policy.learning.interactions=2_048", "evaluate.starts=3", "evaluate.seconds=0.5"]
+    command += ["evaluate.starts=3", "evaluate.seconds=0.5"]
     inherited = {name: value for name, value in os.environ.items() if name not in ("CC", "CXX")}
     changed = {"OMP_NUM_THREADS": "1", **environment}
     return subprocess.run(
@@ -27,8 +27,8 @@ def first_updates(artifacts: Path) -> list[dict[str, float]]:
 
 
 @pytest.mark.slow(minutes=1)
-def test_a_policy_is_trained_and_flown_without_a_compiler(tmp_path: Path) -> None:
-    """Rounding differs, and grows from update to update: the first ones are compared."""
+def test_a_policy_is_trained_and_flown_without_a_compiler(trained: Path, tmp_path: Path) -> None:
+    """As with one. Rounding differs, and grows from update to update: the first ones are compared."""
     (tmp_path / "empty").mkdir()
     hidden = {"PATH": str(tmp_path / "empty"), "TORCHINDUCTOR_CACHE_DIR": str(tmp_path / "cache")}
     for stage in ("train_policy", "evaluate"):
@@ -37,8 +37,7 @@ def test_a_policy_is_trained_and_flown_without_a_compiler(tmp_path: Path) -> Non
         assert done.returncode == 0, done.stderr
         assert len([line for line in warnings if "no C++ compiler was found" in line]) == 1
         assert "Traceback" not in done.stderr
-    assert ran("train_policy", tmp_path / "compiled").returncode == 0
-    for eager, compiled in zip(
-        first_updates(tmp_path / "eager"), first_updates(tmp_path / "compiled"), strict=True
-    ):
+    for eager, compiled in zip(first_updates(tmp_path / "eager"), first_updates(trained), strict=True):
+        # A count of samples beyond a limit, not smooth in them: rounding moves those that are at the limit.
+        assert eager.pop("clip_fraction") == pytest.approx(compiled.pop("clip_fraction"), abs=5e-3)
         assert eager == pytest.approx(compiled, rel=1e-3, abs=1e-3)
