@@ -7,7 +7,7 @@ import pytest
 
 _CASE = "test_real_recordings.py::test_what_a_real_machine_is_known_to_have_is_believed_and_nothing_else"
 OPEN = {
-    f"{_CASE}[f1tenth_speed]": "steps from rest: load-dependent friction and a small inertia stand in for the lag",
+    f"{_CASE}[f1tenth_speed]": "steps from rest: the inductance of a winding stands in for the lag",
     "test_real_recordings.py::test_rotor_drag_and_inflow_of_a_real_quadrotor": (
         "both are named, but the drag is 0.38 1/s where the authors have about 0.45"
     ),
