@@ -14,7 +14,7 @@ from torch import Tensor
 
 from simgap.perception.camera import Camera, unproject
 from simgap.perception.fused import fused
-from simgap.perception.scene import Scene, uniform
+from simgap.perception.scene import Panel, Scene, uniform
 from simgap.perception.settings import ImageSettings
 from simgap.perception.view import View
 from simgap.physics import rotations
@@ -114,8 +114,8 @@ def unhidden(scene: Scene, motion: Motion, camera: Camera, seen: View) -> Bool[T
     distance = points.norm(dim=-1)
     rays = (points / distance[..., None]).transpose(-1, -2)
     nearest = torch.full_like(distance, math.inf)
-    for panel in range(scene.centres.shape[1]):
-        reach, *_ = _cut(rays, where, turn, *scene.shape(panel))
+    for index in range(scene.centres.shape[1]):
+        reach, *_ = _cut(rays, where, turn, scene.panel(index))
         nearest = torch.minimum(nearest, reach)
     return seen.inside & (nearest >= _SAME * distance).view(batch, gates, 4)
 
@@ -145,37 +145,26 @@ def _radius(camera: Camera) -> Float[Tensor, "height width"]:
     return (away / away.max()).float().view(camera.size[1], camera.size[0])
 
 
-def _cut(
-    rays: Tensor,
-    where: Tensor,
-    turn: Tensor,
-    centre: Tensor,
-    axes: Tensor,
-    outer: Tensor,
-    inner: Tensor,
-) -> tuple[Tensor, Tensor, Tensor]:
+def _cut(rays: Tensor, where: Tensor, turn: Tensor, panel: Panel) -> tuple[Tensor, Tensor, Tensor]:
     """Cut rays with a panel.
 
     Args:
         rays: camera's frame, ([batch], exposures, 3, rays).
         where: the camera, (batch, exposures, 3) m.
         turn: its axes, camera to world, (batch, exposures, 3, 3).
-        centre: of the panel, (batch, 3) m.
-        axes: of the panel, (batch, 3, 3).
-        outer: half of its width and height, (batch, 2) m.
-        inner: half of its opening, (batch, 2) m.
+        panel: of each image.
 
     Returns:
         Distance in lengths of a ray, infinite where it passes by; left and up on the panel, m. Each (batch, exposures,
         rays).
     """
-    frame = axes[:, None]
-    start = (frame @ (where - centre[:, None])[..., None]).unbind(-2)
+    frame = panel.axes[:, None]
+    start = (frame @ (where - panel.centre[:, None])[..., None]).unbind(-2)
     along = _turned(frame @ turn, rays)
     reach = -start[0] / along[0]
     left, up = (start[axis] + reach * along[axis] for axis in (1, 2))
     sideways, upwards = left.abs(), up.abs()
-    sizes = [part[:, None, None] for part in (outer[:, 0], outer[:, 1], inner[:, 0], inner[:, 1])]
+    sizes = [part[:, None, None] for half in (panel.outer, panel.inner) for part in half.unbind(1)]
     solid = (sideways < sizes[0]) & (upwards < sizes[1]) & ~((sideways < sizes[2]) & (upwards < sizes[3]))
     return torch.where(solid & (reach > 0), reach, math.inf), left, up
 
@@ -186,9 +175,9 @@ def _light(rays: Tensor, where: Tensor, turn: Tensor, scene: Scene) -> Tensor:
     around = (scene.contrast, scene.ground, scene.surroundings, scene.waves)
     light = background(rays, where, turn, *around)
     nearest = torch.full_like(light, math.inf)
-    for panel in range(scene.centres.shape[1]):
-        print_of = (scene.shade[:, panel], scene.stripes[:, panel], scene.contrast)
-        light, nearest = nearer(light, nearest, rays, where, turn, *scene.shape(panel), *print_of)
+    for index in range(scene.centres.shape[1]):
+        print_of = (scene.shade[:, index], scene.stripes[:, index], scene.contrast)
+        light, nearest = nearer(light, nearest, rays, where, turn, scene.panel(index), print_of)
     return light.mean(1)
 
 
@@ -198,16 +187,12 @@ def _nearer(
     rays: Tensor,
     where: Tensor,
     turn: Tensor,
-    centre: Tensor,
-    axes: Tensor,
-    outer: Tensor,
-    inner: Tensor,
-    shade: Tensor,
-    stripes: Tensor,
-    contrast: Tensor,
+    panel: Panel,
+    print_of: tuple[Tensor, Tensor, Tensor],
 ) -> tuple[Tensor, Tensor]:
-    """Return light and distance of what is nearest, after one more panel."""
-    reach, left, up = _cut(rays, where, turn, centre, axes, outer, inner)
+    """Return light and distance of what is nearest, after one more panel with its shade, stripes and contrast."""
+    reach, left, up = _cut(rays, where, turn, panel)
+    shade, stripes, contrast = print_of
     plain, across, upwards, strong = (part[:, None, None] for part in (shade, *stripes.unbind(-1), contrast))
     printed = plain * (1.0 + strong * torch.sin(across * left + upwards * up))
     light = torch.where(reach < nearest, printed, light)

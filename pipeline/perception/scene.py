@@ -5,6 +5,7 @@ All of it is drawn from a random generator, but the gates of a track.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Float
@@ -15,6 +16,22 @@ from simgap.perception.settings import ImageSettings
 from simgap.physics import rotations
 
 _WAVES = 3  # of the texture of ground and wall
+
+
+class Panel(NamedTuple):
+    """One panel in each image of a batch.
+
+    Attributes:
+        centre: world frame, m.
+        axes: rows are normal, left and up.
+        outer: half of width and height, m.
+        inner: half of width and height of the opening, m; zero where there is none.
+    """
+
+    centre: Float[Tensor, "batch 3"]
+    axes: Float[Tensor, "batch 3 3"]
+    outer: Float[Tensor, "batch 2"]
+    inner: Float[Tensor, "batch 2"]
 
 
 @dataclass(frozen=True)
@@ -45,9 +62,9 @@ class Scene:
     surroundings: Float[Tensor, "batch 2"]
     waves: Float[Tensor, "batch 2 waves 4"]
 
-    def shape(self, panel: int) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-        """Return middle, axes and half sizes of a panel in each image."""
-        return self.centres[:, panel], self.axes[:, panel], self.outer[:, panel], self.inner[:, panel]
+    def panel(self, index: int) -> Panel:
+        """Return one of the panels."""
+        return Panel(self.centres[:, index], self.axes[:, index], self.outer[:, index], self.inner[:, index])
 
 
 def uniform(ends: list[float], shape: tuple[int, ...], random: torch.Generator) -> Tensor:

@@ -5,7 +5,6 @@ Beside them stands the network as ONNX, in single and in half precision: from `i
 """
 
 import copy
-import warnings
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from simgap.artifacts.descriptions import read_description, read_tensors, write_description, write_tensors
+from simgap.artifacts.onnx_file import write_onnx
 from simgap.errors import InputError
 from simgap.perception.detector import Detector, Maps
 from simgap.perception.settings import PerceptionSettings
@@ -76,14 +76,4 @@ def export_detector(network: Detector, size: tuple[int, int], folder: Path) -> N
     for file, precision in ((ONNX_FILE, torch.float32), (HALF_FILE, torch.float16)):
         maps = Maps(copy.deepcopy(network)).cpu().eval().to(precision)
         example = torch.zeros(1, 1, size[1], size[0], dtype=precision)
-        with warnings.catch_warnings(), torch.no_grad():
-            warnings.simplefilter("ignore")  # this way of writing is old; the file is what is asked for
-            torch.onnx.export(
-                maps,
-                (example,),
-                str(folder / file),
-                input_names=["images"],
-                output_names=["maps"],
-                dynamic_axes={"images": {0: "batch"}, "maps": {0: "batch"}},
-                dynamo=False,
-            )
+        write_onnx(maps, example, folder / file, "images", "maps")

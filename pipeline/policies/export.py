@@ -5,6 +5,7 @@ from pathlib import Path
 
 import torch
 
+from simgap.artifacts.onnx_file import write_onnx
 from simgap.policies.networks import Gaussian, Policy
 
 ONNX_FILE = "policy.onnx"
@@ -22,14 +23,6 @@ def export_policy(gaussian: Gaussian, folder: Path) -> None:
     size = next(policy.parameters()).shape[1]
     example = torch.zeros(2, size)
     with warnings.catch_warnings(), torch.no_grad():
-        warnings.simplefilter("ignore")  # both ways of writing are old; the files are what is asked for
+        warnings.simplefilter("ignore")  # this way of writing is old; the file is what is asked for
         torch.jit.trace(policy, example).save(str(folder / SCRIPT_FILE))
-        torch.onnx.export(
-            policy,
-            (example,),
-            str(folder / ONNX_FILE),
-            input_names=["observation"],
-            output_names=["action"],
-            dynamic_axes={"observation": {0: "batch"}, "action": {0: "batch"}},
-            dynamo=False,
-        )
+    write_onnx(policy, example, folder / ONNX_FILE, "observation", "action")

@@ -37,7 +37,12 @@ def test_a_policy_is_trained_and_flown_without_a_compiler(trained: Path, tmp_pat
         assert done.returncode == 0, done.stderr
         assert len([line for line in warnings if "no C++ compiler was found" in line]) == 1
         assert "Traceback" not in done.stderr
-    for eager, compiled in zip(first_updates(tmp_path / "eager"), first_updates(trained), strict=True):
-        # A count of samples beyond a limit, not smooth in them: rounding moves those that are at the limit.
-        assert eager.pop("clip_fraction") == pytest.approx(compiled.pop("clip_fraction"), abs=5e-3)
-        assert eager == pytest.approx(compiled, rel=1e-3, abs=1e-3)
+    pairs = list(zip(first_updates(tmp_path / "eager"), first_updates(trained), strict=True))
+    # Up to here no sample is moved over the limit of the clipping; a count of samples jumps, where all else is smooth.
+    for eager, compiled in pairs[:2]:
+        assert eager["clip_fraction"] == pytest.approx(compiled["clip_fraction"], abs=1e-3)
+    for eager, compiled in pairs:
+        smooth = eager.keys() - {"clip_fraction"}
+        assert {name: eager[name] for name in smooth} == pytest.approx(
+            {name: compiled[name] for name in smooth}, rel=1e-3, abs=1e-3
+        )
