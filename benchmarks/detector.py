@@ -231,7 +231,8 @@ def _speed_table(network: Detector, settings: PerceptionSettings, device: str) -
         ],
         ["images learned from, a second", f"{batch / seconds(learn, device, few):.0f}"],
     ]
-    for name, precision in (("single", torch.float32), ("half", torch.float16)):
+    precisions = {"single": torch.float32} | ({"half": torch.float16} if device == "cuda" else {})
+    for name, precision in precisions.items():
         maps = Maps(network).eval().to(device, precision)
         one = images[:1].to(precision)
         rows.append([f"maps of one image, {name} precision, ms", f"{1e3 * _latency(maps, one, device):.2f}"])
