@@ -4,6 +4,8 @@ What a block counts is in `simgap.gap.temper`.
 
 Residuals of an axis are measured against the smaller side of its equation, and elsewhere against what the nominal
 simulator leaves: an equation can be met by making all of its terms small (a dead zone as wide as the commands).
+So a channel counts by the worse one of two regressions, of the commands on the motion and of the motion on the
+commands. They bound the truth where both hold errors (Frisch 1934, Statistical confluence analysis, for a slope).
 """
 
 from dataclasses import dataclass
