@@ -4,12 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from simgap.consistency.redundancy import Pair
+from simgap.consistency.redundancy import OPPOSED, Pair
 from simgap.consistency.samples import Samples
 from simgap.platforms.swerve import Swerve
 
 _LEAST_SPEED = 0.05  # m/s: tyres creep
-_DOUBTED = 0.05  # the wheels of one robot turn alike, so that exchanged ones differ little
+_DOUBTED = (
+    0.05  # wheels of one robot turn alike, and its frame turns little: what is exchanged differs little
+)
 _LEAST_TURNING = 0.1  # rad/s
 
 
@@ -33,20 +35,14 @@ def wheel_pairs(samples: Samples, swerve: Swerve) -> Iterator[Pair]:
         yield Pair(name, columns, rolling[:, module], expected, _LEAST_SPEED, _DOUBTED)
     twist = _twist(velocities, swerve, list(range(4)))
     names = {
-        "chassis_velocity_x": _LEAST_SPEED,
-        "chassis_velocity_y": _LEAST_SPEED,
-        "chassis_rate": _LEAST_TURNING,
+        "chassis_velocity_x": (_LEAST_SPEED, _DOUBTED),
+        "chassis_velocity_y": (_LEAST_SPEED, _DOUBTED),
+        "chassis_rate": (_LEAST_TURNING, OPPOSED),
     }
-    for place, (column, least) in enumerate(names.items()):
+    for place, (column, noise) in enumerate(names.items()):
         if column in samples:
-            name = f"{column!r} against the wheels"
-            yield Pair(
-                name,
-                (column, "drive_velocity", "steer_angle"),
-                samples.mean(samples[column]),
-                twist[:, place],
-                least,
-            )
+            name, columns = f"{column!r} against the wheels", (column, "drive_velocity", "steer_angle")
+            yield Pair(name, columns, samples.mean(samples[column]), twist[:, place], *noise)
 
 
 def _twist(velocities: np.ndarray, swerve: Swerve, modules: list[int]) -> np.ndarray:
