@@ -161,5 +161,6 @@ def _in_gaps(time: NDArray[np.float64], times: NDArray[np.float64], longest: flo
     after = np.searchsorted(time, times, side="left")
     outside = (after == len(time)) | ((after == 0) & (times < time[0]))
     place = np.clip(after, 1, max(len(time) - 1, 1))
-    wide = (time[np.minimum(place, len(time) - 1)] - time[place - 1] > longest) & ~np.isin(times, time)
+    hit = time[np.minimum(after, len(time) - 1)] == times
+    wide = (time[np.minimum(place, len(time) - 1)] - time[place - 1] > longest) & ~hit
     return np.asarray(outside | wide)

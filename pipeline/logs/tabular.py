@@ -125,12 +125,23 @@ def _from_text(
     elif (times := _times(cells, first)) is not None:
         yield name, times, "s"
     else:
-        parsed = pd.to_numeric(pd.Series(cells.to_numpy(zero_copy_only=False)), errors="coerce")
+        parsed = _parsed(cells)
         wrong = int(parsed.isna().sum()) - cells.null_count
         if parsed.notna().sum() > _MOSTLY * (len(cells) - cells.null_count):
             if wrong:
                 said.append(f"Column {name!r} has {wrong} values that are no numbers; they count as missing.")
             yield name, parsed.to_numpy(dtype="float64"), None
+
+
+def _parsed(cells: object) -> pd.Series:
+    """Return the numbers that texts are, NaN for other words; each different text is looked at once."""
+    import pyarrow as pa
+    import pyarrow.compute as pc
+
+    encoded = pc.dictionary_encode(cells.combine_chunks() if isinstance(cells, pa.ChunkedArray) else cells)
+    words = pd.Series(encoded.dictionary.to_numpy(zero_copy_only=False))
+    numbers = np.append(pd.to_numeric(words, errors="coerce").to_numpy(dtype="float64"), np.nan)
+    return pd.Series(numbers[pc.fill_null(encoded.indices, len(words)).to_numpy(zero_copy_only=False)])
 
 
 def _times(cells: object, first: str) -> NDArray[np.float64] | None:

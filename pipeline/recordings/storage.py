@@ -170,4 +170,5 @@ def _array(series: pd.Series, kind: pa.DataType) -> pa.Array:
     if kind == pa.float64():
         # NaN, not null: one way to say that a sample is missing
         return pa.array(series.to_numpy(dtype="float64", copy=True), type=kind, from_pandas=False)
-    return pa.array(series.to_list(), type=kind)
+    found = pa.array(series, type=kind, from_pandas=False)
+    return found.combine_chunks() if isinstance(found, pa.ChunkedArray) else found

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,10 +14,9 @@ from simgap.logs.readers import mcap_records as mcap
 from simgap.logs.readers.json_messages import json_columns
 from simgap.logs.readers.packed import Columns, Packed
 from simgap.logs.readers.ros_messages import MessageType
-from simgap.logs.readers.unpacking import unpacked
 
 _AT_ONCE = 20_000  # messages
-_BYTES_AT_ONCE = 1 << 24  # of messages that come one by one
+_BYTES_AT_ONCE = 1 << 24  # of messages that come one by one, or of a database
 
 
 @dataclass(frozen=True)
@@ -61,9 +59,9 @@ def blocks_of(path: Path) -> Iterator[Block]:
     """
     files = _plain_files(path)
     for file in files:
-        yield from _of_mcap(file) if _is_mcap(file) else _in_blocks(_of_database(file))
+        yield from _of_mcap(file) if _is_mcap(file) else _of_database(file)
     if not files:
-        yield from _in_blocks(_of_bag(path))
+        yield from _of_bag1(path) if path.is_file() else _in_blocks(_of_packed(path))
 
 
 def _plain_files(path: Path) -> list[Path]:
@@ -118,7 +116,7 @@ def _block(channels: dict[int, Channel], messages: list[tuple[int, int, bytes]])
     return Block(channels, np.array(which), np.array(times, dtype=np.int64), Packed.of(data))
 
 
-def _of_database(path: Path) -> Iterator[tuple[Channel, int, bytes]]:
+def _of_database(path: Path) -> Iterator[Block]:
     import sqlite3
 
     from rosbags.rosbag2 import Reader
@@ -126,38 +124,44 @@ def _of_database(path: Path) -> Iterator[tuple[Channel, int, bytes]]:
     with Reader(path) as reader:
         channels = {entry.id: _channel_of(entry, padded=True) for entry in reader.connections}
     with closing(sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)) as database:
-        for topic, time, data in database.execute(
-            "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp"
-        ):
-            if topic in channels:
-                yield channels[topic], time, data
+        (count,) = database.execute("SELECT COUNT(*) FROM messages").fetchone()
+        at_once = min(1 + _BYTES_AT_ONCE * count // path.stat().st_size, _AT_ONCE)
+        rows = database.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp")
+        while found := rows.fetchmany(at_once):
+            topics, times, data = zip(*found, strict=True)
+            which = np.array(topics)
+            known = np.flatnonzero(np.isin(which, list(channels)))
+            if len(known):
+                yield Block(
+                    channels, which[known], np.array(times, dtype=np.int64)[known], Packed.of(data)[known]
+                )
 
 
-def _of_bag(path: Path) -> Iterator[tuple[Channel, int, bytes]]:
-    from rosbags.rosbag1 import Reader as Reader1
-    from rosbags.rosbag2 import Reader as Reader2
+def _of_bag1(path: Path) -> Iterator[Block]:
+    from simgap.logs.readers.bag1 import IndexedBag
 
-    first = path.is_file() and path.suffix != ".db3"
-    with (Reader1 if first else Reader2)(path) as reader:
-        if first:
-            _bound(reader)
+    with IndexedBag(path) as bag:
+        recorded = bag.recorded()
+        channels = {
+            entry.id: _channel_of(entry, padded=False) for entry in bag.connections if entry.id in recorded
+        }
+        for connections, times, messages in bag.stretches():
+            known = np.flatnonzero(np.isin(connections, list(channels)))
+            if len(known):
+                yield Block(channels, connections[known], times[known], messages[known])
+
+
+def _of_packed(path: Path) -> Iterator[tuple[Channel, int, bytes]]:
+    """Yield the messages of a bag of ROS 2 that is compressed."""
+    from rosbags.rosbag2 import Reader
+
+    with Reader(path) as reader:
         known = [entry for entry in reader.connections if entry.msgcount]
         if not known:
             return
-        channels = {(entry.id, entry.topic): _channel_of(entry, padded=not first) for entry in known}
+        channels = {(entry.id, entry.topic): _channel_of(entry, padded=True) for entry in known}
         for entry, time, data in reader.messages(known):
             yield channels[entry.id, entry.topic], time, data
-
-
-def _bound(reader: Any) -> None:
-    """Let no chunk of a bag unpack to more than is sensible."""
-    from rosbags.rosbag1.reader import decompressors
-
-    names = {function: name for name, function in decompressors.items()}
-    for place, chunk in reader.chunks.items():
-        reader.chunks[place] = chunk._replace(
-            decompressor=partial(unpacked, compression=names[chunk.decompressor])
-        )
 
 
 def _channel_of(connection: Any, padded: bool) -> Channel:

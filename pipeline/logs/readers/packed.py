@@ -41,7 +41,7 @@ class Packed:
     @classmethod
     def of(cls, messages: Sequence[bytes]) -> "Packed":
         """Return messages that come one by one."""
-        sizes = np.array([len(message) for message in messages], dtype=np.int64)
+        sizes = np.fromiter(map(len, messages), dtype=np.int64, count=len(messages))
         buffer = np.frombuffer(b"".join(messages), dtype=np.uint8)
         return cls(buffer, np.cumsum(sizes) - sizes, sizes)
 

@@ -15,24 +15,27 @@ def coverage(runs: list[RunUnderCleaning]) -> pd.DataFrame:
 
 
 def _coverage(run: RunUnderCleaning) -> list[tuple[str, float, float, str, str]]:
-    state, reason = _states(run)
-    change = (state[1:] != state[:-1]) | (reason[1:] != reason[:-1]) | (run.stretch[1:] != run.stretch[:-1])
+    state, names = _states(run)
+    change = (state[1:] != state[:-1]) | (run.stretch[1:] != run.stretch[:-1])
     edges = np.concatenate([[0], np.flatnonzero(change) + 1, [len(state)]])
     rows: list[tuple[str, float, float, str, str]] = []
     for first, past in itertools.pairwise(edges):
         start, end = float(run.time[first]), float(run.time[past - 1]) + run.time_step
         if first and run.stretch[first] != run.stretch[first - 1]:
             rows.append((run.name, rows[-1][2], start, "missing", "gap in the recording"))
-        rows.append((run.name, start, end, str(state[first]), str(reason[first])))
+        rows.append((run.name, start, end, *names[state[first]]))
     return rows
 
 
-def _states(run: RunUnderCleaning) -> tuple[np.ndarray, np.ndarray]:
-    """Return state and reason of each sample, by what happened to its needed channels."""
-    causes = run.cause[:, run.index(run.needed)]
-    reason = np.full(len(run.time), "", dtype=object)
-    for place in range(causes.shape[1]):
-        reason = np.where(reason == "", causes[:, place], reason)
-    state = np.where(reason == "", "kept", "interpolated")
-    gone = run.dropped != ""
-    return np.where(gone, "dropped", state), np.where(gone, run.dropped, reason)
+def _states(run: RunUnderCleaning) -> tuple[np.ndarray, list[tuple[str, str]]]:
+    """Return the number of the state of each sample, and state and reason of each number.
+
+    They are told by what happened to the needed channels, by that of the first one where it happened to several.
+    """
+    numbers = {("kept", ""): 0}
+    state = np.zeros(len(run.time), dtype=np.int64)
+    columns = [("interpolated", run.cause[:, place]) for place in reversed(run.index(run.needed))]
+    for name, reasons in [*columns, ("dropped", run.dropped)]:
+        rows = np.flatnonzero(reasons != "")
+        state[rows] = [numbers.setdefault((name, reason), len(numbers)) for reason in reasons[rows].tolist()]
+    return state, list(numbers)

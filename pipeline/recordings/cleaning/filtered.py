@@ -13,6 +13,7 @@ _WIDTHS = range(4, 61)  # samples; a shorter average is hardly late
 _LAGS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)  # time constants of a filter, samples
 _BETTER = 0.5  # energy of the error, against every other explanation
 _FEWEST = 200  # samples
+_JUDGED = 20_000  # samples of a run that are compared; more of them would say the same
 _SMOOTHING, _ORDER = 5, 2  # samples and degree of the polynomial whose slope is taken
 
 
@@ -49,17 +50,22 @@ def averaged_over(velocity: np.ndarray, position: np.ndarray, time_step: float) 
     """
     rate = np.gradient(position, time_step)
     past = max(_WIDTHS)
+    rows = np.arange(past, len(velocity) - past, max(len(velocity) // _JUDGED, 1))
+    judged = velocity[rows]
 
     def error(expected: np.ndarray) -> float:
-        return float(np.mean((velocity - expected)[past:-past] ** 2))
+        return float(np.mean((judged - expected) ** 2))
 
     averages = {}
     for width in _WIDTHS:
-        way = np.concatenate([np.zeros(width), position[width:] - position[:-width]]) / (width * time_step)
-        averages[width] = min(error(way), error(lfilter(np.full(width, 1.0 / width), [1.0], rate)))
+        way, next_way = (
+            (position[at] - position[at - width]) / (width * time_step) for at in (rows, rows + 1)
+        )
+        # The mean of both is that of the rate, as `np.gradient` takes it, over as many samples.
+        averages[width] = min(error(way), error(0.5 * (way + next_way)))
     width = min(averages, key=lambda each: averages[each])
-    others = [error(np.roll(rate, delay)) for delay in range(max(_WIDTHS) // 2)]
+    others = [error(rate[rows - delay]) for delay in range(max(_WIDTHS) // 2)]
     for lag in _LAGS:
         kept = float(np.exp(-1.0 / lag))
-        others.append(error(lfilter([1.0 - kept], [1.0, -kept], rate)))
+        others.append(error(lfilter([1.0 - kept], [1.0, -kept], rate)[rows]))
     return width if averages[width] < _BETTER * min(others) else 0

@@ -71,6 +71,7 @@ class _Grid:
         nearest: the recorded sample nearest to each new time.
         present: whether that is within half a time step.
         ticking: whether recorded times off the grid scatter about the ticks of a clock; else they drift.
+        beside: what lies beside each new time of a channel that is known at all recorded ones, once it is needed.
     """
 
     time: np.ndarray
@@ -80,6 +81,7 @@ class _Grid:
     nearest: np.ndarray
     present: np.ndarray
     ticking: bool
+    beside: "_Beside | None" = None
 
 
 def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
@@ -211,6 +213,31 @@ def _note_rows(run: RunUnderCleaning, result: RunUnderCleaning, grid: _Grid) -> 
         run.note("resample", "", "samples missing in the recording", difference)
 
 
+@dataclass
+class _Beside:
+    """The recorded samples beside each new time.
+
+    Attributes:
+        left: number of the last one before or at it, among those that are known.
+        right: number of the next one.
+        exact: whether the last one is at it.
+        between: whether both are of its stretch, and neither at it.
+    """
+
+    left: np.ndarray
+    right: np.ndarray
+    exact: np.ndarray
+    between: np.ndarray
+
+
+def _beside(times: np.ndarray, stretch: np.ndarray, grid: _Grid, tolerance: float) -> _Beside:
+    left = np.clip(np.searchsorted(times, grid.time + tolerance, side="right") - 1, 0, None)
+    right = np.clip(left + 1, None, len(times) - 1)
+    exact = np.abs(times[left] - grid.time) <= tolerance
+    between = (times[left] <= grid.time) & (times[right] >= grid.time) & (stretch[left] == stretch[right])
+    return _Beside(left, right, exact, between & (stretch[left] == grid.stretch) & ~exact)
+
+
 def _fill(
     run: RunUnderCleaning, result: RunUnderCleaning, grid: _Grid, columns: list[str], limit: float
 ) -> None:
@@ -219,26 +246,31 @@ def _fill(
     known = np.flatnonzero(np.isfinite(values).all(axis=1))
     if not len(known):
         return
-    times, values, stretch = grid.recorded[known], values[known], run.stretch[known]
-    tolerance = 1e-6 * result.time_step
-    left = np.clip(np.searchsorted(times, grid.time + tolerance, side="right") - 1, 0, None)
-    right = np.clip(left + 1, None, len(times) - 1)
-    apart = times[right] - times[left]
-    exact = np.abs(times[left] - grid.time) <= tolerance
-    between = (times[left] <= grid.time) & (times[right] >= grid.time) & (stretch[left] == stretch[right])
-    between &= (stretch[left] == grid.stretch) & (apart <= limit + tolerance) & ~exact
-    share = (grid.time - times[left])[between] / apart[between]
-    if columns[0] in INPUTS[run.kind]:
-        share = _next_acts(share, (times[right] - grid.time)[between], run.time_step)
+    times, tolerance = grid.recorded, 1e-6 * result.time_step
+    if len(known) < len(times):
+        times, values = times[known], values[known]
+        beside = _beside(times, run.stretch[known], grid, tolerance)
+    else:
+        grid.beside = beside = grid.beside or _beside(times, run.stretch, grid, tolerance)
     new = np.full((len(grid.time), len(places)), np.nan)
-    new[exact] = values[left[exact]]
-    new[between] = _between(run.kind, columns, values[left[between]], values[right[between]], share)
+    new[beside.exact] = values[beside.left[beside.exact]]
+    rows = np.flatnonzero(beside.between)
+    left, right = beside.left[rows], beside.right[rows]
+    near = times[right] - times[left] <= limit + tolerance
+    rows, left, right = rows[near], left[near], right[near]
+    before, ahead = grid.time[rows] - times[left], times[right] - grid.time[rows]
+    share = before / (times[right] - times[left])
+    if columns[0] in INPUTS[run.kind]:
+        share = _next_acts(share, ahead, run.time_step)
+    new[rows] = _between(run.kind, columns, values[left], values[right], share)
     if columns[0] in INPUTS[run.kind] and not grid.ticking:
-        held = exact | between
+        held = beside.exact.copy()
+        held[rows] = True
         new[held] = mean_of_held(times, values, grid.time[held], result.time_step)
     result.values[:, places] = new
-    distance = np.minimum(grid.time - times[left], times[right] - grid.time)
-    _note_filled(run, result, grid, columns, between & (distance > _NEAR * run.time_step))
+    filled = np.zeros(len(new), dtype=bool)
+    filled[rows] = np.minimum(before, ahead) > _NEAR * run.time_step
+    _note_filled(run, result, grid, columns, filled)
 
 
 def _next_acts(share: np.ndarray, ahead: np.ndarray, own_step: float) -> np.ndarray:
@@ -290,7 +322,7 @@ def _note_filled(
     for column in columns:
         place = run.columns.index(column)
         wanting = np.flatnonzero(filled | np.isnan(result.values[:, place]))
-        cause = np.where(grid.present, run.cause[grid.nearest, place], "")[wanting]
+        cause = np.where(grid.present[wanting], run.cause[grid.nearest[wanting], place], "")
         cause[cause == ""] = "absent"
         result.cause[:, place] = ""
         result.cause[wanting, place] = cause

@@ -111,20 +111,18 @@ def find_spikes(
 
 def _excursions(values: np.ndarray, width: int, floor: float) -> np.ndarray:
     """Return the starts of excursions of `width` samples that exceed the signal on either side."""
-    before, after = values[1 : -width - 2], values[width + 2 : -1]
-    calm = np.maximum(np.abs(np.diff(values[: -width - 2])), np.abs(np.diff(values[width + 2 :])))
+    begins = np.arange(2, len(values) - width - 1)
+    # As the samples on both sides differ by a fraction of an excursion, the step into it is nearly as large.
+    begins = begins[np.abs(np.diff(values))[1 : -width - 1] > (1.0 - 1.0 / _TIMES_STEPS_BESIDE) * floor]
+    before, after = values[begins - 1], values[begins + width]
+    calm = np.maximum(np.abs(before - values[begins - 2]), np.abs(values[begins + width + 1] - after))
     calm = np.maximum(calm, np.abs(after - before))
-    least = np.full(len(before), np.inf)
-    sign = np.zeros((width, len(before)))
-    for offset in range(width):
-        share = (offset + 1) / (width + 1)
-        excursion = values[2 + offset : len(values) - width - 1 + offset] - (
-            before + share * (after - before)
-        )
-        least = np.minimum(least, np.abs(excursion))
-        sign[offset] = np.sign(excursion)
-    alike = np.abs(sign.sum(axis=0)) == width
-    return 2 + np.flatnonzero(alike & (least > _TIMES_STEPS_BESIDE * calm) & (least > floor))
+    offsets = np.arange(width)[:, None]
+    share = (offsets + 1) / (width + 1)
+    excursion = values[begins + offsets] - (before + share * (after - before))
+    least = np.abs(excursion).min(axis=0)
+    alike = np.abs(np.sign(excursion).sum(axis=0)) == width
+    return begins[alike & (least > _TIMES_STEPS_BESIDE * calm) & (least > floor)]
 
 
 def _height(values: np.ndarray, inside: slice) -> float:

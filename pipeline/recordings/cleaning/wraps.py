@@ -32,15 +32,15 @@ def mend_wraps(run: RunUnderCleaning) -> None:
     for rate, position in PAIRS.get(run.kind, []):
         if not run.has([rate, position]):
             continue
+        left = misfit(run.time, *run.channel(position, rate).T)
         for column in (position, rate):
-            _mend(run, rate, position, column)
+            if left > _BEFORE:
+                left = _mend(run, rate, position, column, left)
 
 
-def _mend(run: RunUnderCleaning, rate: str, position: str, column: str) -> None:
+def _mend(run: RunUnderCleaning, rate: str, position: str, column: str, before: float) -> float:
+    """Undo the likeliest wrap of a column, if any, and return the misfit that is left of the one `before`."""
     values = {name: run.channel(name)[:, 0] for name in (rate, position)}
-    before = misfit(run.time, values[position], values[rate])
-    if not before > _BEFORE:
-        return
     best, least = None, _GAIN * before
     for candidate in _candidates(run.time, values[column], values[position], values[rate], column == rate):
         tried = {**values, column: candidate[0]}
@@ -48,12 +48,13 @@ def _mend(run: RunUnderCleaning, rate: str, position: str, column: str) -> None:
         if after < least:
             best, least = candidate, after
     if best is None:
-        return
+        return before
     mended, changed, how = best
     run.replace(changed, column, mended, "wraps", how)
     run.remarks.append(
         f"Channel {column!r} {how} in {int(changed.sum())} samples of run {run.name!r}; it was undone."
     )
+    return least
 
 
 def misfit(time: np.ndarray, position: np.ndarray, rate: np.ndarray) -> float:
