@@ -6,7 +6,7 @@ import numpy as np
 
 from simgap.consistency.frames import frame_faults
 from simgap.consistency.samples import Samples
-from simgap.consistency.transformation import Transformation, scaled, taken
+from simgap.consistency.transformation import Transformation, mapping, scaled, taken
 from simgap.consistency.units import ANGULAR_RATE, CLOCK, FORCE, LENGTH, SPEED, in_two_units, in_units
 
 _ORDER = 0.008  # each of the 23 other orders of four motors; together as likely as all else
@@ -93,7 +93,7 @@ def _pulse(name: str, columns: tuple[str, ...]) -> Transformation:
     def mend(samples: Samples) -> dict[str, np.ndarray]:
         return {column: (samples[column] - _PULSE[0]) / _PULSE[1] for column in columns}
 
-    remedy = f"Write (pulse − 1000)/1000 into {', '.join(columns)}."
+    remedy = mapping(columns, f"scale: {1 / _PULSE[1]:g}, offset: {-_PULSE[0] / _PULSE[1]:g}")
     return Transformation("pulse_width", name, columns, 0.05, mend, remedy)
 
 
@@ -103,5 +103,5 @@ def _thrust(name: str, columns: tuple[str, ...]) -> Transformation:
     def mend(samples: Samples) -> dict[str, np.ndarray]:
         return {column: np.sqrt(np.maximum(samples[column], 0.0)) for column in columns}
 
-    remedy = f"Write the square root into {', '.join(columns)}."
+    remedy = mapping(columns, "root: true")
     return Transformation("thrust_command", name, columns, _THRUST, mend, remedy)

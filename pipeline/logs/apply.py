@@ -92,6 +92,8 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
         needed = f"{expected}/s" if source.integrate else expected
         factor, added = factor_and_offset(unit, needed, f"{log.path}, column {column!r}")
         values = values * factor + added
+    if source.root:
+        values = np.sqrt(np.maximum(values, 0.0))
     if source.integrate:
         values = _integral(signal.time, values)
     if column in ANGLES:

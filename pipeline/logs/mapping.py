@@ -14,7 +14,9 @@ from simgap.logs.log import Span
 from simgap.recordings.contract import COLUMNS, KINDS, channel_units
 from simgap.recordings.units import conversion, factor_and_offset
 
-_ENTRY_KEYS = ("from", "unit", "scale", "sign", "offset", "missing", "held", "times", "ratio", "integrate")
+_ENTRY_KEYS = (
+    *("from", "unit", "scale", "sign", "offset", "root", "missing", "held", "times", "ratio", "integrate"),
+)
 _GENERAL_KEYS = ("kind", "runs", "rate")
 
 
@@ -28,6 +30,7 @@ class Source:
         scale: factor.
         sign: +1 or −1.
         offset: in `unit`, added last.
+        root: whether the column is the square root of that: a motor command is a speed, and some logs have a thrust.
         missing: a code that stands for no value.
         held: whether a value holds until the next one; None where the log says it.
         times: a second signal that multiplies this one: the supply voltage of a duty cycle.
@@ -41,6 +44,7 @@ class Source:
     scale: float = 1.0
     sign: int = 1
     offset: float = 0.0
+    root: bool = False
     missing: float | None = None
     held: bool | None = None
     times: str | None = None
@@ -149,10 +153,11 @@ def _source(column: str, entry: Any, where: str) -> Source:
             near = difflib.get_close_matches(str(key), _ENTRY_KEYS, n=1)
             remedy = f"did you mean {near[0]!r}?" if near else f"use {', '.join(_ENTRY_KEYS)}"
             raise InputError(f"unknown key {key!r}", place, remedy)
-    sign, held, integrate = entry.get("sign", 1), entry.get("held"), entry.get("integrate", False)
+    sign, held = entry.get("sign", 1), entry.get("held")
+    root, integrate = entry.get("root", False), entry.get("integrate", False)
     if sign not in (1, -1) or isinstance(sign, bool):
         raise InputError(f"sign is {sign!r}", place, "give 1 or -1")
-    for key, value in (("held", held), ("integrate", integrate)):
+    for key, value in (("held", held), ("integrate", integrate), ("root", root)):
         if value is not None and not isinstance(value, bool):
             raise InputError(f"{key} is {value!r}", place, "give true or false")
     return Source(
@@ -161,6 +166,7 @@ def _source(column: str, entry: Any, where: str) -> Source:
         scale=_number(entry.get("scale", 1.0), f"{place}, scale"),
         sign=int(sign),
         offset=_number(entry.get("offset", 0.0), f"{place}, offset"),
+        root=bool(root),
         missing=None if entry.get("missing") is None else _number(entry["missing"], f"{place}, missing"),
         held=held,
         times=None if entry.get("times") is None else str(entry["times"]),
@@ -176,6 +182,12 @@ def _check_column(
         near = difflib.get_close_matches(column, units, n=1)
         remedy = f"did you mean {near[0]!r}?" if near else "see docs/contract.md for the names"
         raise InputError(f"unknown column {column!r} for a {kind}", place, remedy)
+    if source.root and units[column] != "1":
+        raise InputError(
+            f"has a root, and is in {units[column]}",
+            place,
+            "leave root out: only a command without a unit is one",
+        )
     if source.unit is None:
         return
     factor_and_offset(source.unit, f"{units[column]}/s" if source.integrate else units[column], place)

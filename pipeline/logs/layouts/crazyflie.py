@@ -14,8 +14,8 @@ from simgap.recordings.contract import TOGETHER
 
 _FULL = 65535  # of a 16-bit command
 _PULSE = (
-    "the power that the motors were given, 0 to 65535, taken as their speed; where the firmware means a thrust, the "
-    "speed is its square root"
+    "the power that the motors were given, 0 to 65535, taken as their speed; where the firmware means a thrust, whose "
+    "square root the speed is, add root: true"
 )
 _HOW = "set the frequency in config.txt on the SD card to 100 Hz or more"
 _ADVICE = {

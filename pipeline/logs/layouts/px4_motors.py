@@ -28,7 +28,7 @@ def commands(log: Log, notes: list[str]) -> Choice | None:
     if factor:
         notes.append(
             f"THR_MDL_FAC is {factor:g}: actuator_motors is then nearer to a thrust than to a speed, "
-            "and the motors get about its square root."
+            "and the motors get about its square root (root: true in the mapping)."
         )
         return Choice(direct.signals, f"a thrust, as THR_MDL_FAC is {factor:g}", confidence=0.7, held=True)
     return direct

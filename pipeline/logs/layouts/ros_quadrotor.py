@@ -135,7 +135,7 @@ def _commands(log: Log) -> Iterator[Choice]:
         yield Choice(signals, f"commands of {topic}; {order}", confidence=_UNSURE, held=True)
     for topic in topics_of(log, "mavros_msgs/msg/RCOut"):
         signals = [f"{topic}/channels[{rotor}]" for rotor in range(4)]
-        reason = f"pulses of {topic}, 1000 to 2000 µs; they may be a thrust, a square root away from a speed; {order}"
+        reason = f"pulses of {topic}, 1000 to 2000 µs; they may be a thrust (then root: true); {order}"
         yield Choice(
             signals,
             reason,

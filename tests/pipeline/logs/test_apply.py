@@ -76,6 +76,11 @@ def test_a_uniform_rate_is_kept() -> None:
     np.testing.assert_allclose(np.diff(base_times(signals, "joint", 50.0)), 0.02)
 
 
+def test_a_root_is_for_a_share_only() -> None:
+    with pytest.raises(InputError, match="has a root, and is in rad"):
+        mapping_from_config({"kind": "joint", "position": {"from": "p", "root": True}})
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [

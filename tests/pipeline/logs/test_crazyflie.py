@@ -13,6 +13,7 @@ from simgap.logs.apply import recording_of
 from simgap.logs.formats import format_of, read_log
 from simgap.logs.layouts.crazyflie import propose
 from simgap.logs.log import Log
+from simgap.logs.mapping import mapping_from_config, mapping_to_config
 from simgap.logs.readers.crazyflie import read, unpacked_quaternion
 from tests.pipeline.logs.damage import assert_a_log_or_one_line, damaged
 from tests.pipeline.logs.vehicle import assert_one_motion, flight
@@ -146,6 +147,22 @@ def test_the_estimate_imu_and_motors_are_one_motion(tmp_path: Path) -> None:
     motor = proposal.columns["motor_command_1"]
     assert motor.confidence < 0.9
     assert "square root" in motor.reason
+
+
+def test_a_thrust_becomes_a_speed_as_the_mapping_says(tmp_path: Path) -> None:
+    events = flown()
+    log = log_of(tmp_path, events)
+    speeds = recording_of(log, propose(log).mapping()).frame
+    fast = dict(events["fixedFrequency"][1])
+    for rotor in range(1, 5):
+        fast[f"motor.m{rotor}"] = ("H", np.round(fast[f"motor.m{rotor}"][1] ** 2 / 65535))
+    log = log_of(tmp_path, {**events, "fixedFrequency": (events["fixedFrequency"][0], fast)})
+    content = mapping_to_config(propose(log).mapping())
+    for rotor in range(1, 5):
+        content[f"motor_command_{rotor}"]["root"] = True
+    frame = recording_of(log, mapping_from_config(content)).frame
+    commands = [f"motor_command_{rotor}" for rotor in range(1, 5)]
+    np.testing.assert_allclose(frame[commands], speeds[commands], atol=1e-4)
 
 
 def test_the_compressed_estimate_is_the_same(tmp_path: Path) -> None:
