@@ -5,6 +5,7 @@
 #   make prove   the concealed benchmark: SEED=1 CASES=60 (of each kind) KIND=quadrotor,joint,swerve
 #   make bench   measure the simulator beside its peers, write docs/benchmark.md (leave the machine alone meanwhile)
 #   make bench-training   measure training beside its bare loop, write docs/benchmark_training.md
+#   make bench-reading    measure how fast logs are read, write docs/benchmark_reading.md
 #   make bench-diagnosis  measure the time of diagnoses, write docs/benchmark_diagnosis.md (SEED, CASES as above)
 #   make bench-policies   measure PPO on the racing quadrotor beside a bare loop, write docs/benchmark_policies.md
 # The pins in constraints.txt are made by:
@@ -19,7 +20,7 @@ KIND ?= quadrotor,joint,swerve
 BIN := .venv/bin
 STAMP := .venv/.installed
 
-.PHONY: run test quick checks docs site prove bench bench-training bench-diagnosis bench-policies lint install
+.PHONY: run test quick checks docs site prove bench bench-training bench-reading bench-diagnosis bench-policies lint install
 
 run: $(STAMP)
 	@$(BIN)/simgap reproduce $(BRANCH)
@@ -65,6 +66,10 @@ bench: $(STAMP) .venv-bench/.installed
 
 bench-training: $(STAMP)
 	@$(BIN)/python -W ignore -m benchmarks.training --output docs/benchmark_training.md
+
+bench-reading: export OMP_NUM_THREADS := 1
+bench-reading: $(STAMP)
+	@$(BIN)/python -W ignore -m benchmarks.reading --output docs/benchmark_reading.md
 
 bench-diagnosis: export OMP_NUM_THREADS := 1
 bench-diagnosis: $(STAMP)

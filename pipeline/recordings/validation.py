@@ -104,7 +104,8 @@ def validate(
     if kind == "quadrotor":
         _check_quaternions(result, where)
     codes, _ = pd.factorize(result["run"])
-    result = result.iloc[np.argsort(codes, kind="stable")].reset_index(drop=True)
+    if (np.diff(codes) < 0).any():
+        result = result.iloc[np.argsort(codes, kind="stable")].reset_index(drop=True)
     return (
         result,
         {column: units[column] for column in result.columns if column in units},

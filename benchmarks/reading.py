@@ -1,0 +1,159 @@
+"""How fast logs of a million records are read: python -m benchmarks.reading --output PAGE.
+
+Each log is read in a process of its own, after a small one of the same format, so that what is imported late is there.
+Times are of the processor. Memory is the most that the process held, less what it held before, over the file's size.
+"""
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from datetime import date
+from pathlib import Path
+from typing import TypeVar
+
+from benchmarks.large_logs import MAKERS
+from benchmarks.page import machine
+from simgap.recordings.recording import Recording
+
+MAPPING = "mapping.yaml"
+_SMALL = 6_000  # records
+_DOUBTED = ("MCAP, JSON", "Crazyflie")  # no units; a thrust or a speed
+_KIB = 1024
+_PEAK = "VmHWM:"  # in Linux's status of a process; what getrusage tells goes back to before the program began
+_PAGE = """# Speed of reading logs
+
+Made by `{command}` on {day}. {machine}
+
+Each log has {records:,} records: rows of a table, messages of a bag, or records of one number (WPILOG) or one topic
+(ULog, DataFlash, Crazyflie). It holds a joint that swings or a quadrotor that sways, and is written by the encoders of
+the tests. All times are of one processor core, the median of {rounds}. The targets are 5 s for `simgap inspect`, its
+start included; 2 million records a second for importing and for cleaning; and memory within 4 times the file.
+
+- *read* is from the file to signals, *import* from the file to a recording in Parquet.
+- *clean* is `simgap clean`, in rows of the recording.
+- *memory* is the most that the process held beyond what it held before, over the size of the file.
+  Formats that are compressed (Parquet, LeRobot, Blackbox) hold less in the file than their numbers need.
+
+| format | file, MB | inspect, s | read, 10⁶/s | import, 10⁶/s | clean, 10⁶/s | memory, read | memory, import |
+|---|--:|--:|--:|--:|--:|--:|--:|
+{rows}
+"""
+Result = TypeVar("Result")
+
+
+def _timed(work: Callable[[], Result]) -> tuple[Result, float]:
+    begin = time.process_time()
+    result = work()
+    return result, time.process_time() - begin
+
+
+def _held() -> int:
+    """Return the most that this process held so far, bytes."""
+    lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+    return next(int(line.split()[1]) * _KIB for line in lines if line.startswith(_PEAK))
+
+
+def _through(path: Path) -> dict[str, float]:
+    """Read, import and clean a log; return processor times, s, memories, bytes, and rows of the recording.
+
+    A log of which it is not sure which signal is which column gets the mapping that is proposed.
+    """
+    from simgap.logs.formats import read_log
+    from simgap.logs.opening import open_recording
+    from simgap.recordings.cleaning import clean_recording
+    from simgap.recordings.recording import write_recording
+
+    before = _held()
+    read = _timed(lambda: read_log(path) and None)[1]
+    found = {"read": read, "read_memory": _held() - before}
+
+    mapping = path.with_name(MAPPING)
+
+    def imported() -> Recording:
+        recording = open_recording(path, mapping=mapping if mapping.exists() else None)
+        write_recording(recording, path.parent / "imported.parquet")
+        return recording
+
+    recording, found["import"] = _timed(imported)
+    found["import_memory"] = _held() - before
+    found["clean"] = _timed(lambda: clean_recording(recording) and None)[1]
+    return found | {"rows": len(recording.frame)}
+
+
+def _measure(small: Path, large: Path) -> None:
+    _through(small)
+    print(json.dumps(_through(large)))
+
+
+def _size(path: Path) -> int:
+    return sum(file.stat().st_size for file in path.rglob("*")) if path.is_dir() else path.stat().st_size
+
+
+def _inspected(path: Path) -> float:
+    """Return how long `simgap inspect` takes, s of the processor, its start included."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [sys.executable, "-m", "simgap", "inspect", str(path), "-o", str(path.with_name(MAPPING))]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+
+
+def row(name: str, records: int, rounds: int) -> str:
+    """Return the line of a format: medians of the rounds."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "small").mkdir()
+        small, large = MAKERS[name](Path(folder) / "small", _SMALL), MAKERS[name](Path(folder), records)
+        size = _size(large)
+        inspected = sorted(_inspected(large) for _ in range(rounds))
+        _inspected(small)
+        if name not in _DOUBTED:
+            small.with_name(MAPPING).unlink(missing_ok=True)
+            large.with_name(MAPPING).unlink(missing_ok=True)
+        command = [sys.executable, "-m", "benchmarks.reading", "--measure", str(small), str(large)]
+        texts = [
+            subprocess.run(command, check=True, capture_output=True, text=True).stdout for _ in range(rounds)
+        ]
+    found = [json.loads(text) for text in texts]
+    best = {key: sorted(each[key] for each in found)[rounds // 2] for key in found[0]}
+    rates = [records / best["read"], records / best["import"], best["rows"] / best["clean"]]
+    memories = [best["read_memory"] / size, best["import_memory"] / size]
+    numbers = [f"{size / 1e6:.0f}", f"{inspected[rounds // 2]:.1f}"]
+    numbers += [f"{rate / 1e6:.2f}" for rate in rates] + [f"{share:.1f}" for share in memories]
+    return f"| {name} | {' | '.join(numbers)} |"
+
+
+def main() -> None:
+    """Write the page."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.reading")
+    parser.add_argument("--records", type=int, default=1_000_000)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--formats", nargs="*", default=list(MAKERS))
+    parser.add_argument("--output", type=Path, default=Path("docs/benchmark_reading.md"))
+    parser.add_argument("--measure", nargs=2, type=Path, help=argparse.SUPPRESS)
+    chosen = parser.parse_args()
+    if chosen.measure:
+        _measure(*chosen.measure)
+        return
+    load, rows = os.getloadavg()[0], []
+    for name in chosen.formats:
+        rows.append(row(name, chosen.records, chosen.rounds))
+        print(rows[-1], flush=True)
+    text = _PAGE.format(
+        command="make bench-reading",
+        day=date.today().isoformat(),
+        machine=machine("cpu", load),
+        records=chosen.records,
+        rounds="one run" if chosen.rounds == 1 else f"{chosen.rounds} runs",
+        rows="\n".join(rows),
+    )
+    chosen.output.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
