@@ -7,11 +7,14 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from simgap.effects.quadrotor.induced_velocity import induced_velocity
 from simgap.physics import rigid_body, rotations
 from simgap.physics.integrators import rk4
+from simgap.physics.rotors import hub_velocity
+from simgap.plants.rotor import Rotor
 from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.effects.responses import TIME_STEP, actuated, assert_same, constants
-from tests.pipeline.effects.rotors import SEED, hovering, of
+from tests.pipeline.effects.rotors import HOVER, SEED, hovering, of
 from tests.pipeline.platforms.machines import QUADROTOR, some_signals
 
 
@@ -164,7 +167,7 @@ def test_the_inflow_of_a_climb_is_that_of_the_closed_form(climb, sensitivity, in
     """Along the axis blade elements and momentum meet in a quadratic equation (Leishman 2006, §2.13 and §3.2)."""
     signals = {name: series[0] for name, series in hovering(1).items()}
     signals["velocity"] = torch.tensor([[0.0, 0.0, climb]], dtype=torch.float64)
-    values = {"sensitivity": sensitivity, "induced_velocity": induced}
+    values = {"sensitivity": sensitivity, "induced_velocity": induced, "induced_share": 0.6}
     through = _through_the_disc(climb, sensitivity, induced)
     if through <= 0.1 * induced:  # the wake blows back: no steady inflow along the axis
         return
@@ -184,18 +187,68 @@ def test_level_flight_gains_thrust_up_to_a_rotor_without_induced_velocity():
     speeds = torch.tensor([0.0, 2.0, 5.0, 10.0, 20.0, 1e4], dtype=torch.float64)
     signals = {name: series[0].expand(6, -1) for name, series in hovering(1).items()}
     signals["velocity"] = torch.stack([speeds, 0 * speeds, 0 * speeds], dim=-1)
-    values = {"sensitivity": 1.5, "induced_velocity": 6.0}
+    values = {"sensitivity": 1.5, "induced_velocity": 6.0, "induced_share": 0.6}
     gain = of("inflow_ratio").wrench(signals, values, constants("quadrotor"))["force_z"]
     assert float(gain[0]) == pytest.approx(0.0, abs=1e-12)
     assert (torch.diff(gain) > 0).all()
     assert float(gain[-1]) == pytest.approx(1.5 * QUADROTOR.gravity, rel=2e-3)
 
 
+@pytest.mark.parametrize("climb", [-1.0, 0.0, 4.0])
+def test_a_rotor_takes_the_power_of_its_profile_and_of_its_thrust_against_the_inflow(climb):
+    """Q·Ω = profile + T·(v_z + u). One rotor is faster, so that its torque is not met by its neighbours'."""
+    signals = {name: series[0] for name, series in hovering(1).items()}
+    signals["rotor_speed"] = torch.tensor([[1.0, 1.2, 1.0, 1.0]], dtype=torch.float64) * HOVER
+    signals["velocity"] = torch.tensor([[0.0, 0.0, climb]], dtype=torch.float64)
+    values = {"sensitivity": 1.5, "induced_velocity": 6.0, "induced_share": 0.6}
+    wrench = of("inflow_ratio").wrench(signals, values, constants("quadrotor"))
+
+    def added_torque(pace: float) -> float:
+        through = _through_the_disc(climb, 1.5, 6.0 * pace) / (6.0 * pace)
+        thrust = 1.0 - 1.5 * (through - 1.0)
+        return 0.6 * QUADROTOR.torque_coefficient * (pace * HOVER) ** 2 * (thrust * through - 1.0)
+
+    expected = QUADROTOR.rotor_directions[1] * (added_torque(1.2) - added_torque(1.0))
+    assert float(wrench["torque_z"]) == pytest.approx(expected, rel=1e-6, abs=1e-12)
+
+
+@given(seed=SEED)
+def test_air_goes_through_a_disc_as_its_thrust_pushes_it(seed):
+    """Momentum theory with Glauert's rule: u·√(V² + (v_z + u)²) stays what it is in still air."""
+    still, crossing, climb = 8.0 * torch.rand(3, 50, generator=torch.Generator().manual_seed(seed)).double()
+    still, climb = still + 1.0, climb - 4.0
+    induced = induced_velocity(still, crossing.square(), climb, 0.0)
+    settled = crossing > 0.6 * still  # slower descents meet their own wake, without a steady inflow
+    pushed = induced * (crossing.square() + (climb + induced).square()).sqrt()
+    torch.testing.assert_close(pushed[settled], still.square()[settled], rtol=1e-6, atol=0.0)
+    assert (induced > 0).all()
+    assert induced.isfinite().all()
+
+
+@given(seed=SEED)
+def test_each_disc_tilts_as_a_rotor_of_blade_elements_in_its_own_stream(seed):
+    """The tilt is (8/3·pitch − 2·λ)·μ, that of the rotors of the concealed plants."""
+    rotor, numbers = Rotor(QUADROTOR.thrust_coefficient, radius=0.12), constants("quadrotor")
+    still, tip = rotor.still_inflow_ratio * rotor.radius * HOVER, rotor.radius * HOVER
+    lean = rotor.pitch * 8.0 / 3.0 - 2.0 * still / tip
+    values = {"tilt": lean / tip, "time_constant": 0.0, "stiffness": 0.0, "inflow": 2.0 * still / tip / lean}
+    values["induced_velocity"] = still
+    signals = some_signals("quadrotor", (1, 5), seed)
+    signals["velocity"] = signals["velocity"].clamp(-4.0, 4.0)
+    found = of("tip_path_plane_flapping").along_time(signals, values, numbers, TIME_STEP)["disc_tilt"]
+    hub = hub_velocity(signals["velocity"], signals["body_rate"], numbers["rotor_positions"])
+    pace = signals["rotor_speed"] / HOVER
+    induced = induced_velocity(still * pace, hub[..., :2].square().sum(-1), hub[..., 2], 0.0)
+    ratio = (hub[..., 2] + induced) / (tip * pace)
+    expected = (8.0 / 3.0 * rotor.pitch - 2.0 * ratio) / (tip * pace)
+    torch.testing.assert_close(found, expected[..., None] * hub[..., :2], rtol=1e-9, atol=1e-12)
+
+
 def test_discs_in_a_steady_stream_drag_as_rotor_drag_says():
     signals = hovering(3)
     signals["velocity"] = torch.tensor([[[4.0, -2.0, 0.0]] * 3], dtype=torch.float64)
     flapping, numbers = of("tip_path_plane_flapping"), constants("quadrotor")
-    values = {"tilt": 0.02, "time_constant": 0.03, "stiffness": 0.0}
+    values = flapping.completed({"tilt": 0.02, "time_constant": 0.03, "stiffness": 0.0})
     found = flapping.wrench(flapping.along_time(signals, values, numbers, TIME_STEP), values, numbers)
     drag = of("rotor_drag").wrench(signals, {"coefficient": 0.02 * QUADROTOR.gravity}, numbers)
     assert_same({name: found[name] for name in drag}, drag)
@@ -206,29 +259,27 @@ def test_discs_keep_their_plane_in_space_while_the_body_turns_and_settle_a_time_
     rate = torch.zeros(1, 200, 3, dtype=torch.float64)
     rate[:, 1:, :2] = torch.tensor([0.3, 0.5], dtype=torch.float64)
     signals["body_rate"] = rate
-    values = {"tilt": 0.02, "time_constant": 0.05, "stiffness": 0.0}
-    tilt = of("tip_path_plane_flapping").along_time(signals, values, constants("quadrotor"), 1e-4)[
-        "disc_tilt"
-    ]
+    flapping, numbers = of("tip_path_plane_flapping"), constants("quadrotor")
+    values = flapping.completed({"tilt": 0.0, "time_constant": 0.05, "stiffness": 0.0})
+    tilt = flapping.along_time(signals, values, numbers, 1e-4)["disc_tilt"]
     turned = 0.5 * (torch.arange(200) - 0.5) * 1e-4
-    assert float(tilt[0, 5, 0]) == pytest.approx(float(turned[5]), rel=0.02)
-    later = of("tip_path_plane_flapping").along_time(signals, values, constants("quadrotor"), 0.01)
-    torch.testing.assert_close(
-        later["disc_tilt"][0, -1], 0.05 * torch.tensor([0.5, -0.3], dtype=torch.float64)
-    )
+    assert tilt[0, 5, :, 0].tolist() == pytest.approx([float(turned[5])] * 4, rel=0.02)
+    later = flapping.along_time(signals, values, numbers, 0.01)["disc_tilt"]
+    behind = 0.05 * torch.tensor([[0.5, -0.3]] * 4, dtype=torch.float64)
+    torch.testing.assert_close(later[0, -1], behind)
 
 
 @given(seed=SEED)
-def test_a_tilted_disc_twists_the_body_towards_itself(seed):
-    """The moment is stiffness times tilt, and the sideways thrust of hubs that stand above the centre of mass."""
-    signals = some_signals("quadrotor", (6,), seed)
-    tilt = signals["velocity"][..., :2] * 0.01
-    numbers, values = constants("quadrotor"), {"tilt": 0.0, "time_constant": 0.0, "stiffness": 0.2}
-    wrench = of("tip_path_plane_flapping").wrench({**signals, "disc_tilt": tilt}, values, numbers)
-    thrust = numbers["thrust_coefficient"] * signals["rotor_speed"].square().sum(-1)
-    lever = 0.2 + 0.01 * thrust  # all hubs of this machine are 0.01 m up
-    torch.testing.assert_close(wrench["torque_y"], -lever * tilt[..., 0])
-    torch.testing.assert_close(wrench["torque_x"], lever * tilt[..., 1])
+def test_tilted_discs_twist_the_body_by_their_stiffness_and_the_lever_of_their_thrust(seed):
+    signals, numbers = some_signals("quadrotor", (6,), seed), constants("quadrotor")
+    tilt = 0.01 * torch.randn(6, 4, 2, generator=torch.Generator().manual_seed(seed), dtype=torch.float64)
+    wrench = of("tip_path_plane_flapping").wrench({**signals, "disc_tilt": tilt}, {"stiffness": 0.2}, numbers)
+    thrust = numbers["thrust_coefficient"] * signals["rotor_speed"].square()
+    in_plane = torch.cat([-thrust[..., None] * tilt, torch.zeros(6, 4, 1, dtype=torch.float64)], dim=-1)
+    torque = torch.linalg.cross(numbers["rotor_positions"].expand_as(in_plane), in_plane).sum(-2)
+    hinge = 0.05 * torch.stack([tilt[..., 1].sum(-1), -tilt[..., 0].sum(-1), 0.0 * tilt[:, 0, 0]], dim=-1)
+    found = torch.stack([wrench[f"torque_{axis}"] for axis in "xyz"], dim=-1)
+    torch.testing.assert_close(found, torque + hinge)
 
 
 @given(seed=SEED)
