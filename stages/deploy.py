@@ -167,7 +167,7 @@ def _table(name: str, trials: "list[Trial]") -> Any:
 
 
 def _outcome(trials: "list[Trial]", config: DeployStage) -> dict[str, float]:
-    """Return where the trials came to rest, m, when, s, and how many did so within what is asked."""
+    """Return where the trials came to rest, m, when, s, with the spreads, and how many did so within what is asked."""
     import numpy as np
 
     settings, target = config.deploy, config.profile.distance
@@ -180,9 +180,16 @@ def _outcome(trials: "list[Trial]", config: DeployStage) -> dict[str, float]:
         "trials/number": float(len(trials)),
         "trials/inside": float((ends <= settings.within).sum()),
         "trials/mean_miss": float(ends.mean()),
+        "trials/spread_miss": _spread(ends),
         "trials/worst_miss": float(ends.max()),
         "trials/time": float(np.mean(still)),
+        "trials/spread_time": _spread(np.array(still)),
     }
+
+
+def _spread(values: "NDArray[np.float64]") -> float:
+    """Return the standard deviation over the trials; NaN of a single one."""
+    return float(values.std(ddof=1)) if len(values) > 1 else float("nan")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 """The stage that plans the fastest rest-to-rest motion of a swerve drive."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from simgap.artifacts import checkpoint_folder, remove_checkpoint
@@ -11,10 +12,14 @@ from simgap.policies.profile.settings import Profile
 from simgap.runner import StageConfig, StageRun, in_pipeline, stage
 
 if TYPE_CHECKING:
+    from simgap.policies.best import Best
+    from simgap.policies.networks import Gaussian
     from simgap.policies.profile.drive import Drive
     from simgap.policies.profile.motion import Motion
 
 FIGURE = "motions.svg"
+IMPROVEMENTS = "improvements.svg"
+_DRAWN = 8  # of the policies that were better than all before them, in the picture of a training
 
 
 @dataclass
@@ -84,12 +89,14 @@ def _learned(name: str, choice: str, config: ProfileStage, drive: "Drive", run: 
 
     task, driven = config.profile, driven_in(choice, drive, config.platform, config, run)
 
-    def duration(gaussian: Gaussian) -> float:
-        motion = drive_by_policy(Policy(gaussian), task, drive, driven)
-        return motion.arrival(task.distance, task.tolerance, task.speed_tolerance)
+    def driven_by(gaussian: Gaussian) -> "Motion":
+        return drive_by_policy(Policy(gaussian), task, drive, driven)
 
     machines = MotionProfile(task, drive, task.learning.machines, driven=driven)
-    training = Training(machines, task.learning, config.seed, Best(duration))
+    best = Best(
+        lambda gaussian: driven_by(gaussian).arrival(task.distance, task.tolerance, task.speed_tolerance)
+    )
+    training = Training(machines, task.learning, config.seed, best)
     inputs = sorted(run.inputs.values())
     checkpoint = checkpoint_folder(config.artifacts, [asdict(task), config.seed, inputs, choice])
     curve = training.run(checkpoint, run.log_metrics)
@@ -109,7 +116,25 @@ def _learned(name: str, choice: str, config: ProfileStage, drive: "Drive", run: 
     )
     save_policy(gaussian, description, run.output / name)
     export_policy(gaussian, run.output / name)
-    return drive_by_policy(Policy(gaussian), task, drive, driven)
+    _draw_improvements(best, gaussian, driven_by, task.distance, run.output / f"{name}_{IMPROVEMENTS}")
+    return driven_by(gaussian)
+
+
+def _draw_improvements(
+    best: "Best", gaussian: "Gaussian", driven_by: "Callable[[Gaussian], Motion]", target: float, path: Path
+) -> None:
+    """Draw what the policies did that were faster than all before them, evenly chosen; the best is the last."""
+    import numpy as np
+
+    from simgap.report.motions import draw_motions
+
+    costs = best.costs
+    motions = {}
+    for number in np.linspace(0, len(costs) - 1, min(len(costs), _DRAWN)).astype(int):
+        best.restore(gaussian, int(number))
+        motions[f"{number + 1}: {costs[number]:.3f} s"] = driven_by(gaussian)
+    if motions:
+        draw_motions(motions, target, path)
 
 
 def _compared_measures(motions: "Mapping[str, Motion]", task: Profile) -> dict[str, float]:

@@ -14,32 +14,35 @@ Judge = Callable[[Gaussian], float]
 
 
 class Best:
-    """The policy with the lowest cost so far; of two equal ones, the later.
-
-    Attributes:
-        cost: of it; infinite while none was of use.
-    """
+    """The policies that cost less than all before them; of two equal ones, the later. The last of them is the best."""
 
     def __init__(self, judge: Judge) -> None:
-        self.cost = math.inf
         self._judge = judge
-        self._weights: dict[str, Tensor] | None = None
+        self._kept: list[tuple[float, dict[str, Tensor]]] = []
+
+    @property
+    def costs(self) -> list[float]:
+        """Of the policies, each lower than the one before."""
+        return [cost for cost, _ in self._kept]
 
     def consider(self, gaussian: Gaussian) -> None:
         """Keep a policy if it costs no more than the best so far."""
-        cost = self._judge(gaussian)
-        if cost <= self.cost:
-            self.cost, self._weights = cost, copy.deepcopy(gaussian.state_dict())
+        cost, least = self._judge(gaussian), self._kept[-1][0] if self._kept else math.inf
+        if not cost <= least:
+            return
+        if cost == least and self._kept:
+            self._kept.pop()
+        self._kept.append((cost, copy.deepcopy(gaussian.state_dict())))
 
-    def restore(self, gaussian: Gaussian) -> None:
-        """Make a policy the best again; where none was of use, it stays as it is."""
-        if self._weights is not None:
-            gaussian.load_state_dict(self._weights)
+    def restore(self, gaussian: Gaussian, number: int = -1) -> None:
+        """Make a policy one of those in `costs`, or the best; where none was of use, it stays as it is."""
+        if self._kept:
+            gaussian.load_state_dict(self._kept[number][1])
 
     def snapshot(self) -> dict[str, Any]:
         """Return what is kept, for a checkpoint."""
-        return {"cost": self.cost, "weights": self._weights}
+        return {"kept": list(self._kept)}
 
     def resume(self, snapshot: dict[str, Any]) -> None:
         """Go on where a snapshot was taken."""
-        self.cost, self._weights = snapshot["cost"], snapshot["weights"]
+        self._kept = list(snapshot["kept"])

@@ -8,7 +8,7 @@ from typing import Any
 from simgap.report.inputs import ReportInputs, read_json
 from simgap.report.section import Drawing, Section
 from simgap.report.tables import Table
-from simgap.report.text import number, spoken
+from simgap.report.text import estimate, number, spoken
 
 _MAIN = "policy"
 _FORESEEN, _TRIALS = "foreseen/", "trials/"
@@ -59,8 +59,13 @@ def _outcome(measures: Mapping[str, Any] | None) -> list[str]:
     if measures is None:
         return ["–"] * (len(_HEADER) - 2)
     inside = f"{measures['trials/inside']:.0f} of {measures['trials/number']:.0f}"
-    times = [number(measures[name]) for name in ("foreseen/time", "trials/time")]
-    return [*times, inside, *(number(measures[f"trials/{miss}_miss"]) for miss in ("mean", "worst"))]
+    return [
+        number(measures["foreseen/time"]),
+        estimate(measures["trials/time"], measures.get("trials/spread_time")),
+        inside,
+        estimate(measures["trials/mean_miss"], measures.get("trials/spread_miss")),
+        number(measures["trials/worst_miss"]),
+    ]
 
 
 def _pictures(folder: Path | None) -> list[str]:

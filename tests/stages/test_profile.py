@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import pytest
 import yaml
@@ -75,6 +76,12 @@ def test_it_writes_all_motions_their_picture_and_the_policy(planned):
     assert not list((folder / "checkpoints").glob("*"))
 
 
+def test_the_sequence_of_the_fastest_policies_is_drawn(tmp_path):
+    near = replace(TASK, tolerance=2.9, speed_tolerance=5.0)  # every policy that moves arrives
+    run = run_profile(branch(tmp_path / "near"), profile=near)
+    assert " s</text>" in (run.output / "policy_improvements.svg").read_text()
+
+
 def test_a_policy_that_does_not_arrive_is_said_and_the_others_are_compared(planned):
     _, run = planned
     assert run.warnings == ["the policy does not arrive: train it longer, or widen profile.narrow"]
@@ -108,6 +115,8 @@ def test_what_was_planned_comes_to_rest_at_the_target_on_the_concealed_plant(pla
     run = run_deploy(folder, motion=contenders.S_CURVE, window=1)
     assert run.metrics["trials/inside"] == run.metrics["trials/number"] == 5
     assert run.metrics["trials/worst_miss"] < 0.03
+    assert 0.0 < run.metrics["trials/spread_miss"] < run.metrics["trials/worst_miss"]
+    assert 0.0 < run.metrics["trials/spread_time"] < 0.1
     assert run.metrics["trials/time"] == pytest.approx(run.metrics["foreseen/time"], abs=0.1)
     assert (run.output / "trials.svg").exists()
     assert (run.output / "trials.parquet").exists()

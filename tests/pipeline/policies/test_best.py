@@ -45,6 +45,17 @@ def test_the_cheapest_is_kept_and_of_equals_the_later(costs, kept):
     assert all(map(torch.equal, last.parameters(), policies[kept].parameters()))
 
 
+def test_the_sequence_of_the_best_has_each_at_its_cost():
+    costs = [float("nan"), 3.0, 4.0, 2.0, 2.0, 1.0]
+    best, policies = Best(Judge(*costs)), [_gaussian(0.1 + number) for number in range(6)]
+    for policy in policies:
+        best.consider(policy)
+    assert best.costs == [3.0, 2.0, 1.0]
+    for number, kept in enumerate([1, 4, 5]):
+        best.restore(policies[0], number)
+        assert all(map(torch.equal, policies[0].parameters(), policies[kept].parameters()))
+
+
 def test_where_none_is_of_use_the_last_stays():
     best, last = Best(Judge(float("nan"))), _gaussian(0.5)
     best.consider(last)

@@ -17,6 +17,7 @@ PLANNED = {
 
 def outcome(prefix="", inside=5.0):
     trials = {"number": 5.0, "inside": inside, "mean_miss": 0.0123, "worst_miss": 0.02, "time": 1.9}
+    trials |= {"spread_time": 0.05, "spread_miss": None}
     return {f"{prefix}foreseen/time": 1.8} | {f"{prefix}trials/{key}": value for key, value in trials.items()}
 
 
@@ -32,8 +33,8 @@ def test_motions_of_every_simulator_stand_beside_their_trials(tmp_path):
     section = driven_section(written(tmp_path, profile=PLANNED, deploy=driven), Drawing())
     assert section is not None
     policy, learned, published = section.content["table"].rows
-    assert policy[1:5] == ["1.50", "1.80", "1.90", "5 of 5"]
-    assert learned[4:] == ["3 of 5", "0.0123", "0.0200"]
+    assert policy[1:5] == ["1.50", "1.80", "1.900\u00a0±\u00a00.050", "5 of 5"]
+    assert learned[4:] == ["3 of 5", "0.01230", "0.0200"]
     assert set(published[2:]) == {"–"}
 
 
