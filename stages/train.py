@@ -191,6 +191,7 @@ def _score(
         )
     if settings.free_run:
         scores["free_run"] = free_run_scores(model, held, settings.free_run)
+        scores |= {"test_windows": _test_windows(model, held, settings)} if settings.test_windows else {}
         _write_traces(free_run_traces(model, held, settings.free_run), run)
     if parameters := model.identified():
         scores["parameters"] = parameters
@@ -200,6 +201,18 @@ def _score(
         scores["moving_window"] = moving_window_ratios(model, held, settings, context)
     _write_metrics(_finite(scores), run)
     run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
+
+
+def _test_windows(model: "DynamicsModel", held: "Series", settings: Training) -> dict[str, Any]:
+    """Return the scores of free runs in each of the equal parts of the held-out time, from 1 on."""
+    from simgap.models.free_run import free_run_scores
+
+    parts = settings.test_windows
+    windows = (held.excerpt(1.0 / parts, number / parts) for number in range(parts))
+    return {
+        str(number): free_run_scores(model, window, settings.free_run)
+        for number, window in enumerate(windows, start=1)
+    }
 
 
 def _write_traces(traces: "pd.DataFrame", run: StageRun) -> None:

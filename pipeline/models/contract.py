@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import torch
 from torch import Tensor
@@ -55,6 +55,18 @@ class Provenance:
     seed: int = 0
     training: dict[str, Any] = field(default_factory=dict)
     data_source: str = ""
+
+
+class Teacher(NamedTuple):
+    """Teacher forcing: recorded states in the place of predicted ones (Williams & Zipser 1989).
+
+    Attributes:
+        states: recorded after each step, (batch, steps, states).
+        forced: which of them are given, (states,) bool.
+    """
+
+    states: Tensor
+    forced: Tensor
 
 
 class DynamicsModel(ABC):
@@ -160,12 +172,13 @@ class DynamicsModel(ABC):
         """Return what `unroll` does, without its derivatives."""
         return self.unroll(states, actions)
 
-    def unroll(self, states: Tensor, actions: Tensor) -> Tensor:
+    def unroll(self, states: Tensor, actions: Tensor, teacher: Teacher | None = None) -> Tensor:
         """Return the states of many steps, each fed back as the next window's last sample.
 
         Args:
             states: known to begin with, (batch, length, states).
             actions: inputs, (batch, length − 1 + steps, inputs); the first belong to the known states.
+            teacher: says what is fed back in place of what was predicted; None: nothing.
 
         Returns:
             (batch, steps, states).
@@ -181,6 +194,8 @@ class DynamicsModel(ABC):
             if step:
                 memory = self.follow(memory, self.layout.encode(state, action))
             state = self.following(state, memory, self.physics and self.physics(state, action))
+            if teacher is not None:
+                state = torch.where(teacher.forced, teacher.states[:, step], state)
             reached.append(state)
         return torch.stack(reached, dim=1)
 

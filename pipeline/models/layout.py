@@ -26,6 +26,8 @@ class Layout(ABC):
 
     kind: ClassVar[str]
     states: ClassVar[tuple[str, ...]]
+    moved: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    """Quantities of the states that move together, where a network of its own may predict each such group."""
     inputs: tuple[str, ...]
     lead: int = field(default=0, kw_only=True)
 

@@ -18,6 +18,7 @@ class QuadrotorLayout(Layout):
 
     kind: ClassVar[str] = "quadrotor"
     states: ClassVar[tuple[str, ...]] = tuple(QUADROTOR_STATE)
+    moved: ClassVar[tuple[tuple[str, ...], ...]] = (("position", "velocity"), ("attitude", "body_rate"))
 
     @property
     def features(self) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from pytorch_lightning.utilities.types import OptimizerLRSchedulerConfig
 from torch import Tensor, nn
 
 from simgap.errors import InputError
-from simgap.models.contract import FitContext
+from simgap.models.contract import FitContext, Teacher
 from simgap.models.layout import Layout
 from simgap.models.settings import TrainedSettings, Training
 from simgap.models.training import VALIDATION_LOSS, train_module
@@ -41,7 +41,7 @@ class Unrolled(Protocol):
     def settings(self) -> TrainedSettings:
         """Of the model."""
 
-    def unroll(self, states: Tensor, actions: Tensor) -> Tensor:
+    def unroll(self, states: Tensor, actions: Tensor, teacher: Teacher | None = None) -> Tensor:
         """Return what `DynamicsModel.unroll` does, with its derivatives."""
 
 
@@ -68,6 +68,9 @@ class RolloutRegression(lightning.LightningModule):
 
     The error is not squared, because a few diverging windows would dominate a squared error.
 
+    With teacher forcing there is a prediction for each group of quantities, to which the others are given. Validation
+    gives none.
+
     Dropout and batch normalisation run as in prediction, because the outputs are fed back.
     """
 
@@ -80,6 +83,7 @@ class RolloutRegression(lightning.LightningModule):
         self.steps, self.size, self.seed = training.steps, training.batch_size, seed
         self.epochs, self.growing = training.max_epochs, round(training.growth * training.max_epochs)
         self.known = model.settings.sequence_length
+        self.lessons = lessons(model.layout) if training.teacher_forcing else []
         self.usual = usual_changes(model.layout, self.train_series, training.steps)
 
     def train_dataloader(self) -> Stretches:
@@ -109,7 +113,7 @@ class RolloutRegression(lightning.LightningModule):
 
     def training_step(self, batch: tuple[Tensor, Tensor], index: int) -> Tensor:
         """Return the loss of a batch."""
-        loss = self._loss(batch)
+        loss = self._taught(batch) if self.lessons else self._loss(batch)
         self.log("train_loss", loss, on_step=False, on_epoch=True, batch_size=len(batch[0]))
         return loss
 
@@ -126,13 +130,32 @@ class RolloutRegression(lightning.LightningModule):
         schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, T_max=self.epochs)
         return {"optimizer": optimizer, "lr_scheduler": {"scheduler": schedule}}
 
-    def _loss(self, batch: tuple[Tensor, Tensor]) -> Tensor:
+    def _taught(self, batch: tuple[Tensor, Tensor]) -> Tensor:
+        """Return the loss of all lessons: what is given has no error in it."""
+        return torch.stack([self._loss(batch, forced.to(self.device)) for forced in self.lessons]).sum()
+
+    def _loss(self, batch: tuple[Tensor, Tensor], forced: Tensor | None = None) -> Tensor:
         states, actions = batch
-        predicted = self.model.unroll(states[:, : self.known], actions)
-        errors = self.model.layout.errors(predicted, states[:, self.known :])
+        true = states[:, self.known :]
+        teacher = None if forced is None else Teacher(true, forced)
+        predicted = self.model.unroll(states[:, : self.known], actions, teacher)
+        errors = self.model.layout.errors(predicted, true)
         steps = predicted.shape[1]
         relative = [(errors[name] / usual[:steps]).mean() for name, usual in self.usual.items()]
         return torch.stack(relative).mean()
+
+
+def lessons(layout: Layout) -> list[Tensor]:
+    """Return for each group of quantities that move together the states (states,) of the others, bool.
+
+    Raises:
+        InputError: when the layout has no such groups.
+    """
+    if not layout.moved:
+        remedy = "set it to false, or choose train.layout=quadrotor"
+        raise InputError(f"{layout.kind!r} has no groups to force", "train.teacher_forcing", remedy)
+    quantities = [name.rpartition("_")[0] for name in layout.states]
+    return [torch.tensor([name not in group for name in quantities]) for group in layout.moved]
 
 
 def train_rollouts(

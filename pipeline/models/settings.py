@@ -29,6 +29,9 @@ class Training:
         1  # open-loop steps through which a network is trained further, once it predicts the next one
     )
     growth: float = 0.0  # share of the epochs in which these steps grow, evenly, to their number
+    teacher_forcing: bool = (
+        False  # whether these steps see recorded rates where velocities are learned, and the other way round
+    )
     bias_correction: bool = (
         False  # whether predictions are corrected by a line that is fitted on validation runs
     )
@@ -43,6 +46,7 @@ class Training:
     share: float = 1.0  # of the training data that is used
     shift: float = 0.0  # share of the training data before the part that is used
     free_run: float = 0.0  # s over which held-out runs are simulated from their inputs alone; 0: not
+    test_windows: int = 0  # equal parts of the held-out time in each of which free runs are scored; 0: none
     residual_ratios: bool = False  # whether residuals are compared in size with what is predicted
     moving_window: float = 0.0  # s of held-out runs to which the model is fitted anew all along them; 0: not
     moving_step: float = 0.5  # s that such a fit predicts

@@ -141,6 +141,23 @@ def test_free_runs_and_residual_ratios_are_written_where_they_are_asked_for(tmp_
     assert set(pd.read_parquet(run.output / "free_run.parquet")["state"]) == {"position", "velocity"}
 
 
+def test_free_runs_are_scored_in_windows_that_move_along_the_held_out_time(tmp_path):
+    def scores(windows):
+        folder = tmp_path / str(windows)
+        folder.mkdir()
+        settings = replace(QUICK, free_run=1.0, test_windows=windows)
+        run = run_stage(folder, learnable.linear_joint(), settings=settings)
+        metrics = json.loads((run.output / "metrics.json").read_text())
+        return metrics["free_run"], metrics.get("test_windows", {})
+
+    whole, single = scores(1)
+    assert single == {"1": whole}
+    _, parts = scores(2)
+    assert set(parts) == {"1", "2"}
+    assert parts["1"]["velocity"] != parts["2"]["velocity"]
+    assert scores(0)[1] == {}
+
+
 def test_gain_time_constant_and_damping_stand_in_the_metrics(tmp_path):
     settings = replace(QUICK, layout="attitude", horizons=[1])
     run = run_stage(tmp_path, rig(), "transfer_function", settings)

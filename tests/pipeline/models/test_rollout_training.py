@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from simgap.errors import InputError
-from simgap.models.contract import FitContext
+from simgap.models.contract import FitContext, Teacher
 from simgap.models.evaluation import rollout_errors
 from simgap.models.rollout_training import RolloutRegression, usual_changes
 from simgap.models.settings import Training
@@ -50,6 +50,45 @@ def test_a_killed_training_goes_on_to_the_same_end(name, epoch, parts, tmp_path)
         killed.fit(train, validation, SHORT, FitContext(3, tmp_path, kill))
     assert resumed.fit(train, validation, SHORT, FitContext(3, tmp_path)) == loss
     assert all(torch.equal(own, resumed.tensors()[key]) for key, own in undisturbed.tensors().items())
+
+
+def flying(**training):
+    """Return a black box with a network for velocity and one for body rate, and what trains it."""
+    recorded = learnable.quadrotor()
+    train, validation, _ = learnable.parts_of(recorded)
+    model = learnable.new_model("black_box", recorded, separate=True)
+    settings = replace(SHORT, max_epochs=1, **training)
+    model.fit(train, validation, settings)
+    return model, RolloutRegression(model, train, validation, settings, 0)
+
+
+def test_a_teacher_gives_some_states_and_leaves_the_others_to_the_model():
+    model, module = flying()
+    states, _ = batch = next(iter(module.train_dataloader()))
+    true, free = states[:, module.known :], module.model.rollout(states[:, : module.known], batch[1])
+    nothing, everything = (torch.full((13,), given) for given in (False, True))
+    with torch.no_grad():
+        for forced, expected in ((nothing, free), (everything, true)):
+            teacher = Teacher(true, forced)
+            assert torch.equal(model.unroll(states[:, : module.known], batch[1], teacher), expected)
+
+
+@pytest.mark.parametrize(("lesson", "taught"), [(0, 0), (1, 1)])
+def test_a_lesson_on_one_quantity_teaches_its_own_network_alone(lesson, taught):
+    model, module = flying(teacher_forcing=True)
+    model.network.zero_grad()
+    module._loss(next(iter(module.train_dataloader())), module.lessons[lesson]).backward()
+    for number, network in enumerate(model.network.networks):
+        learned = any(p.grad is not None and bool(p.grad.any()) for p in network.parameters())
+        assert learned == (number == taught)
+        assert all(p.grad is None or bool(p.grad.isfinite().all()) for p in network.parameters())
+
+
+def test_a_machine_without_groups_has_no_teacher(parts):
+    _, train, validation, _ = parts
+    model = learnable.new_model("black_box", parts[0])
+    with pytest.raises(InputError, match=r"train\.teacher_forcing"):
+        model.fit(train, validation, replace(SHORT, max_epochs=1, teacher_forcing=True))
 
 
 def test_the_loss_falls_and_the_best_weights_are_kept(parts):
