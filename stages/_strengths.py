@@ -34,16 +34,18 @@ def _energy_of(case: Any, effect: str, config: ProveStage, strength: float) -> f
 def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
     """Return the energy that an effect explains over the noise energy, in the channel where it explains most.
 
-    Two simulators are compared on one recording: one with all concealed effects, one without this effect. A delay
-    that is shorter than the sampling can show counts as zero, since the diagnosis does not name it.
+    Two simulators are compared on one recording: one with all concealed effects, one without this effect. What is
+    within tolerance counts as zero, since the diagnosis does not name it: a delay that is shorter than the sampling can
+    show, a number of the platform that is off by less than a fit can tell.
     """
     from simgap.effects import effect_by_key
+    from simgap.gap.hypothesis import is_tolerance
     from simgap.gap.reading import likeliest_reading
     from simgap.gap.residuals import residual_rows
-    from simgap.gap.resolution import is_short
     from simgap.gap.row_noise import noise_of_rows
     from simgap.platforms.settings import SimulatorSettings
     from simgap.recordings.cleaning import clean_with_coverage
+    from simgap.simulation import FittedEffect
     from simgap.simulation.build import build_simulator
     from simgap.stages.record import record_drawn
 
@@ -61,12 +63,8 @@ def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
         )
         for effects in (known, without)
     ]
-    constants = simulators[0].constants()
-    if any(
-        is_short(effect_by_key(case.kind, name).lateness(values, constants), blocks.time_step, reading.held)
-        for name, values in known.items()
-        if _is_of(name, effect)
-    ):
+    mine = (FittedEffect(effect_by_key(case.kind, k), v) for k, v in known.items() if _is_of(k, effect))
+    if any(is_tolerance(fitted, simulators[0], reading) for fitted in mine):
         return 0.0
     noise = noise_of_rows(simulators[0], blocks, functions)
     complete, lacking = (

@@ -111,8 +111,10 @@ def test_a_faint_case_is_as_strong_as_the_noise_and_nothing_else_of_it_changes(t
     assert replace(case, record={}) == replace(usual, record={})
 
 
-def clear_case(folder: Path, kind: str, machine: str, effect: str) -> tuple[Any, ProveStage]:
-    """Return a short clear case of an effect on a machine, and the configuration that it is drawn with."""
+def usual_case(
+    folder: Path, kind: str, machine: str, effect: str, category: str = "clear"
+) -> tuple[Any, ProveStage]:
+    """Return a short case of an effect of usual size on a machine, and the configuration that it is drawn with."""
     config = configured(ProveStage, folder)
     table = {
         "machines": {machine: {}},
@@ -120,16 +122,22 @@ def clear_case(folder: Path, kind: str, machine: str, effect: str) -> tuple[Any,
         "conditions": {"runs": 2, "duration": 4.0, "rate": 100.0},
     }
     setattr(config.prove, kind, table)
-    return drawn(config, kind, machine, clear=1.0), config
+    return drawn(config, kind, machine, **{category: 1.0}), config
 
 
 def test_a_delay_that_samples_cannot_tell_shows_nothing(tmp_path: Path) -> None:
-    case, config = clear_case(tmp_path, "joint", "servo", "command_delay")
+    case, config = usual_case(tmp_path, "joint", "servo", "command_delay")
     assert energy_over_noise(case, "command_delay", config) > 10.0
     assert energy_over_noise(case.scaled("command_delay", 0.05), "command_delay", config) == 0.0
 
 
+def test_a_number_that_is_off_by_less_than_a_fit_can_tell_shows_nothing(tmp_path: Path) -> None:
+    case, config = usual_case(tmp_path, "joint", "servo", "motor_constant_error", "decoy")
+    assert energy_over_noise(case, "motor_constant_error", config) > 10.0
+    assert energy_over_noise(case.scaled("motor_constant_error", 0.01), "motor_constant_error", config) == 0.0
+
+
 def test_which_rotor_is_damaged_is_known_to_what_settles_the_strength(tmp_path: Path) -> None:
     """One concealed name stands for four effects of the catalogue, one for each rotor."""
-    case, config = clear_case(tmp_path, "quadrotor", "racer", "rotor_fault")
+    case, config = usual_case(tmp_path, "quadrotor", "racer", "rotor_fault")
     assert energy_over_noise(case, "rotor_fault", config) > 1000
