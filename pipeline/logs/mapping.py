@@ -15,7 +15,17 @@ from simgap.recordings.contract import COLUMNS, KINDS, channel_units
 from simgap.recordings.units import conversion, factor_and_offset
 
 _ENTRY_KEYS = (
-    *("from", "unit", "scale", "sign", "offset", "root", "missing", "held", "times", "ratio", "integrate"),
+    "from",
+    "unit",
+    "scale",
+    "sign",
+    "offset",
+    "root",
+    "missing",
+    "held",
+    "times",
+    "ratio",
+    "integrate",
 )
 _GENERAL_KEYS = ("kind", "runs", "rate")
 
