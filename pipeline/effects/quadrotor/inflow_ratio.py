@@ -7,8 +7,8 @@ that of its thrust against the inflow, so that C_Q = σ·C_d/8 + λ·C_T. What i
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import hover_rotor_speed
-from simgap.effects.quadrotor.induced_velocity import induced_velocity
 from simgap.effects.scan import scan
+from simgap.physics.induced_velocity import induced_velocity
 from simgap.physics.rotors import hub_velocity, wrench
 from simgap.physics.shapes import Channels
 

@@ -13,8 +13,8 @@ from torch import Tensor
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
 from simgap.effects.lag import lag_along_time, lag_step
 from simgap.effects.quadrotor.common import hover_rotor_speed, rotor_thrust
-from simgap.effects.quadrotor.induced_velocity import induced_velocity
 from simgap.effects.scan import scan
+from simgap.physics.induced_velocity import induced_velocity
 from simgap.physics.rotors import hub_velocity
 from simgap.physics.shapes import Channels, Signal
 

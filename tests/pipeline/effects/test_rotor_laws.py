@@ -7,8 +7,8 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simgap.effects.quadrotor.induced_velocity import induced_velocity
 from simgap.physics import rigid_body, rotations
+from simgap.physics.induced_velocity import induced_velocity
 from simgap.physics.integrators import rk4
 from simgap.physics.rotors import hub_velocity
 from simgap.plants.rotor import Rotor

@@ -6,6 +6,8 @@ Source: Leishman 2006, Principles of helicopter aerodynamics, §2.14 and §3.2.
 import torch
 from torch import Tensor
 
+from simgap.physics.shapes import Real, Value
+
 _ITERATIONS = 20
 _STILL = 1e-6  # m/s, taken as still air
 _FOLD = (
@@ -13,7 +15,7 @@ _FOLD = (
 )
 
 
-def induced_velocity(still: Tensor, crossing: Tensor, climb: Tensor, sensitivity: Tensor | float) -> Tensor:
+def induced_velocity(still: Real, crossing: Real, climb: Real, sensitivity: Value) -> Real:
     """Return the induced velocity at which blade elements and momentum give the same thrust, m/s.
 
     Newton's method finds it without gradients; one last step adds the exact gradients.
