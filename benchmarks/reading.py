@@ -145,7 +145,7 @@ def main() -> None:
         rows.append(row(name, chosen.records, chosen.rounds))
         print(rows[-1], flush=True)
     text = _PAGE.format(
-        command="make bench-reading",
+        command=f"python -m benchmarks.reading {' '.join(sys.argv[1:])}".strip(),
         day=date.today().isoformat(),
         machine=machine("cpu", load),
         records=chosen.records,

@@ -9,9 +9,7 @@ from simgap.consistency.samples import Samples
 from simgap.platforms.swerve import Swerve
 
 _LEAST_SPEED = 0.05  # m/s: tyres creep
-_DOUBTED = (
-    0.05  # wheels of one robot turn alike, and its frame turns little: what is exchanged differs little
-)
+_DOUBTED = 0.05  # wheels of one robot turn alike, its frame turns little: what is exchanged differs little
 _LEAST_TURNING = 0.1  # rad/s
 
 

@@ -10,9 +10,7 @@ from simgap.physics.shapes import Real, Value
 
 _ITERATIONS = 20
 _STILL = 1e-6  # m/s, taken as still air
-_FOLD = (
-    0.1  # of the blades' slope: in its own wake a rotor has no steady inflow, so the slope is bounded there
-)
+_FOLD = 0.1  # of the blades' slope, which is bounded there: in its own wake a rotor has no steady inflow
 
 
 def induced_velocity(still: Real, crossing: Real, climb: Real, sensitivity: Value) -> Real:
