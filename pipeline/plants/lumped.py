@@ -1,7 +1,7 @@
 """Equivalent parameters: projection of the true forces of a flight on the catalogue's laws."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,7 +60,9 @@ def lumped(name: str, airframe: Airframe, platform: Quadrotor, log: Log) -> floa
 def lumped_in_wind(
     names: list[str], airframe: Airframe, platform: Quadrotor, log: Log
 ) -> dict[str, dict[str, float]]:
-    """Return the parameters with which the laws of forces over ground and a push come nearest to those in a wind.
+    """Return the parameters with which the laws of forces in the air come nearest to those in a wind.
+
+    The push of the wind is what it does to a machine that stands still over ground.
 
     Args:
         names: of the concealed effects that have a law; those that twist are left alone.
@@ -73,18 +75,25 @@ def lumped_in_wind(
     bare = airframe
     for name in forces:
         bare = bare.without(name)
-    added = (
-        _steady_wrench(airframe, flown, flown.airspeed)[_FORCE]
-        - _steady_wrench(bare, flown, flown.airspeed)[_FORCE]
-    )
+
+    def added(velocity: Array) -> Array:
+        return (
+            _steady_wrench(airframe, flown, velocity)[_FORCE] - _steady_wrench(bare, flown, velocity)[_FORCE]
+        )
+
+    in_air = replace(flown, velocity=flown.airspeed)
+    found = _projected(added(flown.airspeed), [LAWS[name][1](in_air) for name in forces])
     # Across the rotors' axis and along it a wind pushes by different drags: each part has a size of its own.
     parts = [part * flown.rotation[..., axis, :] for part in (_ACROSS, _ALONG) for axis in range(2)]
-    laws = [*(LAWS[name][1](flown) for name in forces), *parts]
+    push_x, push_y, *_ = _projected(added(flown.airspeed - flown.velocity), parts)
+    named = {name: {"coefficient": value} for name, value in zip(forces, found, strict=True)}
+    return named | {"steady_wind": {"push_x": push_x, "push_y": push_y}}
+
+
+def _projected(force: Array, laws: Sequence[Array]) -> list[float]:
+    """Return the coefficients with which laws come nearest to a force."""
     design = np.stack([np.ravel(law) for law in laws], axis=-1)
-    found = np.linalg.lstsq(design, np.ravel(added), rcond=None)[0]
-    pushes = {"push_x": float(found[-4]), "push_y": float(found[-3])}
-    named = {name: {"coefficient": float(value)} for name, value in zip(forces, found[:-4], strict=True)}
-    return named | {"steady_wind": pushes}
+    return [float(value) for value in np.linalg.lstsq(design, np.ravel(force), rcond=None)[0]]
 
 
 def lumped_sag(strength: float, platform: Quadrotor, log: Log) -> float:

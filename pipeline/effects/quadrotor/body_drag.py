@@ -6,18 +6,22 @@ from simgap.physics.shapes import Channels
 
 
 class BodyDrag(WrenchEffect):
-    """The drag of the airframe grows with the square of the airspeed."""
+    """The drag of the airframe grows with the square of the airspeed, along the rotor axis perhaps more than across."""
 
     name = "body_drag"
     kind = "quadrotor"
     acts_on = "force"
-    parameters = (Parameter("coefficient", "1/m", 0.03, 0.0, 2.0),)
+    # A frame is no sphere: the air meets another face along the rotor axis than across.
+    parameters = (
+        Parameter("coefficient", "1/m", 0.03, 0.0, 2.0),
+        Parameter("axial_excess", "1/m", 0.01, -2.0, 2.0, optional=True),
+    )
     needs = ("velocity",)
-    formula = "a = −coefficient · |v| · v"
+    formula = "a = −|v| · diag(coefficient, coefficient, coefficient + axial_excess) · v"
     source = "Hoerner 1965, Fluid-dynamic drag, ch. 3; c = ρ·c_d·A/(2m)"
     sentence = (
-        "The airframe's drag is {coefficient} m/s² at 1 m/s and grows with airspeed squared; add body drag to"
-        " the simulator."
+        "The airframe's drag is {coefficient} m/s² at 1 m/s, {axial_excess} m/s² more along the rotor axis, and grows "
+        "with airspeed squared; add body drag to the simulator."
     )
     excitation = (
         "fly straight lines at speeds a factor of three apart or more, and coast down from the fastest"
@@ -29,4 +33,6 @@ class BodyDrag(WrenchEffect):
         """Return specific force along the airflow, m/s²."""
         velocity = signals["velocity"]
         speed = velocity.square().sum(-1, keepdim=True).clamp_min(1e-12).sqrt()
-        return along_axes("force", -values["coefficient"] * speed * velocity)
+        drag = along_axes("force", -values["coefficient"] * speed * velocity)
+        axial = -values.get("axial_excess", 0.0) * speed[..., 0] * velocity[..., 2]
+        return {**drag, "force_z": drag["force_z"] + axial}
