@@ -4,6 +4,8 @@
 sliding axis has neither: there, gravity is a constant load.
 """
 
+import math
+
 import torch
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
@@ -31,6 +33,12 @@ class GravityLoad(WrenchEffect):
     excitation = "turn slowly through the whole range, or rest at many angles"
     symptom = "The effort at rest varies with the angle, once per turn."
     look_alikes = ("constant_load", "linear_stiffness")
+
+    def stands_for(self, values: Values, constants: Values) -> float:
+        """Return the share by which the weight of the platform would be off."""
+        known = abs(float(constants.get("gravity_torque", 0.0)))
+        size = math.hypot(float(values["sine"]), float(values["cosine"]))
+        return size / known if known > 0.0 else math.inf
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the weight's torque, N·m."""

@@ -1,5 +1,7 @@
 """Linear spring on a joint."""
 
+import math
+
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
 from simgap.physics.shapes import Channels
@@ -18,6 +20,11 @@ class LinearStiffness(WrenchEffect):
     sentence = "A spring of {stiffness} {stiffness_unit} pulls the axis to zero; add it to the simulator."
     excitation = "move slowly over the whole travel, and swing freely at several amplitudes"
     symptom = "The effort at rest grows in proportion to the position."
+
+    def stands_for(self, values: Values, constants: Values) -> float:
+        """Return the share by which the spring of the platform would be off."""
+        known = abs(float(constants.get("stiffness", 0.0)))
+        return abs(float(values["stiffness"])) / known if known > 0.0 else math.inf
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the spring's pull on the axis, N·m or N."""

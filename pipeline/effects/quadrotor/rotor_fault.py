@@ -21,6 +21,8 @@ class _RotorFault(WrenchEffect):
     source = "Freddi, Lanzon & Longhi 2011, A feedback linearization approach to fault tolerance in quadrotor vehicles"
     excitation = "hover, climb and yaw, since only a rotor fault follows the speed of a single rotor"
     symptom = "Steady roll, pitch and yaw torques appear together and grow with one rotor's speed."
+    # Beside a spread of the other rotors, one weak rotor is as many weak ones.
+    look_alikes = ("thrust_coefficient_error", "command_scale_error")
 
     @property
     def key(self) -> str:

@@ -28,7 +28,7 @@ class RotorThrustSpread(WrenchEffect):
     # Of one size for all rotors, so that a prior favours none.
     parameters = tuple(
         Parameter(f"excess_{rotor}", "1", default, -_MOST, _MOST)
-        for rotor, default in zip(_FIRST_THREE, (0.04, -0.04, 0.04), strict=True)
+        for rotor, default in zip(_FIRST_THREE, (0.02, -0.02, 0.02), strict=True)
     )
     needs = ("rotor_speed",)
     formula = (
@@ -46,6 +46,11 @@ class RotorThrustSpread(WrenchEffect):
     )
     symptom = "A roll command also pitches or lifts the machine a little, and hover needs four different rotor speeds."
     look_alikes = ("center_of_mass_offset", "yaw_trim", "rotor_fault")
+
+    def stands_for(self, values: Values, constants: Values) -> float:
+        """Return the share by which the coefficient of one rotor is off."""
+        excess = [float(values[f"excess_{rotor}"]) for rotor in _FIRST_THREE]
+        return max(map(abs, (*excess, sum(excess))))
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the change from an even machine: specific force, m/s², and torque, N·m."""

@@ -26,6 +26,10 @@ class YawTrim(WrenchEffect):
     symptom = "In hover both rotors of one direction turn faster than both of the other."
     look_alikes = ("rotor_thrust_spread", "rotor_fault")
 
+    def stands_for(self, values: Values, constants: Values) -> float:
+        """Return the share by which the torque coefficients of both directions are off."""
+        return abs(float(values["imbalance"]))
+
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return the yaw torque, N·m."""
         torque_per_thrust = constants["torque_coefficient"] / constants["thrust_coefficient"]

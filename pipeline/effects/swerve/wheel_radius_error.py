@@ -14,7 +14,7 @@ class WheelRadiusError(ParameterError):
     formula = "wheel_radius = ratio · nominal wheel_radius"
     source = "the platform's nominal equations"
     sentence = (
-        "The wheel radius is {ratio} times the value in the platform file, for example from worn treads; "
+        "The wheel radius is {ratio} times the value in the platform file, which worn treads make smaller; "
         "correct it."
     )
     excitation = "accelerate hard in a straight line, and record the chassis' own motion"

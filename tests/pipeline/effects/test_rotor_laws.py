@@ -77,6 +77,48 @@ def test_a_steady_wind_pushes_the_same_way_in_the_world_whichever_way_the_machin
     assert not across["force_z"].any()
 
 
+@given(seed=SEED)
+def test_a_wind_makes_the_drag_over_ground_the_square_law_of_the_airspeed(seed):
+    """Both effects together are −c·|u|·u with u = v − wind, whatever the speed."""
+    signals = some_signals("quadrotor", (5,), seed)
+    wind, coefficient = torch.tensor([3.0, -4.0, 0.0], dtype=torch.float64), 0.05
+    push = coefficient * wind.norm() * wind
+    values = {
+        "push_x": float(push[0]),
+        "push_y": float(push[1]),
+        "axial_share": 1.0,
+        "slowness": float(1.0 / wind.norm()),
+    }
+    blown = of("steady_wind").wrench(signals, values, constants("quadrotor"))
+    drag = of("body_drag").wrench(signals, {"coefficient": coefficient}, constants("quadrotor"))
+    airspeed = signals["velocity"] - rotations.rotate_inverse(signals["attitude"], wind.expand(5, 3))
+    expected = -coefficient * airspeed.norm(dim=-1, keepdim=True) * airspeed
+    found = torch.stack([blown[f"force_{axis}"] + drag[f"force_{axis}"] for axis in "xyz"], dim=-1)
+    torch.testing.assert_close(found, expected)
+
+
+def test_drag_along_the_rotor_axis_may_be_greater_than_across():
+    signals = some_signals("quadrotor", (5,), seed=3)
+    drag, values = of("body_drag"), {"coefficient": 0.03}
+    even, uneven = (
+        drag.wrench(signals, values | more, constants("quadrotor")) for more in ({}, {"axial_excess": 0.015})
+    )
+    torch.testing.assert_close(uneven["force_z"], 1.5 * even["force_z"])
+    assert_same({"force_x": uneven["force_x"]}, {"force_x": even["force_x"]})
+
+
+@pytest.mark.parametrize(
+    ("key", "values", "share"),
+    [
+        ("rotor_thrust_spread", {"excess_1": 0.01, "excess_2": -0.02, "excess_3": 0.005}, 0.02),
+        ("rotor_thrust_spread", {"excess_1": 0.01, "excess_2": 0.01, "excess_3": 0.01}, 0.03),
+        ("yaw_trim", {"imbalance": -0.004}, 0.004),
+    ],
+)
+def test_rotors_that_are_nearly_alike_stand_for_a_coefficient_that_is_off(key, values, share):
+    assert of(key).stands_for(values, constants("quadrotor")) == pytest.approx(share)
+
+
 @pytest.mark.parametrize(("up", "down"), [(0.02, 0.08), (0.08, 0.02), (0.03, 0.03)])
 def test_rotors_rise_with_one_time_constant_and_fall_with_another(up, down):
     target = torch.full((1, 120, 1), 1000.0, dtype=torch.float64)
