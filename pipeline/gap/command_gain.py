@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from simgap.effects import WrenchEffect
+from simgap.effects import Effect, WrenchEffect
 from simgap.gap.residuals import bare_rows, channel_series, row_weights, signals_inside, without_lost
 from simgap.physics.weak_form import WindowFunctions, mean_rate_of
 from simgap.simulation import Simulator
@@ -125,16 +125,19 @@ class CommandGain:
     def _exerted_by(self, simulator: Simulator, inner: dict[str, Tensor]) -> Tensor:
         """Return what the forces of actuators do to the rows of some blocks, (blocks, rows, channels).
 
-        Loads that only come with them, such as friction or drag of rotors, are none of theirs.
+        Loads that only come with them, such as friction or drag of rotors, are none of theirs. What a rotor lacks is.
         """
-        bare = simulator.with_effects(
-            tuple(f for f in simulator.effects if not isinstance(f.effect, WrenchEffect))
-        )
+        bare = simulator.with_effects(tuple(f for f in simulator.effects if not _loads(f.effect)))
         nothing = {name: torch.zeros_like(inner[name]) for name in self._exerted if name in inner}
         acting, relaxed = (
             bare_rows(bare, self._some, self._functions, signals) for signals in (inner, inner | nothing)
         )
         return (acting - relaxed) * self._sound
+
+
+def _loads(effect: Effect) -> bool:
+    """Whether an effect is a force beside those of the actuators, and no change of theirs."""
+    return isinstance(effect, WrenchEffect) and effect.acts_on != "actuator"
 
 
 def _relative(changed: Tensor, nominal: Tensor) -> Tensor:
