@@ -25,6 +25,11 @@ class Parameter:
     neutral: float = 0.0
     optional: bool = False
 
+    @property
+    def is_limit(self) -> bool:
+        """Whether the effect does nothing where the value is too great to be reached."""
+        return self.neutral == self.high
+
     def times(self, size: float) -> "Parameter":
         """Return the parameter of a machine that many times as large."""
         numbers = {name: size * getattr(self, name) for name in ("default", "low", "high", "neutral")}

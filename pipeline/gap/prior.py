@@ -16,7 +16,7 @@ _FREEDOM = 3.0
 _RATIO_WIDTH = 0.3
 """Of the logarithm of a ratio that is no number of the platform, such as that of two time constants."""
 _SHAPE_WIDTH = 1.0
-"""Of the logarithm of a length, speed or time at which a law bends: its decade is known."""
+"""Of the logarithm of a limit, or of a length, speed or time at which a law bends: its decade is known."""
 _DEFAULTS = 2.0
 """Widths in realistic sizes, where the recording says nothing about a parameter's unit."""
 
@@ -68,11 +68,8 @@ def density_of(effect: Effect, parameter: Parameter, scales: Scales) -> Density:
         return Density("normal", *scales.driver(effect, parameter))
     if _is_size(effect, parameter):
         width = known or _DEFAULTS * abs(parameter.default)
-        high = parameter.neutral == parameter.high
-        return Density(
-            "t", 0.0 if high else parameter.neutral, width, parameter.low == parameter.neutral or high
-        )
-    if parameter.unit == "1":
+        return Density("t", parameter.neutral, width, parameter.low == parameter.neutral)
+    if parameter.unit == "1" and not parameter.is_limit:
         return Density("uniform", 0.5, parameter.high - parameter.low)
     return Density("log", known or abs(parameter.default), _SHAPE_WIDTH)
 
@@ -107,7 +104,9 @@ def _priors(fitted: Fit, scales: Scales) -> list[tuple[Density, float]]:
 
 
 def _is_size(effect: Effect, parameter: Parameter) -> bool:
-    """Whether a parameter says how much of an effect there is, not at which length, speed or time its law bends."""
+    """Whether a parameter says how much of an effect there is, not where its law bends or cuts off."""
+    if parameter.is_limit:
+        return False
     linear = isinstance(effect, WrenchEffect) and effect.linear
     return linear or parameter is effect.parameters[0] or parameter.neutral == 0.0
 

@@ -95,6 +95,17 @@ def test_a_size_is_measured_in_that_of_the_effort():
     assert math.isfinite(density.log(2000.0))
 
 
+@pytest.mark.parametrize("kind", ["joint", "quadrotor", "swerve"])
+def test_a_limit_has_a_likely_decade(kind):
+    """A limit that nothing gets past is as improbable as one that nothing reaches."""
+    limits = [(e, p) for e in effects_of(kind) for p in e.parameters if p.is_limit]
+    for effect, parameter in limits:
+        density = density_of(effect, parameter, SCALES)
+        assert density.family == "log", effect.key
+        logs = [density.log(size * density.centre) + math.log(size) for size in (1e-3, 0.3, 1.0, 3.0, 1e3)]
+        assert min(logs[1:4]) - max(logs[0], logs[4]) > 15.0, effect.key
+
+
 @pytest.mark.parametrize("name", DENSITIES)
 def test_the_precision_is_the_curvature_at_the_centre(name):
     """Up to the heavier tails of a Student and the logarithm's slope; of a uniform density, its variance."""
