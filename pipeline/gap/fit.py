@@ -11,8 +11,9 @@ from simgap.effects import Effect, Parameter, WrenchEffect
 from simgap.effects.sizes import size_of
 from simgap.gap.command_gain import CommandGain
 from simgap.gap.residuals import channels_on, residual_rows, row_weights, signals_inside
+from simgap.gap.row_noise import share_of_motion
 from simgap.gap.temper import Temper, energy_of
-from simgap.physics.weak_form import WindowFunctions, mean_of
+from simgap.physics.weak_form import WindowFunctions
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 
@@ -58,25 +59,41 @@ class Problem:
         """Return the factors that put the rows of a simulator on the side of its commands, (channels,)."""
         return torch.ones_like(self.noise) if self.gain is None else self.gain.factor(simulator)
 
-    def weigh(self, residual: Tensor) -> tuple[Tensor, float]:
+    def loudness(self, simulator: Simulator) -> Tensor:
+        """Return by how much the noise of rows exceeds that of nominal ones at most, (channels,).
+
+        Where commands do less, the noise of the motion is larger on the side of the commands.
+        """
+        return (1.0 + self.of_motion * (self.factor(simulator).square() - 1.0)).sqrt().clamp_min(1.0)
+
+    @cached_property
+    def of_motion(self) -> Tensor:
+        """Share of the noise's energy that is the recorded motion's, (channels,)."""
+        if self.nominal is None:
+            return torch.ones_like(self.noise)
+        return share_of_motion(self.nominal, self.blocks, self.functions)
+
+    def weigh(self, residual: Tensor, simulator: Simulator | None = None) -> tuple[Tensor, float]:
         """Return what rows are weighed with, and what they cost.
 
         Args:
             residual: (blocks, rows, channels).
+            simulator: that leaves it; None: the nominal one.
 
         Returns:
             The standard deviation that each row would have if it counted once, (blocks, 1, channels) or another shape
             that fits a residual, and the negative log likelihood up to a constant.
         """
-        noise = self.noise.square().clamp_min(1e-24)
+        loudness = 1.0 if simulator is None else self.loudness(simulator)
+        noise = (loudness * self.noise).square().clamp_min(1e-24)
         left = energy_of(residual, noise)
         mixture = self.temper.mixture(left, noise)
         scale = self.temper.weight_of(mixture, left, noise).rsqrt()[:, None]
         return scale, -float(self.temper.value_of(mixture, left, noise).sum())
 
-    def cost(self, residual: Tensor) -> float:
+    def cost(self, residual: Tensor, simulator: Simulator) -> float:
         """Return the negative log likelihood of a residual (blocks, rows, channels), up to a constant."""
-        return self.weigh(residual)[1]
+        return self.weigh(residual, simulator)[1]
 
     def least_gain(self, residual: Tensor) -> float:
         """Return the decrease of the weighted cost that is worth another step of a fit."""
@@ -166,7 +183,7 @@ def fit(simulator: Simulator, problem: Problem) -> Fit:
     residual = problem.residual(with_values(simulator, values))
     jacobian = jacobian_of(with_values(simulator, values), problem, residual)
     for _ in range(_FIT_STEPS):
-        scale, _ = problem.weigh(residual)
+        scale, _ = problem.weigh(residual, with_values(simulator, values))
         change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
         if promised < problem.least_gain(residual):
             break
@@ -175,8 +192,8 @@ def fit(simulator: Simulator, problem: Problem) -> Fit:
             break
         residual = rows
         jacobian = jacobian_of(with_values(simulator, values), problem, residual)
-    scale, _ = problem.weigh(residual)
-    return finished(with_values(simulator, values), residual, jacobian, scale, problem)
+    fitted = with_values(simulator, values)
+    return finished(fitted, residual, jacobian, problem.weigh(residual, fitted)[0], problem)
 
 
 def finished(
@@ -229,21 +246,30 @@ def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, resi
 
 
 def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Problem) -> Tensor:
-    blocks = problem.blocks
-    inner = signals_inside(simulator, blocks, blocks.acting)
-    zero = problem.functions.weights.new_zeros((len(blocks), len(problem.functions.centres)))
-    nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(simulator.constants())
-    scale = {name: nominal[name] / believed[name] for name in nominal}
+    blocks, functions = problem.blocks, problem.functions
+    inner = _derived_inside(simulator, blocks)
+    columns = torch.einsum("bscp,rs->brcp", law_series(simulator, effect, blocks), functions.weights)
+    return columns * row_weights(simulator, inner, blocks, functions)[..., None]
+
+
+def law_series(simulator: Simulator, effect: WrenchEffect, blocks: Blocks) -> Tensor:
+    """Return what one unit of each parameter of a linear effect does, (blocks, samples, channels, parameters)."""
+    inner, constants = _derived_inside(simulator, blocks), simulator.constants()
+    nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(constants)
+    names = [channel.name for channel in channels_on(simulator, blocks)]
     columns = []
-    constants = simulator.constants()
-    inner |= simulator.mechanism.derived(inner, constants)
     for regressor in effect.regressors(inner, constants):
         wrench = simulator.mechanism.constrain(regressor, inner, constants)
-        names = [channel.name for channel in channels_on(simulator, blocks)]
-        means = {n: mean_of(problem.functions, blocks.at_samples(series)) for n, series in wrench.items()}
-        rows = [scale[n] * means[n] if n in means else zero for n in names]
-        columns.append(torch.stack(rows, dim=-1))
-    return torch.stack(columns, dim=-1) * row_weights(simulator, inner, blocks, problem.functions)[..., None]
+        acting = {n: nominal[n] / believed[n] * blocks.at_samples(series) for n, series in wrench.items()}
+        zero = torch.zeros_like(next(iter(acting.values())))
+        columns.append(torch.stack([acting.get(name, zero) for name in names], dim=-1))
+    return torch.stack(columns, dim=-1)
+
+
+def _derived_inside(simulator: Simulator, blocks: Blocks) -> dict[str, Tensor]:
+    """Return the signals inside a simulator, with those that its mechanism derives."""
+    inner = signals_inside(simulator, blocks, blocks.acting)
+    return inner | simulator.mechanism.derived(inner, simulator.constants())
 
 
 def _difference(

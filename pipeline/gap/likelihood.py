@@ -16,7 +16,7 @@ from torch import Tensor
 from simgap.effects import ActuatorEffect, Effect, MeasurementEffect
 from simgap.effects.time_offset import TimeOffset
 from simgap.gap.fit import Fit, Problem
-from simgap.gap.row_noise import noise_of_rows
+from simgap.gap.row_noise import TOLERATED, noise_of_rows
 from simgap.gap.temper import Temper
 from simgap.simulation import Simulator
 
@@ -85,9 +85,10 @@ class LikelihoodOf:
         simulator = fitted.simulator
         noise, silenced = self.noise(simulator)
         energy, factor = self.energy(simulator), self.problem.factor(simulator)
-        by_commands = self._on_side(fitted.residual, noise, silenced, energy)
         if self.problem.gain is None:
-            return by_commands
+            loud = self._loudness(noise)
+            return self._on_side(fitted.residual * loud, noise * loud**2, silenced * loud**2, energy)
+        by_commands = self._on_side(fitted.residual, noise, silenced, energy)
         by_motion = self._on_side(fitted.residual / factor, noise / factor**2, silenced / factor**2, energy)
         return by_commands.lower(by_motion.scaled(factor))
 
@@ -124,12 +125,19 @@ class LikelihoodOf:
         obeying = simulator.with_effects(
             tuple(f for f in simulator.effects if not _filters_sent(f.effect, blocks.held))
         )
-        # A simulator whose forces jump looks noisy by itself: the quieter one shows what the sensors' noise can be.
         nominal, size = self.problem.noise.square(), self.problem.factor(simulator) ** 2
+        # A simulator whose forces jump looks noisy by itself: the quieter one shows what the sensors' noise can be.
         floor = torch.minimum(size * noise_of_rows(bare, blocks, functions).square(), nominal)
         heard = floor if obeying == bare else size * noise_of_rows(obeying, blocks, functions).square()
-        noise = floor.clamp_min(_NOTHING) + self.problem.quadrature.square()
+        noise = TOLERATED * floor.clamp_min(_NOTHING) + self.problem.quadrature.square()
         return noise, (floor - heard).clamp_min(0.0)
+
+    def _loudness(self, noise: Tensor) -> Tensor:
+        """Return the factors of rows at which their noise is that of the nominal simulator, at least 1, (channels,).
+
+        Where rows are not put on the side of the commands, a small gain of a noisy input would make all errors small.
+        """
+        return (TOLERATED * self.problem.noise.square() / noise).sqrt().clamp_min(1.0)
 
     def energy(self, simulator: Simulator) -> Tensor:
         """Return the mean square that residuals are measured against, (channels,).

@@ -9,13 +9,13 @@ from torch import Tensor
 
 from simgap.gap.fit import Problem
 from simgap.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
+from simgap.gap.row_noise import TOLERATED
 from simgap.physics.weak_form import mean_of
 from simgap.platforms.mechanism import Channel
 from simgap.recordings.doubts import LARGEST_AT
 from simgap.simulation.blocks import Blocks
 
 _BINS = 8
-_TOLERATED = 1.2  # times the noise energy; the noise floor is itself an estimate
 _MISMATCH_LEVEL = 1e-3
 _EVERYWHERE = 0.75  # share of the recording, from which on a range of a variable says nothing
 _AS_TELLING = 0.5  # of how much the energy varies over the variable that it depends on most
@@ -110,7 +110,7 @@ def _chance_of_noise(ratio: float, rows: int) -> float:
     Neighbouring windows overlap by half, which leaves half as many independent rows.
     """
     freedom = max(rows / 2, 1.0)
-    return float(stats.chi2.sf(freedom * ratio / _TOLERATED, freedom))
+    return float(stats.chi2.sf(freedom * ratio / TOLERATED, freedom))
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from simgap.simulation.blocks import Blocks, cut_blocks
 
 _SHORTEST = 0.5  # s, shortest block
 _COMMANDED = ("joint", "quadrotor")
-"""Kinds whose rows are put on the side of the commands. On a swerve drive that hides limits of the motors' currents."""
+"""Kinds whose rows are put on the side of the commands. A wheel that rests holds noise that no command explains."""
 _AXES = ("joint",)
 """Kinds whose commands and motion are two sides of one effort, either of which may be small."""
 _LONGEST_STEP = 1.0  # s between samples; slower recordings do not show the motion

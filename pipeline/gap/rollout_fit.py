@@ -48,7 +48,7 @@ class RolloutProblem(Problem):
         error = self.recorded[:, ends] - predicted[:, ends]
         return torch.nan_to_num(error, nan=1e6, posinf=1e6, neginf=-1e6).clamp(-1e6, 1e6)
 
-    def weigh(self, residual: Tensor) -> tuple[Tensor, float]:
+    def weigh(self, residual: Tensor, simulator: Simulator | None = None) -> tuple[Tensor, float]:
         """Return the standard deviation of each signal's error, never below the noise, (n,), and the cost per error.
 
         It is the maximum-likelihood weight where variances are unknown.

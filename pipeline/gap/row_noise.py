@@ -6,11 +6,14 @@ import torch
 from torch import Tensor
 
 from simgap.gap.derived_noise import noise_of_derived
-from simgap.gap.residuals import channel_series, settling_of
+from simgap.gap.residuals import channel_series, channels_on, settling_of
 from simgap.gap.sample_noise import sample_noise
 from simgap.physics.weak_form import WindowFunctions
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
+
+TOLERATED = 1.2
+"""Energy of rows over that of their noise which tells nothing: the floor is itself an estimate."""
 
 
 def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
@@ -22,17 +25,36 @@ def noise_of_rows(simulator: Simulator, blocks: Blocks, functions: WindowFunctio
     """
     if "derived_velocity" in blocks.signals:
         return noise_of_derived(simulator, blocks, functions)
-    deviations, kept = [], blocks.noise_kept
+    measured, predicted = _variances(simulator, blocks, functions)
+    return (measured + predicted).sqrt()
+
+
+def share_of_motion(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
+    """Return how much of the energy of each channel's noise is that of the recorded motion, (channels,).
+
+    The rest is that of what the simulator makes of its inputs. A derived velocity is all motion.
+    """
+    if "derived_velocity" in blocks.signals:
+        return torch.ones(len(channels_on(simulator, blocks)), dtype=torch.float64)
+    measured, predicted = _variances(simulator, blocks, functions)
+    return measured / (measured + predicted).clamp_min(1e-300)
+
+
+def _variances(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> tuple[Tensor, Tensor]:
+    """Return the variances that the noise of the measured and of the predicted side give rows, (channels,) each."""
+    parts, kept = [], blocks.noise_kept
     # White noise is read off single samples: a mean of two no longer looks like it.
     for series in channel_series(simulator, replace(blocks, held=False)):
         mean_gain = functions.weights.square().sum(1).mean()
+        tolerance = torch.tensor(series.channel.tolerance**2, dtype=torch.float64)
         if series.direct:
-            variance = sample_noise(series.measured - series.predicted, kept) * mean_gain
-        else:
-            slopes = functions.differences if blocks.held else functions.slopes
-            rate_gain = slopes.square().sum(1).mean()
-            settling = settling_of(series.channel.name, simulator, blocks)
-            variance = settling**2 * sample_noise(series.measured, kept) * rate_gain
-            variance = variance + sample_noise(series.predicted, kept) * mean_gain
-        deviations.append((variance + series.channel.tolerance**2).sqrt())
-    return torch.stack(deviations)
+            both = sample_noise(series.measured - series.predicted, kept) * mean_gain
+            parts.append((both + tolerance, torch.zeros_like(both)))
+            continue
+        slopes = functions.differences if blocks.held else functions.slopes
+        rate_gain = slopes.square().sum(1).mean()
+        settling = settling_of(series.channel.name, simulator, blocks)
+        moved = settling**2 * sample_noise(series.measured, kept) * rate_gain
+        parts.append((moved + tolerance, sample_noise(series.predicted, kept) * mean_gain))
+    measured, predicted = zip(*parts, strict=True)
+    return torch.stack(measured), torch.stack(predicted)

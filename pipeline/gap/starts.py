@@ -27,11 +27,13 @@ class _Point:
         values: of its parameters.
         taken: what it takes off the residual, (blocks, rows, channels).
         columns: of its parameters there, (blocks, rows, channels, parameters).
+        loudness: of the rows there, see `Problem.loudness`, (channels,).
     """
 
     values: dict[str, float]
     taken: Tensor
     columns: Tensor
+    loudness: Tensor
 
 
 class Starts:
@@ -59,18 +61,23 @@ class Starts:
             base = self.few.residual(self.nominal)
             self.scans[effect.key] = [self._point(effect, values, base) for values in self.of(effect)]
         points = self.scans[effect.key]
-        noise = self.few.noise.square().clamp_min(1e-24)
+        noise = (self.few.loudness(current.simulator) * self.few.noise).square().clamp_min(1e-24)
         residual = current.residual[self.part]
         mixture = self.few.temper.mixture(energy_of(residual, noise), noise)
-        left = torch.stack([energy_of(self._left(effect, point, current), noise) for point in points])
-        value = self.few.temper.value_of(mixture, left, noise).sum(-1)
-        return [points[place].values for place in value.argsort(descending=True).tolist()]
+
+        def value(point: _Point) -> float:
+            louder = noise * point.loudness**2
+            left = energy_of(self._left(effect, point, current), louder)
+            return float(self.few.temper.value_of(mixture, left, louder).sum())
+
+        return [point.values for point in sorted(points, key=value, reverse=True)]
 
     def _point(self, effect: Effect, values: dict[str, float], base: Tensor) -> _Point:
         kept = tuple(f for f in self.nominal.known if f.effect.key != effect.key)
         simulator = self.nominal.with_effects((*kept, FittedEffect(effect, values)))
         residual = self.few.residual(simulator)
-        return _Point(values, base - residual, effect_jacobian(simulator, effect, self.few, residual))
+        columns = effect_jacobian(simulator, effect, self.few, residual)
+        return _Point(values, base - residual, columns, self.few.loudness(simulator))
 
     def _left(self, effect: Effect, point: _Point, current: Fit) -> Tensor:
         """Return what one Newton step from a point beside a fit leaves, (blocks, rows, channels)."""

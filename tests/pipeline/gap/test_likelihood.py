@@ -31,7 +31,7 @@ from tests.pipeline.gap.units import driven_by_effort, in_units
 def fitted_as(simulator: Simulator, problem: Problem) -> Fit:
     """Return a simulator as if its values had been fitted."""
     residual = problem.residual(simulator)
-    jacobian, scale = jacobian_of(simulator, problem, residual), problem.weigh(residual)[0]
+    jacobian, scale = jacobian_of(simulator, problem, residual), problem.weigh(residual, simulator)[0]
     return Fit(
         simulator, residual, jacobian, scale, clustered_covariance(jacobian, residual, scale, problem.cluster)
     )
