@@ -39,7 +39,7 @@ def extend(current: Fit, effect: Effect, problem: Problem, starts: Starts | None
         effect: to be added.
         problem: what is fitted.
         starts: where fits of the effect may begin; None: scanned beside the fit itself. The most promising one is
-            followed, some more where it leads to a bound, and each of them where a kink lies between them.
+            followed, some more where it leads to a bound or is a limit, and each where a kink lies between them.
     """
     known = _fitted_values(current, effect)
     values = [known] if known else (starts or Starts(current.simulator, problem)).of(effect)
@@ -52,7 +52,7 @@ def extend(current: Fit, effect: Effect, problem: Problem, starts: Starts | None
     tried = _tried(current, effect, values[:_FOLLOWED])
     tried = _most_promising_first(tried, effect, current, problem)
     found = _extended(current, effect, problem, tried[0])
-    if not _rests_on_a_bound(found, effect):
+    if not _rests_on_a_bound(found, effect) and not _is_limit(effect):
         return found
     others = [_extended(current, effect, problem, each) for each in (*tried[1:], _freed(found, effect))]
     return _best([found, *others], problem)
@@ -69,19 +69,28 @@ def _fitted_values(current: Fit, effect: Effect) -> dict[str, float] | None:
 
 
 def _residual_at(start: Simulator, current: Fit, effect: Effect, problem: Problem) -> Tensor:
-    """Return what a start leaves; where it changes nothing yet, nothing has to be evaluated."""
+    """Return what a start leaves; where a linear effect changes nothing yet, nothing has to be evaluated.
+
+    Others may change something where their own parameters do not, as clocks that deviate from run to run do.
+    """
     unchanged = _fitted_values(current, effect) or effect.neutral()
-    return current.residual if start.effects[-1].values == unchanged else problem.residual(start)
+    rests = start.is_linear_in(effect) and start.effects[-1].values == unchanged
+    return current.residual if rests else problem.residual(start)
 
 
 def _best(fits: Sequence[Fit], problem: Problem) -> Fit:
-    return min(fits, key=lambda each: problem.cost(each.residual))
+    return min(fits, key=lambda each: problem.cost(each.residual, each.simulator))
 
 
 def _rests_on_a_bound(found: Fit, effect: Effect) -> bool:
     """Whether one of several values lies on a bound: it may have made up for others that were still far off."""
     linear = found.simulator.is_linear_in(effect)
     return len(effect.parameters) > 1 and not linear and bool(_on_bounds(found, effect))
+
+
+def _is_limit(effect: Effect) -> bool:
+    """Whether an effect has no slope where its limit is not reached."""
+    return effect.parameters[0].is_limit
 
 
 def _on_bounds(found: Fit, effect: Effect) -> dict[str, float]:
@@ -99,7 +108,7 @@ def _freed(found: Fit, effect: Effect) -> Simulator:
 
 def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) -> Fit:
     simulator, residual = start, _residual_at(start, current, effect, problem)
-    scale, cost = problem.weigh(residual)
+    scale, cost = problem.weigh(residual, simulator)
     costs, linear = [cost], start.is_linear_in(effect)
     added = effect_jacobian(simulator, effect, problem, residual)
     for step in range(_MOST_STEPS):
@@ -107,7 +116,7 @@ def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) 
             added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
         simulator, residual = _stepped(simulator, residual, jacobian, problem, scale)
-        scale, cost = problem.weigh(residual)
+        scale, cost = problem.weigh(residual, simulator)
         costs.append(cost)
         if costs[-2] - costs[-1] <= _PROGRESS * (costs[0] - costs[-1]):
             break
@@ -143,7 +152,7 @@ def _eased(simulator: Simulator, jacobian: Tensor, problem: Problem) -> Fit | No
     """Move all parameters by a few Newton steps with slopes from nearby; None where the first leads nowhere."""
     residual = problem.residual(simulator)
     for step in range(_SLOPE_STEPS if jacobian.shape[-1] else 0):
-        scale, _ = problem.weigh(residual)
+        scale, _ = problem.weigh(residual, simulator)
         moved, rows = _stepped(simulator, residual, jacobian, problem, scale)
         if moved is simulator:
             if step == 0:
@@ -171,7 +180,8 @@ def _promise(simulator: Simulator, effect: Effect, current: Fit, few: Problem, p
     low, high = bounds_of(simulator)
     values = values_of(simulator)
     change, _ = bounded_newton_step(jacobian, residual, current.scale[part], values, low, high)
-    return few.cost(residual - jacobian @ change.minimum(high - values).maximum(low - values))
+    left = residual - jacobian @ change.minimum(high - values).maximum(low - values)
+    return few.cost(left, simulator)
 
 
 def _stepped(
@@ -187,5 +197,5 @@ def _stepped(
 def _finished(
     simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem, scale: Tensor | None = None
 ) -> Fit:
-    scale = problem.weigh(residual)[0] if scale is None else scale
+    scale = problem.weigh(residual, simulator)[0] if scale is None else scale
     return finished(simulator, residual, jacobian, scale, problem)
