@@ -165,14 +165,18 @@ def errors_of(settings: PerceptionSettings, track: Track, misjudged: float) -> A
 def fixes_along(
     settings: PerceptionSettings, track: Track, flight: Flight, seed: int, every: int
 ) -> Iterator[tuple[float, Array, Array]]:
-    """Yield distance to the gate, m, error (3,) m and covariance (3, 3) m² of the positions that single gates give."""
+    """Yield distance to the gate, m, error (3,) m and covariance (3, 3) m² of the positions that single gates give.
+
+    The position is believed exactly, the attitude as odometry has it.
+    """
     camera, gates = camera_from(settings.camera), track.to(torch.float64)
     random = np.random.default_rng(seed)
+    believed = odometry_of(flight, 0.0, np.random.default_rng([seed, 1]))
     for step, noisy in noisy_corners(settings, track, flight, seed, every).items():
-        truth = Belief(flight.position[step], flight.attitude[step])
-        for fix in fixes_from(camera, gates, noisy, truth, settings.corners, random):
-            distance = np.linalg.norm(gates.centres[fix.gate].numpy() - truth.position)
-            yield float(distance), fix.position - truth.position, fix.covariance
+        belief = Belief(believed.position[step], believed.attitude[step])
+        for fix in fixes_from(camera, gates, noisy, belief, settings.corners, random):
+            distance = np.linalg.norm(gates.centres[fix.gate].numpy() - flight.position[step])
+            yield float(distance), fix.position - flight.position[step], fix.covariance
 
 
 def _unit(vectors: Array) -> Array:

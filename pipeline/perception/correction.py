@@ -10,7 +10,6 @@ from simgap.perception.camera import camera_from
 from simgap.perception.drift import DriftFilter
 from simgap.perception.pose import Array, Belief, Fix, fixes_from
 from simgap.perception.settings import PerceptionSettings
-from simgap.perception.view import upright
 
 
 class DriftCorrection:
@@ -48,10 +47,7 @@ class DriftCorrection:
             odometry: of the same moment, with its drift.
         """
         belief = replace(odometry, position=odometry.position - self.drift.position)
-        ordered = upright(
-            self._camera, torch.from_numpy(corners), torch.from_numpy(odometry.attitude)
-        ).numpy()
-        fixes = fixes_from(self._camera, self._track, ordered, belief, self._corners, self._random)
+        fixes = fixes_from(self._camera, self._track, corners, belief, self._corners, self._random)
         if fixes:
             drifts = np.stack([odometry.position - fix.position for fix in fixes])
             self.drift.correct(drifts, np.stack([fix.covariance for fix in fixes]))

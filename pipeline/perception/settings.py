@@ -20,10 +20,11 @@ class CameraSettings:
 
 @dataclass
 class CornerSettings:
-    """What is known of the corners that a detector reports."""
+    """What is known of the corners that a detector reports, and of the attitude that is believed meanwhile."""
 
     noise: float = 1.0  # px of the resized image, standard deviation of each coordinate
-    samples: int = 20  # perturbed sets of corners from which a measurement's covariance is taken
+    tilt: float = 0.01  # rad about each axis, standard deviation of the odometry's attitude
+    samples: int = 20  # perturbed sets of both from which a measurement's covariance is taken
 
 
 @dataclass
