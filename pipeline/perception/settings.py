@@ -29,10 +29,13 @@ class CornerSettings:
 
 @dataclass
 class DriftSettings:
-    """The diagonal of the drift's process noise, added at every step of the odometry."""
+    """The diagonal of the drift's process noise, added at every step of the odometry, and what is believed of gates."""
 
     position: float = 0.05  # σ_pos, m²
     velocity: float = 0.1  # σ_vel, m²/s²
+    taken: float = (
+        0.999  # share of right positions from gates that are taken in; 1: all positions, false ones too
+    )
 
 
 @dataclass
