@@ -12,6 +12,7 @@ a gate k is zero, and the drift grows. Velocity and attitude are left to the odo
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simgap.plants.rotation import Array
 
@@ -34,7 +35,7 @@ class GatesSeen:
         """Begin without drift, and sure of it."""
         self._look, self._random = look, random
         self._variance = np.zeros((runs, 1))
-        self.in_view = np.zeros(runs, dtype=bool)
+        self.in_view: NDArray[np.bool_] = np.zeros(runs, dtype=bool)
 
     def corrected(self, drift: Array, state: Array) -> Array:
         """Return what is left of the drift after an image.
@@ -44,7 +45,7 @@ class GatesSeen:
             state: position, velocity (world), attitude, body rate, (runs, 13).
         """
         distance = self._look(state)
-        self.in_view = np.isfinite(distance).any(axis=-1)
+        self.in_view = np.asarray(np.isfinite(distance).any(axis=-1))
         known = ((SHARE * distance) ** -2.0).sum(axis=-1, keepdims=True)  # 1/r, zero where no gate is seen
         self._variance += IMAGE * _WANDERS
         gain = self._variance * known / (1.0 + self._variance * known)
