@@ -77,10 +77,10 @@ def race(config: DeployStage, run: StageRun) -> None:
     deployed = Deployed(lambda state, reference: machines.fly(state, reference, flying.period))
     race = race_deployed(deployed, platform, entry.track, entry.settings, chosen.starts)
     laps = fly_laps(race, entry.pilot, config.seed, chosen.laps, chosen.seconds)
-    flying = laps.states[:, :, 0].isfinite().numpy()
-    run.log_metrics(laps.metrics() | machines.estimates(flying))
+    in_flight = laps.states[:, :, 0].isfinite().numpy()
+    run.log_metrics(laps.metrics() | machines.estimates(in_flight))
     write_laps(laps, race.track, entry.track.name, race.period, run)
-    lengths = flying[:, :logged].sum(0) * race.period
+    lengths = in_flight[:, :logged].sum(0) * race.period
     recording = machines.recording(_whole_flights(lengths, config.deploy))
     write_recording(recording, run.output / "recording.parquet")
 
