@@ -27,6 +27,7 @@ from benchmarks.perception import (
     corrected,
     error_of,
     flown,
+    noisy_corners,
     odometry_of,
 )
 from simgap.api.inputs import settings_of
@@ -197,8 +198,10 @@ def _drift_table(eye: Eye, track: Track) -> str:
             odometry = odometry_of(flight, misjudged, np.random.default_rng([seed, 1]))
             estimates = (
                 odometry,
-                corrected(eye.settings, track, flight, odometry, seed),
-                corrected(eye.settings, track, flight, odometry, seed, found=found[seed]),
+                *(
+                    corrected(eye.settings, track, flight, odometry, seed, corners)
+                    for corners in (noisy_corners(eye.settings, track, flight, seed, EVERY), found[seed])
+                ),
             )
             errors.append([error_of(flight, each) for each in estimates])
         alone, exact, seen = np.array(errors).T

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from simgap.gates.settings import TrackSettings
+from simgap.perception.settings import PerceptionSettings
 from simgap.policies.profile.settings import Profile
 from simgap.policies.settings import Deployment, PolicyEvaluation, PolicyTraining
 from simgap.runner import StageConfig, StageRun, stage
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from simgap.plants.gates_seen import Look
     from simgap.plants.swerve.open_loop import Trial
     from simgap.policies.profile.motion import Motion
 
@@ -30,6 +32,7 @@ class DeployStage(StageConfig):
     profile: Profile = field(default_factory=Profile)
     deploy: Deployment = field(default_factory=Deployment)
     track: TrackSettings = field(default_factory=TrackSettings)
+    perception: PerceptionSettings = field(default_factory=PerceptionSettings)
     train_policy: PolicyTraining = field(default_factory=PolicyTraining)
     evaluate: PolicyEvaluation = field(default_factory=PolicyEvaluation)
 
@@ -69,15 +72,34 @@ def race(config: DeployStage, run: StageRun) -> None:
     flying = entry.settings.flying
     loop = RateLoop(platform, flying.time_constant, RacedMachines.step)
     logged = min(config.deploy.most_flights, chosen.starts)
-    machines = RacedMachines(case, platform, loop, chosen.starts, chosen.seconds, config.seed, logged)
+    look = _look(config.perception, entry.track) if config.deploy.gates else None
+    machines = RacedMachines(case, platform, loop, chosen.starts, chosen.seconds, config.seed, logged, look)
     deployed = Deployed(lambda state, reference: machines.fly(state, reference, flying.period))
     race = race_deployed(deployed, platform, entry.track, entry.settings, chosen.starts)
     laps = fly_laps(race, entry.pilot, config.seed, chosen.laps, chosen.seconds)
-    run.log_metrics(laps.metrics())
+    in_flight = laps.states[:, :, 0].isfinite().numpy()
+    run.log_metrics(laps.metrics() | machines.estimates(in_flight))
     write_laps(laps, race.track, entry.track.name, race.period, run)
-    lengths = laps.states[:, :logged, 0].isfinite().sum(0).numpy() * race.period
+    lengths = in_flight[:, :logged].sum(0) * race.period
     recording = machines.recording(_whole_flights(lengths, config.deploy))
     write_recording(recording, run.output / "recording.parquet")
+
+
+def _look(perception: PerceptionSettings, settings: TrackSettings) -> "Look":
+    """Return what the camera of a machine sees of a track."""
+    import torch
+
+    from simgap.gates.track import track_from
+    from simgap.perception.camera import camera_from
+    from simgap.perception.view import distances
+
+    camera, track = camera_from(perception.camera), track_from(settings).to(torch.float64)
+
+    def look(states: "NDArray[np.float64]") -> "NDArray[np.float64]":
+        position, _, attitude, _ = torch.from_numpy(states).split([3, 3, 4, 3], dim=1)
+        return distances(camera, track, position, attitude).numpy()
+
+    return look
 
 
 def _whole_flights(lengths: "NDArray[np.float64]", chosen: Deployment) -> "NDArray[np.float64]":

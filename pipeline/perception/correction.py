@@ -10,7 +10,6 @@ from simgap.perception.camera import camera_from
 from simgap.perception.drift import DriftFilter
 from simgap.perception.pose import Array, Belief, Fix, fixes_from
 from simgap.perception.settings import PerceptionSettings
-from simgap.perception.view import upright
 
 
 class DriftCorrection:
@@ -40,7 +39,7 @@ class DriftCorrection:
         self.drift.advance(period)
 
     def see(self, corners: Array, odometry: Belief) -> list[Fix]:
-        """Take in an image, and return the positions that its gates gave.
+        """Take in an image, and return the positions from its gates that were believed.
 
         Args:
             corners: of each gate that is wholly in it, clockwise as the image shows them, from any of them,
@@ -48,14 +47,10 @@ class DriftCorrection:
             odometry: of the same moment, with its drift.
         """
         belief = replace(odometry, position=odometry.position - self.drift.position)
-        ordered = upright(
-            self._camera, torch.from_numpy(corners), torch.from_numpy(odometry.attitude)
-        ).numpy()
-        fixes = fixes_from(self._camera, self._track, ordered, belief, self._corners, self._random)
-        if fixes:
-            drifts = np.stack([odometry.position - fix.position for fix in fixes])
-            self.drift.correct(drifts, np.stack([fix.covariance for fix in fixes]))
-        return fixes
+        fixes = fixes_from(self._camera, self._track, corners, belief, self._corners, self._random)
+        drifts = np.array([odometry.position - fix.position for fix in fixes]).reshape(-1, 3)
+        covariances = np.array([fix.covariance for fix in fixes]).reshape(-1, 3, 3)
+        return [fixes[number] for number in self.drift.correct(drifts, covariances)]
 
     def corrected(self, position: Array, velocity: Array) -> tuple[Array, Array]:
         """Return position (3,) m and velocity (3,) m/s of the odometry, world frame, without their drift."""

@@ -9,8 +9,17 @@ and from a measured drift z = H x + noise of covariance R
 
     K = P Hᵀ (H P Hᵀ + R)⁻¹,   x ← x + K (z − H x),   P ← (I − K H) P
 
-Drift and covariance are zero at the start. The measurements of all gates of one image are stacked: z has 3n numbers, H
-is [I, 0] n times below one another, R has the n covariances as blocks.
+The gates of one image have independent noise, so they are taken in one after the other, which comes to the same as one
+update of all of them. The next one is always that with the least normalised innovation squared
+
+    (z − H x)ᵀ (H P Hᵀ + R)⁻¹ (z − H x)
+
+and no more are taken once this is above the quantile of χ² with three degrees of freedom that a right measurement stays
+below with a given probability (Bar-Shalom, Li & Kirubarajan 2001, Estimation with applications to tracking and
+navigation, 5.4). Process noise is large from image to image. What is left of it after the first gates of an image is
+small, and finds out those that are not there.
+
+Drift and covariance are zero at the start.
 """
 
 from typing import Any
@@ -18,11 +27,13 @@ from typing import Any
 import numpy as np
 from filterpy.kalman import KalmanFilter
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
+from scipy.stats import chi2
 
 from simgap.perception.settings import DriftSettings
 
 Array = NDArray[Any]
+
+_SEEN = np.eye(3, 6)  # H
 
 
 class DriftFilter:
@@ -33,6 +44,7 @@ class DriftFilter:
         self._filter = KalmanFilter(dim_x=6, dim_z=3)
         self._filter.P = np.zeros((6, 6))
         self._filter.Q = np.diag([settings.position] * 3 + [settings.velocity] * 3)
+        self._most = float(chi2.ppf(settings.taken, 3))
 
     @property
     def position(self) -> Array:
@@ -59,12 +71,26 @@ class DriftFilter:
         transition[:3, 3:] = period * np.eye(3)
         self._filter.predict(F=transition)
 
-    def correct(self, drifts: Array, covariances: Array) -> None:
-        """Take in what the gates of one image say, in one update.
+    def correct(self, drifts: Array, covariances: Array) -> list[int]:
+        """Take in what the gates of one image say, and return the numbers of those that were believed.
 
         Args:
             drifts: position of the odometry less that from a gate, (gates, 3) m.
             covariances: of each, (gates, 3, 3) m².
         """
-        seen = np.tile(np.eye(3, 6), (len(drifts), 1))
-        self._filter.update(drifts.reshape(-1, 1), R=block_diag(*covariances), H=seen)
+        taken: list[int] = []
+        while len(taken) < len(drifts):
+            squared = self._innovations(drifts, covariances)
+            squared[taken] = np.inf
+            best = int(squared.argmin())
+            if squared[best] > self._most:
+                break
+            self._filter.update(drifts[best, :, None], R=covariances[best], H=_SEEN)
+            taken.append(best)
+        return taken
+
+    def _innovations(self, drifts: Array, covariances: Array) -> Array:
+        """Return the normalised innovation squared of each measurement, (gates,)."""
+        innovations = drifts - self.position
+        spread = np.linalg.inv(self.covariance[:3, :3] + covariances)
+        return np.einsum("gi,gij,gj->g", innovations, spread, innovations)

@@ -3,9 +3,8 @@
 Infinitesimal plane-based pose estimation (IPPE; Collins & Bartoli 2014, IJCV 109, as OpenCV implements it) gives the
 pose of a square from its four corners in closed form: a rotation R and a translation t with p_camera = R p_gate + t.
 
-Two such poses fit the corners of a small or distant square almost equally well. Both put it at about the same place, so
-that either says which gate it is, but they lean it to opposite sides of the line of sight. The odometry's attitude
-chooses between them, because that drifts little: the pose is taken whose gate stands most nearly as the track says.
+R is the noisiest part of it, and two of them fit the corners of a small or distant square almost equally well. So only
+t is taken, the middle of the gate as the camera sees it; the attitude, which drifts little, is that of the odometry.
 """
 
 from dataclasses import dataclass
@@ -23,9 +22,6 @@ from simgap.physics import rotations
 
 Array = NDArray[Any]
 
-# OpenCV's square has x to the right, y up and z towards the camera; a gate has away, left and up.
-_SQUARE_FROM_GATE = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
-_SIDES = np.stack((np.eye(3), np.diag([-1.0, -1.0, 1.0])))  # a gate as it is to be passed, and from behind
 _LEAST = 4  # positions whose covariance can have full rank
 
 
@@ -43,19 +39,6 @@ class Belief:
 
 
 @dataclass(frozen=True)
-class GatePoses:
-    """Two poses of a gate for each of several sets of its corners, the one that fits better first.
-
-    Attributes:
-        turns: R, from the gate's away, left and up as the camera sees it, (sets, 2, 3, 3).
-        translations: t, the middle of the gate in the camera's frame, (sets, 2, 3) m.
-    """
-
-    turns: Array
-    translations: Array
-
-
-@dataclass(frozen=True)
 class Fix:
     """A measured position of a machine.
 
@@ -70,28 +53,26 @@ class Fix:
     covariance: Array
 
 
-def gate_poses(rays: Array, opening: float) -> GatePoses:
-    """Return the poses of a gate that its corners allow; not a number for sets that are the corners of no square.
+def middles_seen(rays: Array, opening: float) -> Array:
+    """Return t, the middle of a gate in the camera's frame, for each of several sets of its corners, (sets, 3) m.
+
+    It is not a number for sets that are the corners of no square.
 
     Args:
-        rays: directions of its corners in the camera's frame, less than 90° from its axis, in the order of
-            `simgap.perception.view.View`, (sets, 4, 3).
+        rays: directions of its corners in the camera's frame, less than 90° from its axis, clockwise from any of them,
+            (sets, 4, 3).
         opening: inner side of the gate, m.
     """
     left, up = 0.5 * opening * np.array([[-1.0, 1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]])
     square = np.stack((left, up, np.zeros(4)), axis=-1)
-    found = np.stack([_solutions(square, image) for image in rays[..., :2] / rays[..., 2:]])
-    vectors, translations = found[:, 0], found[:, 1]
-    turns = rotations.to_matrix(rotations.from_rotation_vector(torch.from_numpy(vectors))).numpy()
-    in_front = np.where(translations[..., 2:] > 0, translations, np.nan)
-    return GatePoses(turns @ _SQUARE_FROM_GATE, in_front)
+    found = np.stack([_middle(square, image) for image in rays[..., :2] / rays[..., 2:]])
+    return np.where(found[:, 2:] > 0, found, np.nan)
 
 
-def _solutions(square: Array, image: Array) -> Array:
-    """Return two rotation vectors and two translations, (2, 2, 3); not a number where OpenCV finds none."""
-    _, *found, _ = cv2.solvePnPGeneric(square, image, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE)
-    whole = np.shape(found) == (2, 2, 3, 1)
-    return np.array(found)[..., 0] if whole else np.full((2, 2, 3), np.nan)
+def _middle(square: Array, image: Array) -> Array:
+    """Return the translation that fits best, (3,); not a number where OpenCV finds none."""
+    known, _, middle = cv2.solvePnP(square, image, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE)
+    return middle[:, 0] if known else np.full(3, np.nan)
 
 
 def nearest_gate(camera: Camera, track: Track, seen: Array, belief: Belief) -> int:
@@ -101,21 +82,21 @@ def nearest_gate(camera: Camera, track: Track, seen: Array, belief: Belief) -> i
     return int(np.linalg.norm(track.centres.numpy() - middle, axis=-1).argmin())
 
 
-def positions_from(camera: Camera, track: Track, gate: int, poses: GatePoses, attitude: Array) -> Array:
-    """Return where a machine is in the world if it sees a gate in these poses, (sets, 3) m.
+def positions_from(camera: Camera, track: Track, gate: int, middles: Array, attitudes: Array) -> Array:
+    """Return where a machine is in the world if it sees a gate at these places, (sets, 3) m.
 
-    With the gate's middle c and its axes as rows of A, the camera is at c − Aᵀ Rᵀ t. Of the two poses, and of the two
-    sides from which the gate may be seen, those are taken that turn the believed attitude least.
+    With the gate's middle c, the body's rotation B into the world, and the camera's place b and axes C on the body, the
+    machine is at c − B (b + Cᵀ t).
+
+    Args:
+        camera: on the machine.
+        track: its gates.
+        gate: which of them is seen.
+        middles: t, of the gate in the camera's frame, (sets, 3) m.
+        attitudes: of the machine as believed with each of them, body to world, (sets, 4).
     """
-    to_camera = camera.axes.numpy() @ _matrix(attitude).T
-    sides = _SIDES @ track.axes[gate].numpy()
-    # The trace of the turn between both attitudes, which grows as its angle falls.
-    alike = np.einsum("spij,ik,qjk->sqp", poses.turns, to_camera, sides)
-    side, pose = np.divmod(alike.reshape(len(alike), -1).argmax(-1), alike.shape[-1])
-    sets = np.arange(len(alike))
-    to_world = np.swapaxes(poses.turns[sets, pose] @ sides[side], -1, -2)
-    from_body = poses.translations[sets, pose] + camera.axes.numpy() @ camera.position.numpy()
-    return track.centres[gate].numpy() - (to_world @ from_body[..., None])[..., 0]
+    on_body = camera.position.numpy() + middles @ camera.axes.numpy()
+    return track.centres[gate].numpy() - (_matrix(attitudes) @ on_body[..., None])[..., 0]
 
 
 def fixes_from(
@@ -129,26 +110,34 @@ def fixes_from(
     """Return the machine's position from the corners of each gate of an image; none from those of no square.
 
     A covariance is that of the positions from the nominal corners and from `settings.samples` sets of perturbed ones
-    (Kaufmann et al. 2023, Nature 620, Methods: 20).
+    (Kaufmann et al. 2023, Nature 620, Methods: 20), each with a perturbed attitude.
 
     Args:
         camera: on the machine.
         track: its gates, in double precision as everything here.
-        corners: in the order of `simgap.perception.view.View`, (gates, 4, 2) px.
+        corners: clockwise as the image shows them, from any of them, (gates, 4, 2) px.
         belief: of the machine, its drift taken off as far as it is known.
-        settings: of the corners.
+        settings: of the corners and of the attitude.
         random: of the perturbations.
     """
     noise = settings.noise * random.standard_normal((len(corners), settings.samples, 4, 2))
     perturbed = np.concatenate((corners[:, None], corners[:, None] + noise), axis=1)
+    attitudes = _with_perturbed(belief.attitude, settings, random)
     sets = unproject(camera, torch.from_numpy(perturbed)).numpy()
-    return [fix for rays in sets if (fix := _fix_from(camera, track, rays, belief))]
+    return [fix for rays in sets if (fix := _fix_from(camera, track, rays, belief, attitudes))]
 
 
-def _fix_from(camera: Camera, track: Track, rays: Array, belief: Belief) -> Fix | None:
-    poses = gate_poses(rays, track.opening)
-    gate = nearest_gate(camera, track, poses.translations[0, 0], belief)
-    positions = positions_from(camera, track, gate, poses, belief.attitude)
+def _with_perturbed(attitude: Array, settings: CornerSettings, random: np.random.Generator) -> Array:
+    """Return an attitude and those that it may be in truth, (1 + samples, 4)."""
+    tilts = settings.tilt * random.standard_normal((settings.samples, 3))
+    turns = rotations.from_rotation_vector(torch.from_numpy(np.concatenate((np.zeros((1, 3)), tilts))))
+    return rotations.multiply(torch.from_numpy(attitude).to(turns).expand(len(turns), 4), turns).numpy()
+
+
+def _fix_from(camera: Camera, track: Track, rays: Array, belief: Belief, attitudes: Array) -> Fix | None:
+    middles = middles_seen(rays, track.opening)
+    gate = nearest_gate(camera, track, middles[0], belief)
+    positions = positions_from(camera, track, gate, middles, attitudes)
     known = np.isfinite(positions.sum(-1))
     if not known[0] or known.sum() < _LEAST:
         return None

@@ -20,18 +20,22 @@ class CameraSettings:
 
 @dataclass
 class CornerSettings:
-    """What is known of the corners that a detector reports."""
+    """What is known of the corners that a detector reports, and of the attitude that is believed meanwhile."""
 
     noise: float = 1.0  # px of the resized image, standard deviation of each coordinate
-    samples: int = 20  # perturbed sets of corners from which a measurement's covariance is taken
+    tilt: float = 0.01  # rad about each axis, standard deviation of the odometry's attitude
+    samples: int = 20  # perturbed sets of both from which a measurement's covariance is taken
 
 
 @dataclass
 class DriftSettings:
-    """The diagonal of the drift's process noise, added at every step of the odometry."""
+    """The diagonal of the drift's process noise, added at every step of the odometry, and what is believed of gates."""
 
     position: float = 0.05  # σ_pos, m²
     velocity: float = 0.1  # σ_vel, m²/s²
+    taken: float = (
+        0.999  # share of right positions from gates that are taken in; 1: all positions, false ones too
+    )
 
 
 @dataclass

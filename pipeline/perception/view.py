@@ -92,3 +92,19 @@ def view(camera: Camera, track: Track, position: Vector, attitude: Quaternion) -
     behind = (away * corners[..., 0, :]).sum(-1) < 0
     corners = torch.where(behind[..., None, None], corners[..., _FROM_BEHIND, :], corners)
     return View(project(camera, corners), corners, sees(camera, corners))
+
+
+def distances(
+    camera: Camera, track: Track, position: Vector, attitude: Quaternion
+) -> Float[Tensor, "*batch gates"]:
+    """Return how far the gates in view are, m; infinite for those that are not wholly in the image.
+
+    Args:
+        camera: on the machine.
+        track: its gates.
+        position: of the machine, world frame, (*batch, 3) m.
+        attitude: of the machine, body to world, (*batch, 4).
+    """
+    away = torch.linalg.vector_norm(track.centres.to(position) - position[..., None, :], dim=-1)
+    visible = view(camera, track, position, attitude).visible
+    return torch.where(visible, away, torch.inf)

@@ -2,15 +2,18 @@
 
 The errors follow from what is flown, as on a real machine (Kaufmann et al. 2023, Nature 620: odometry drifts at high
 speed and rate). A camera misjudges speed by a share of it, and more so while turning; sideways acceleration is taken
-for a tilt; what velocity is wrong adds up in position until a landmark is seen.
+for a tilt; what velocity is wrong adds up in position until a gate is seen. Where there are no gates to look for, what
+else is seen on the way is not modelled, and position forgets its drift within 2 s.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simgap.plants.case import PlantCase
 from simgap.plants.flight import Log
+from simgap.plants.gates_seen import IMAGE, GatesSeen, Look
 from simgap.plants.rotation import Array, cross, from_small_angles, matrix, product
 from simgap.plants.sampling import at
 from simgap.plants.wind import first_order_noise
@@ -46,7 +49,15 @@ class Errors:
 class Odometry:
     """The errors of an on-board estimator along flights, all runs at once."""
 
-    def __init__(self, scale: float, runs: int, steps: int, step: float, random: np.random.Generator) -> None:
+    def __init__(
+        self,
+        scale: float,
+        runs: int,
+        steps: int,
+        step: float,
+        random: np.random.Generator,
+        look: Look | None = None,
+    ) -> None:
         """Draw what is random.
 
         Args:
@@ -55,12 +66,19 @@ class Odometry:
             steps: for which they are asked at most.
             step: from one to the next, s.
             random: of the errors.
+            look: for gates, which take the drift off; None: it is forgotten by itself.
         """
         noise = first_order_noise((steps, runs, 9), step / _FORGETS, random)
         self._noise = dict(zip(_RANDOM, np.split(noise, 3, axis=-1), strict=True))
         self._share = _SPEED_SHARE + _SPEED_SPREAD * random.standard_normal((runs, 1))
         self._scale, self._step, self._index = scale, step, 0
         self._drift = np.zeros((runs, 3))
+        self._gates = GatesSeen(look, runs, random) if look else None
+
+    @property
+    def in_view(self) -> NDArray[np.bool_]:
+        """Whether each machine sees a gate, (runs,) bool."""
+        return self._gates.in_view if self._gates else np.zeros(len(self._drift), dtype=bool)
 
     def advance(self, state: Array, force: Array) -> Errors:
         """Return the errors a step later.
@@ -73,8 +91,7 @@ class Odometry:
         velocity, rate = state[:, 3:6], state[:, 10:]
         turning = 1.0 + _BLUR * np.linalg.norm(rate, axis=-1, keepdims=True)
         wrong = self._share * velocity + turning * noise["velocity"]
-        self._drift += self._step * (wrong - self._drift / _FORGETS)
-        self._index += 1
+        self._go_on(wrong, state)
         errors = (
             self._drift,
             wrong,
@@ -82,6 +99,16 @@ class Odometry:
             noise["body_rate"],
         )
         return Errors(*(self._scale * error for error in errors))
+
+    def _go_on(self, wrong: Array, state: Array) -> None:
+        """Add up in position what velocity is wrong, (runs, 3) m/s, and take off what is found out."""
+        if self._gates is None:
+            self._drift += self._step * (wrong - self._drift / _FORGETS)
+        else:
+            self._drift += self._step * wrong
+            if self._index % round(IMAGE / self._step) == 0:
+                self._drift = self._gates.corrected(self._drift, state)
+        self._index += 1
 
 
 def _feigned_tilt(attitude: Array, force: Array) -> Array:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from simgap.plants.battery import Battery
 from simgap.plants.case import PlantCase
@@ -12,6 +13,7 @@ from simgap.plants.design import design
 from simgap.plants.estimator import DELAY, Errors, Odometry, believed, believed_state, joined
 from simgap.plants.estimator import STEP as ESTIMATED_EVERY
 from simgap.plants.flight import STEP, Log, Machines, log_of
+from simgap.plants.gates_seen import Look
 from simgap.plants.rotation import Array
 from simgap.plants.sampling import held_at
 from simgap.plants.sensing import record
@@ -21,6 +23,8 @@ from simgap.recordings.recording import Recording
 
 Regulator = Callable[[Array, Array], Array]
 """From body rates (runs, 3), rad/s, and a reference (runs, 4), m/s² and rad/s, to rotor speeds (runs, 4), rad/s."""
+
+Mask = NDArray[np.bool_]
 
 _ESTIMATE_STEPS = round(ESTIMATED_EVERY / STEP)
 _DELAY_STEPS = round(DELAY / STEP)
@@ -46,6 +50,7 @@ class RacedMachines:
         seconds: float,
         seed: int,
         logged: int = 0,
+        look: Look | None = None,
     ) -> None:
         """Put them together.
 
@@ -57,6 +62,7 @@ class RacedMachines:
             seconds: for which they fly at most.
             seed: of every random draw.
             logged: how many of the runs, the first ones, can be recorded.
+            look: for gates, which take the drift off the estimators; None: there are none, and it is forgotten.
 
         Raises:
             InputError: when the case cannot be flown.
@@ -73,8 +79,9 @@ class RacedMachines:
         flown = replace(case, runs=runs)
         self._machines = Machines(design(platform, case), platform, flown, battery, for_plant, steps)
         self._odometry = Odometry(
-            case.estimates, runs, steps // _ESTIMATE_STEPS + 1, ESTIMATED_EVERY, for_belief
+            case.estimates, runs, steps // _ESTIMATE_STEPS + 1, ESTIMATED_EVERY, for_belief, look
         )
+        self._looks, self._estimates = look is not None, list[tuple[Mask, Array]]()
         self._log = _Logbook(logged)
 
     def fly(self, state: Array, reference: Array, period: float) -> tuple[Array, Array]:
@@ -93,6 +100,7 @@ class RacedMachines:
             happened = machines.advance(self._regulate(machines.felt_rate(), reference))
             passed.append(happened[0])
             self._note(happened, reference)
+        self._estimates.append((self._odometry.in_view, np.linalg.norm(self._errors.position, axis=-1)))
         late = [*passed, machines.state][-1 - _DELAY_STEPS :][0]
         belief = believed_state(late, self._errors) if self._case.estimates > 0 else machines.state
         return machines.state, belief
@@ -103,6 +111,16 @@ class RacedMachines:
             self._errors = self._odometry.advance(happened[0], happened[1])
             self._log.errors.append(self._errors)
         self._log.note(happened, reference)
+
+    def estimates(self, flying: Mask) -> dict[str, float]:
+        """Return the RMS error of the estimated position, m, and if they look for gates, the share of time with one.
+
+        Args:
+            flying: which runs were in flight at each call of `fly`, (calls, runs) bool.
+        """
+        in_view, error = (np.stack(part)[flying] for part in zip(*self._estimates, strict=True))
+        measures = {"position_error": float(np.sqrt((error**2).mean()))}
+        return measures | ({"gate_in_view": float(in_view.mean())} if self._looks else {})
 
     def recording(self, seconds: Array) -> Recording:
         """Return what the sensors of the logged runs recorded.

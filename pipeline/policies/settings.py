@@ -120,6 +120,9 @@ class Deployment:
         0.05  # by which the strength of what is concealed differs between trials, as a share of it
     )
     within: float = 0.03  # m, that a trial may end off the target
+    gates: bool = (
+        True  # an estimator takes its drift off by the gates in view; else it is forgotten within 2 s
+    )
     flights: int = 3  # races that are recorded at least
     recorded_seconds: float = 50.0  # of races that are recorded together, where enough are flown
     most_flights: int = 12  # races that are recorded at most

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from simgap.perception.view import view
+from simgap.perception.view import distances, view
 from simgap.physics import rotations
 from tests.pipeline.perception.eyes import corners_of, course, fisheye, standing_before
 
@@ -33,6 +33,14 @@ def test_a_gate_that_leaves_the_image_is_not_in_view():
     camera, track = fisheye(), course()
     assert 1 in corners_of(camera, track, standing_before(track, 1, 2.0))
     assert 1 not in corners_of(camera, track, standing_before(track, 1, 0.2))
+
+
+def test_gates_in_view_have_a_distance_and_others_do_not():
+    camera, track = fisheye(), course()
+    machine = standing_before(track, 1, 5.0)
+    away = distances(camera, track, torch.tensor(machine.position), torch.tensor(machine.attitude))
+    assert float(away[1]) == pytest.approx(5.0)
+    assert torch.isfinite(away).nonzero().flatten().tolist() == [*corners_of(camera, track, machine)]
 
 
 def test_a_batch_sees_what_its_machines_see():

@@ -18,9 +18,13 @@ MACHINES = 3
 QUIET = Sensors(scale=0.0)
 
 
-def deployed(seed=0, **case):
+def raced(seed=0, look=None, **case):
     loop = RateLoop(RACER, FLYING.time_constant, RacedMachines.step)
-    machines = RacedMachines(PlantCase(**case), RACER, loop, MACHINES, seconds=2.0, seed=seed)
+    return RacedMachines(PlantCase(**case), RACER, loop, MACHINES, seconds=2.0, seed=seed, look=look)
+
+
+def deployed(seed=0, **case):
+    machines = raced(seed, **case)
     return Deployed(lambda state, reference: machines.fly(state, reference, FLYING.period))
 
 
@@ -72,6 +76,28 @@ def test_machines_without_an_estimator_know_where_they_are_and_others_believe_so
         wrong = (machines.believed(rows)[PARTS["position"]] - rows[PARTS["position"]]).norm(dim=0)
         assert float(wrong.max()) <= most
         assert bool((wrong > 0.0).all()) == (estimates > 0.0)
+
+
+def estimates_of(look, calls=60):
+    """Return what the machines know of where they are on their way straight ahead, one by one."""
+    machines = raced(look=look, estimates=1.0)
+    state = np.tile([0.0, 0.0, 2.0, 8.0, 0.0, 0.0, 1.0, *[0.0] * 6], (MACHINES, 1))
+    for _ in range(calls):
+        state, _ = machines.fly(state, np.tile([RACER.gravity, 0.0, 0.0, 0.0], (MACHINES, 1)), FLYING.period)
+    return [machines.estimates(np.tile(run, (calls, 1))) for run in np.eye(MACHINES, dtype=bool)]
+
+
+def test_machines_that_see_a_gate_know_better_where_they_are():
+    sights = iter(range(1000))
+    seen = estimates_of(lambda _: np.array([[2.0], [2.0 if next(sights) % 2 else np.inf], [np.inf]]))
+    assert [each["gate_in_view"] for each in seen] == pytest.approx([1.0, 0.5, 0.0], abs=0.1)
+    assert max(each["position_error"] for each in seen[:2]) < seen[2]["position_error"]
+
+
+def test_machines_without_a_camera_see_nothing_and_are_off_all_the_same():
+    for each in estimates_of(None, calls=10):
+        assert set(each) == {"position_error"}
+        assert each["position_error"] > 0.0
 
 
 @pytest.mark.parametrize("rate", [0.0, 3.0])
