@@ -18,15 +18,33 @@ def erase_dead(run: RunUnderCleaning) -> None:
         if not run.has([rate, position]):
             continue
         values, place = run.channel(rate)[:, 0], run.channel(position)[:, 0]
+        held = {column: _held(run, run.channel(column)[:, 0]) for column in (rate, position)}
+        if not any(len(stretches) for stretches in held.values()):
+            continue
         with np.errstate(invalid="ignore", divide="ignore"):
             moved = np.gradient(place, run.time) if len(place) > 1 else np.zeros(len(place))
-        _erase(run, rate, values, moved, values - moved)
-        _erase(run, position, place, values, values - moved)
+        _erase(run, rate, held[rate], moved, values - moved)
+        _erase(run, position, held[position], values, values - moved)
     _erase_empty_battery(run)
 
 
+def _held(run: RunUnderCleaning, values: np.ndarray) -> list[tuple[int, int]]:
+    """Return where a column repeats its last value for long, [first, one past last]."""
+    repeats = np.zeros(len(values), dtype=bool)
+    repeats[1:] = values[1:] == values[:-1]
+    return [
+        (first, past)
+        for first, past in stretches_of(repeats).tolist()
+        if past - first >= _FEWEST and run.time[past - 1] - run.time[first] >= _SHORTEST
+    ]
+
+
 def _erase(
-    run: RunUnderCleaning, column: str, values: np.ndarray, speed: np.ndarray, apart: np.ndarray
+    run: RunUnderCleaning,
+    column: str,
+    held: list[tuple[int, int]],
+    speed: np.ndarray,
+    apart: np.ndarray,
 ) -> None:
     """Erase where a column repeats its last value and is far from what the other one tells.
 
@@ -34,16 +52,18 @@ def _erase(
     that it is looked at in parts.
     """
     known = np.abs(speed[np.isfinite(speed)])
-    if len(known) < 2 * _FEWEST:
+    if not held or len(known) < 2 * _FEWEST:
         return
     far = _FAST * float(np.quantile(known, 0.95))
-    held = np.concatenate([[False], values[1:] == values[:-1]])
     part = max(_FEWEST, round(_SHORTEST / run.time_step))
-    rows = np.zeros(len(values), dtype=bool)
-    for first, past in stretches_of(held):
-        long = past - first >= _FEWEST and run.time[past - 1] - run.time[first] >= _SHORTEST
-        if long and _largest_mean(apart[first:past], part) > far:
+    rows = np.zeros(len(speed), dtype=bool)
+    for first, past in held:
+        if _largest_mean(apart[first : past - 1], part) > far:  # the rate at the last one is of what follows
             rows[first - 1 : past] = True
+    _leave_out(run, column, rows)
+
+
+def _leave_out(run: RunUnderCleaning, column: str, rows: np.ndarray) -> None:
     if 0 < rows.sum() < _MOST * len(rows):
         run.erase(rows, [column], "dead", "repeats one value although the machine moves")
         run.remarks.append(
