@@ -95,17 +95,12 @@ def header_of(path: Path) -> list[str]:
 
 def _read_parquet(path: Path) -> Table:
     try:
-        table = pq.ParquetFile(path).read()
-        _refuse_duplicates(table.column_names, path)
-        schema = table.schema
-        frame = table.to_pandas(ignore_metadata=True, split_blocks=True, self_destruct=True)
-        del table
-        frame = frame.drop(columns=[name for name in frame.columns if _ROW_NUMBERS.fullmatch(name)])
-        for (
-            name
-        ) in frame.columns:  # one after the other, so that what was read is held twice for one column only
-            if frame[name].dtype == np.float64:
-                frame[name] = frame[name].copy()
+        file = pq.ParquetFile(path)
+        schema = file.schema_arrow
+        _refuse_duplicates(schema.names, path)
+        names = [name for name in schema.names if not _ROW_NUMBERS.fullmatch(name)]
+        # One after the other, so that one column only is held twice.
+        frame = pd.DataFrame({name: _column(file, name) for name in names}, copy=False)
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0]
         raise InputError(f"is a damaged Parquet file ({reason})", str(path), "write it again") from None
@@ -115,6 +110,12 @@ def _read_parquet(path: Path) -> Table:
         if entry.metadata and b"unit" in entry.metadata
     }
     return Table(frame, units, _decode(schema.metadata or {}, path))
+
+
+def _column(file: pq.ParquetFile, name: str) -> pd.Series:
+    """Return a column, in memory of its own that may be written to."""
+    series = file.read(columns=[name], use_threads=False).column(name).to_pandas()
+    return series.copy() if series.dtype == np.float64 else series
 
 
 def _decode(raw: Mapping[bytes, bytes], path: Path) -> dict[str, Any]:
