@@ -16,6 +16,7 @@ from simgap.recordings.cleaning.dead import erase_dead
 from simgap.recordings.cleaning.derived import derived_remark, with_derived
 from simgap.recordings.cleaning.filtered import replace_averaged
 from simgap.recordings.cleaning.frozen import erase_frozen
+from simgap.recordings.cleaning.halved import mend_halved
 from simgap.recordings.cleaning.idle import drop_idle
 from simgap.recordings.cleaning.limits import erase_beyond_limits
 from simgap.recordings.cleaning.missing import erase_sparse_groups, lacking, needed_groups
@@ -178,6 +179,7 @@ def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> R
 def mend_rows(run: RunUnderCleaning) -> None:
     """Undo what can be undone, and erase what stands still, before anything else can hide it."""
     mend_wraps(run)
+    mend_halved(run)
     erase_dead(run)
     replace_averaged(run)
 

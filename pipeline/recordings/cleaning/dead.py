@@ -2,12 +2,14 @@
 
 import numpy as np
 
+from simgap.recordings.cleaning.halved import SPEEDS
 from simgap.recordings.cleaning.work import RunUnderCleaning, stretches_of
 from simgap.recordings.cleaning.wraps import PAIRS
 
 _SHORTEST = 0.1  # s: a filter lags less
 _FEWEST = 5  # samples
 _FAST = 0.3  # of the usual fast speed: slower, a position may repeat, and a speed may be below its threshold
+_CHANGING = 0.5  # share of its samples in which a speed has to change to tell that the machine moves
 _MOST = 0.5  # share of a run; a column that is dead for longer is none
 _EMPTY = 0.3  # of the usual voltage: no battery falls to it and comes back
 
@@ -25,7 +27,22 @@ def erase_dead(run: RunUnderCleaning) -> None:
             moved = np.gradient(place, run.time) if len(place) > 1 else np.zeros(len(place))
         _erase(run, rate, held[rate], moved, values - moved)
         _erase(run, position, held[position], values, values - moved)
+    _erase_alone(run)
     _erase_empty_battery(run)
+
+
+def _erase_alone(run: RunUnderCleaning) -> None:
+    """Erase where one of four counted speeds repeats one value, not zero, while the other three change."""
+    speeds = [column for column in SPEEDS.get(run.kind, []) if column in run.columns]
+    values = {column: run.channel(column)[:, 0] for column in speeds}
+    for column in speeds:
+        rows = np.zeros(len(run.time), dtype=bool)
+        for first, past in _held(run, values[column]):
+            others = [values[other][first - 1 : past] for other in speeds if other != column]
+            changing = all(np.mean(np.diff(other) != 0) > _CHANGING for other in others)
+            if others and changing and values[column][first] != 0:
+                rows[first - 1 : past] = True
+        _leave_out(run, column, rows)
 
 
 def _held(run: RunUnderCleaning, values: np.ndarray) -> list[tuple[int, int]]:

@@ -11,6 +11,7 @@ import numpy as np
 from simgap.recordings.cleaning.work import RunUnderCleaning
 
 PAIRS = {"joint": [("velocity", "position")]}
+PAIRS["quadrotor"] = [(f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
 PAIRS["swerve"] = [(f"steer_velocity_{module}", f"steer_angle_{module}") for module in "1234"]
 """Rates and the positions whose rates they are."""
 
@@ -21,6 +22,7 @@ _SAMPLES = 10  # of a column that can be judged
 _FEWEST = 3  # jumps that are alike by themselves; fewer have to be a turn or a power of two
 _BEFORE, _GAIN = 1e-4, 0.5  # misfit that is looked into, and the share of it that may be left
 _ROUNDING = 0.02  # of a size: within it, a whole turn or a power of two is meant
+_STILL = 0.5  # share of the samples that are far off; above it, they stand still
 _BELOW = 0.95  # of a sign bit, which positive numbers stay below
 _MOVING = 0.05  # of the energy of the fastest samples
 
@@ -167,7 +169,8 @@ def _wrapped_rate(
     with np.errstate(invalid="ignore", divide="ignore"):
         missing = np.gradient(position, time) - present
     far = np.isfinite(missing) & (np.abs(missing) > _JUMP * np.ptp(present))
-    if far.sum() < _FEWEST:
+    repeats = np.append(False, present[1:] == present[:-1])
+    if far.sum() < _FEWEST or np.mean(repeats[far]) > _STILL:  # a register that wraps goes on counting
         return None
     period = _rounded(float(np.median(np.abs(missing[far]))), _quantum(present))
     turns = np.where(np.isfinite(missing), np.round(missing / period), 0.0)

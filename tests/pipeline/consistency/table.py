@@ -58,8 +58,8 @@ def tabulate(
 def mend(fault: RowFault, one: Good) -> tuple[bool, bool]:
     """Return whether a fault of some rows is said, and whether no contradiction is left of it."""
     spoilt = fault.of(one.recording)
-    warnings = clean_recording(spoilt)[0].warnings
-    said = any(fault.said in warning for warning in warnings)
+    cleaned, changes = clean_recording(spoilt)
+    said = any(fault.said in text for text in (*cleaned.warnings, *changes["reason"]))
     return said, said and not contradictions(spoilt, platform_from_config(one.platform))
 
 
