@@ -20,13 +20,16 @@ def erase_dead(run: RunUnderCleaning) -> None:
         if not run.has([rate, position]):
             continue
         values, place = run.channel(rate)[:, 0], run.channel(position)[:, 0]
-        held = {column: _held(run, run.channel(column)[:, 0]) for column in (rate, position)}
-        if not any(len(stretches) for stretches in held.values()):
+        still = [_held(run, values), _held(run, place)]
+        if run.kind == "quadrotor":  # where both repeat, a whole message did not arrive, which is seen later
+            both = [each for each in still[0] if each in still[1]]
+            still = [[each for each in stretches if each not in both] for stretches in still]
+        if not any(still):
             continue
         with np.errstate(invalid="ignore", divide="ignore"):
             moved = np.gradient(place, run.time) if len(place) > 1 else np.zeros(len(place))
-        _erase(run, rate, held[rate], moved, values - moved)
-        _erase(run, position, held[position], values, values - moved)
+        _erase(run, rate, still[0], moved, values - moved)
+        _erase(run, position, still[1], values, values - moved)
     _erase_alone(run)
     _erase_empty_battery(run)
 
@@ -75,7 +78,7 @@ def _erase(
     part = max(_FEWEST, round(_SHORTEST / run.time_step))
     rows = np.zeros(len(speed), dtype=bool)
     for first, past in held:
-        if _largest_mean(apart[first : past - 1], part) > far:  # the rate at the last one is of what follows
+        if _largest_mean(apart[first:past], part) > far:
             rows[first - 1 : past] = True
     _leave_out(run, column, rows)
 

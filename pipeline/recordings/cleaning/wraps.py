@@ -172,7 +172,10 @@ def _wrapped_rate(
     repeats = np.append(False, present[1:] == present[:-1])
     if far.sum() < _FEWEST or np.mean(repeats[far]) > _STILL:  # a register that wraps goes on counting
         return None
-    period = _rounded(float(np.median(np.abs(missing[far]))), _quantum(present))
+    size, quantum = float(np.median(np.abs(missing[far]))), _quantum(present)
+    period = _rounded(size, quantum)
+    if quantum == 0.0 and period == size:  # neither a register nor a turn
+        return None
     turns = np.where(np.isfinite(missing), np.round(missing / period), 0.0)
     return present + period * turns, period
 
