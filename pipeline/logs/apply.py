@@ -50,12 +50,12 @@ def recording_of(log: Log, mapping: Mapping, platform: AbstractMapping[str, Any]
     }
     columns = without_jumps(columns)
     spans = mapping.windows or log.spans or (_whole(columns, log),)
-    frames = [frame for span in spans if (frame := _run(columns, span, mapping, rate)) is not None]
-    if not frames:
+    found = [(span.name, _run(columns, span, mapping, rate)) for span in spans]
+    runs = [(name, run) for name, run in found if run is not None]
+    if not runs:
         raise InputError("no run has samples of all columns", log.path, "correct the mapping, or its runs")
-    remarks = [*log.remarks, *remarks, *_left_out(spans, frames), *_integrated(sources)]
-    frame = pd.concat(frames, ignore_index=True)
-    return recording_from_frame(frame, mapping.kind, sliding=sliding, warnings=remarks, where=log.path)
+    remarks = [*log.remarks, *remarks, *_left_out(spans, {name for name, _ in runs}), *_integrated(sources)]
+    return recording_from_frame(_frame(runs), mapping.kind, sliding=sliding, warnings=remarks, where=log.path)
 
 
 def signal_of(log: Log, name: str) -> Signal:
@@ -80,18 +80,20 @@ def _is_sliding(log: Log, sources: dict[str, Source]) -> bool:
 def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
     """Return the signal of a column in the contract's unit."""
     signal = signal_of(log, source.signal)
-    values = signal.values.astype(float)
+    values = signal.values.astype(float)  # a copy, which is changed in its place
     if source.missing is not None:
-        values = np.where(values == source.missing, np.nan, values)
-    values = source.sign * source.scale * values + source.offset
+        values[values == source.missing] = np.nan
+    values *= source.sign * source.scale
+    values += source.offset
     if source.times is not None:
         other = signal_of(log, source.times)
-        values = values * values_at(other, signal.time, held=other.held)
+        values *= values_at(other, signal.time, held=other.held)
     unit = source.unit or signal.unit
     if unit is not None:
         needed = f"{expected}/s" if source.integrate else expected
         factor, added = factor_and_offset(unit, needed, f"{log.path}, column {column!r}")
-        values = values * factor + added
+        values *= factor
+        values += added
     if source.root:
         values = np.sqrt(np.maximum(values, 0.0))
     if source.integrate:
@@ -119,8 +121,10 @@ def _whole(columns: dict[str, Signal], log: Log) -> Span:
     return Span("run", float(min(time.min() for time in times)), float(max(time.max() for time in times)))
 
 
-def _run(columns: dict[str, Signal], span: Span, mapping: Mapping, rate: float | None) -> pd.DataFrame | None:
-    """Return the samples of one run; None where it has too few."""
+def _run(
+    columns: dict[str, Signal], span: Span, mapping: Mapping, rate: float | None
+) -> dict[str, NDArray[np.float64]] | None:
+    """Return the times and the columns of one run, each (n,); None where it has too few."""
     within = {name: _within(signal, span) for name, signal in columns.items()}
     times = base_times(within, mapping.kind, rate)
     times = times[times >= span.begin]  # a held value may be from before
@@ -134,18 +138,29 @@ def _run(columns: dict[str, Signal], span: Span, mapping: Mapping, rate: float |
     }
     for name, source in mapping.columns.items():
         if source.integrate and np.isfinite(values[name]).any():
-            values[name] -= values[name][np.isfinite(values[name])][0]
-    return pd.DataFrame({"run": span.name, "t": times - times[0], **values})
+            values[name] = values[name] - values[name][np.isfinite(values[name])][0]
+    return {"t": times - times[0], **values}
+
+
+def _frame(runs: list[tuple[str, dict[str, NDArray[np.float64]]]]) -> pd.DataFrame:
+    """Return the runs one below the other; each column is taken out of them, so that it is not held twice."""
+    lengths = [len(run["t"]) for _, run in runs]
+    columns: dict[str, Any] = {"run": pd.array([name for name, _ in runs], dtype="str").repeat(lengths)}
+    for name in list(runs[0][1]):
+        parts = [run.pop(name) for _, run in runs]
+        columns[name] = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    return pd.DataFrame(columns, copy=False)
 
 
 def _within(signal: Signal, span: Span, beside: bool = False) -> Signal:
     """Cut a signal to a run, with or without a sample on each side; what is held keeps the last value from before."""
-    inside = (signal.time >= span.begin) & (signal.time <= span.end)
-    if (signal.held or beside) and (before := np.flatnonzero(signal.time < span.begin)).size:
-        inside[before[-1]] = True
-    if beside and (after := np.flatnonzero(signal.time > span.end)).size:
-        inside[after[0]] = True
-    return replace(signal, time=signal.time[inside], values=signal.values[inside])
+    first = np.searchsorted(signal.time, span.begin)
+    past = np.searchsorted(signal.time, span.end, side="right")
+    if signal.held or beside:
+        first = max(first - 1, 0)
+    if beside:
+        past += 1
+    return replace(signal, time=signal.time[first:past], values=signal.values[first:past])
 
 
 def _integrated(sources: dict[str, Source]) -> Iterator[str]:
@@ -154,8 +169,7 @@ def _integrated(sources: dict[str, Source]) -> Iterator[str]:
             yield f"Column {column!r} was integrated from {source.signal!r}, from zero in each run."
 
 
-def _left_out(spans: tuple[Span, ...], frames: list[pd.DataFrame]) -> Iterator[str]:
-    kept = {frame["run"].iloc[0] for frame in frames}
+def _left_out(spans: tuple[Span, ...], kept: set[str]) -> Iterator[str]:
     lost = [span.name for span in spans if span.name not in kept]
     if lost:
         yield f"Left out, since a needed signal has no samples there: {', '.join(map(repr, lost))}."

@@ -76,13 +76,18 @@ def values_at(signal: Signal, times: NDArray[np.float64], held: bool) -> NDArray
         held: whether a value holds until the next one.
     """
     if signal.time.shape == times.shape and np.array_equal(signal.time, times) and not held:
-        return signal.values.copy()
+        return signal.values
     known = np.isfinite(signal.values)
-    time, values = signal.time[known], signal.values[known]
+    time, values = signal.time, signal.values
+    if not known.all():
+        time, values = time[known], values[known]
     if not len(time):
         return np.full(len(times), np.nan)
     if held:
         return _last(time, values, times)
+    place = int(np.searchsorted(time, times[0])) if len(times) else 0
+    if np.array_equal(time[place : place + len(times)], times):
+        return values[place : place + len(times)]
     step, common = step_of(time), step_of(times)
     found = (
         _averaged(time, values, times, common)
@@ -158,6 +163,8 @@ def _antiderivative(
 
 def _in_gaps(time: NDArray[np.float64], times: NDArray[np.float64], longest: float) -> NDArray[np.bool_]:
     """Whether each time lies outside the signal, or between two samples that are further apart than `longest`."""
+    if not (np.diff(time) > longest).any():
+        return (times < time[0]) | (times > time[-1])
     after = np.searchsorted(time, times, side="left")
     outside = (after == len(time)) | ((after == 0) & (times < time[0]))
     place = np.clip(after, 1, max(len(time) - 1, 1))

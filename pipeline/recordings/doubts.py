@@ -5,6 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from simgap.recordings.runs import by_run, stretches_of_runs
+
 LARGEST_AT = "It is largest at"
 """Begins the sentence that tells where a simulator fails most; there is none where it fails everywhere."""
 SINGLE_RUN = "There is only one run, so none can be held out for validation."
@@ -39,7 +41,7 @@ def _without_position(frame: pd.DataFrame, kind: str) -> Iterator[str]:
 
 
 def _gaps(frame: pd.DataFrame) -> Iterator[str]:
-    for run, samples in frame.groupby("run", sort=False):
+    for run, samples in by_run(frame):
         time = samples["t"].to_numpy()
         steps = np.diff(time)
         if len(steps) < 2:
@@ -60,11 +62,13 @@ def _constant(frame: pd.DataFrame, units: dict[str, str]) -> Iterator[str]:
     if len(frame) < 3:
         return
     for column in units:
-        values = frame[column].dropna()
-        if len(values) > 2 and values.max() == values.min():
-            yield f"Channel {column!r} is constant ({values.iloc[0]:.6g}) in the whole recording."
+        values = frame[column].to_numpy()
+        least = np.fmin.reduce(values)
+        if least == np.fmax.reduce(values) and np.isfinite(values).sum() > 2:
+            yield f"Channel {column!r} is constant ({least:.6g}) in the whole recording."
 
 
 def _single_run(frame: pd.DataFrame) -> Iterator[str]:
-    if frame["run"].nunique() == 1:
+    names, _ = stretches_of_runs(frame["run"])
+    if len(set(names)) == 1:
         yield SINGLE_RUN

@@ -16,7 +16,7 @@ def location(where: str, frame: pd.DataFrame | pd.Series, row: int, column: str)
 
 
 def to_numbers(series: pd.Series, runs: pd.Series, where: str) -> np.ndarray:
-    """Return a column as float64, missing samples as NaN.
+    """Return a column as float64, missing samples as NaN; one that is so already is not copied.
 
     Args:
         series: the column, of any type.
@@ -28,19 +28,19 @@ def to_numbers(series: pd.Series, runs: pd.Series, where: str) -> np.ndarray:
     """
     column = str(series.name)
     values = _parse(series, runs, where, column)
+    most = _LATEST if column == "t" else _LARGEST
+    if np.fmax.reduce(values, initial=0.0) <= most and np.fmin.reduce(values, initial=0.0) >= -most:
+        return values
     infinite = np.isinf(values)
     if infinite.any():
         place = location(where, runs, int(np.argmax(infinite)), column)
         raise InputError("infinity is not a measurement", place, "leave the value out where there is none")
-    with np.errstate(invalid="ignore"):
-        huge = np.abs(values) > (_LATEST if column == "t" else _LARGEST)
-    if huge.any():
-        row = int(np.argmax(huge))
-        place = location(where, runs, row, column)
-        raise InputError(
-            f"{values[row]:.3g} is beyond any measurement", place, "correct it, or leave the value out"
-        )
-    return values
+    row = int(np.argmax(np.abs(np.nan_to_num(values)) > most))
+    raise InputError(
+        f"{values[row]:.3g} is beyond any measurement",
+        location(where, runs, row, column),
+        "correct it, or leave the value out",
+    )
 
 
 def _parse(series: pd.Series, runs: pd.Series, where: str, column: str) -> np.ndarray:
@@ -50,6 +50,8 @@ def _parse(series: pd.Series, runs: pd.Series, where: str, column: str) -> np.nd
         )
     if pd.api.types.is_timedelta64_dtype(series.dtype):
         return series.dt.total_seconds().to_numpy(dtype="float64", copy=True)
+    if series.dtype == np.float64:
+        return series.to_numpy()
     if pd.api.types.is_numeric_dtype(series.dtype):
         return series.to_numpy(dtype="float64", copy=True, na_value=np.nan)
     text = series.astype(object).where(series.notna(), None)

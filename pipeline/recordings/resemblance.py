@@ -4,6 +4,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from simgap.recordings.runs import stretches_of_runs
+
 _NO_CHANNELS = ("run", "t", "segment", "filled")
 _STILL_SHARE = 1e-4  # of a channel's spread, below which it counts as still
 
@@ -17,9 +19,12 @@ def distances_of(frame: pd.DataFrame) -> NDArray[np.float64]:
     Args:
         frame: of a recording; channels that some run lacks do not count.
     """
+    names, _ = stretches_of_runs(frame["run"])
+    if len(set(names)) == 1:
+        return np.zeros((1, 1))
     numbers = frame.drop(columns=list(_NO_CHANNELS), errors="ignore").select_dtypes("number")
     complete = [name for name in numbers if np.isfinite(numbers[name]).all()]
-    run = frame["run"].astype(str)
+    run = pd.factorize(frame["run"])[0]  # numbers are quicker to group by than names
     scaled = numbers[complete] / numbers[complete].std().replace(0.0, 1.0).fillna(1.0)
     runs = scaled.groupby(run, sort=False)
     steps = runs.diff().groupby(run, sort=False)

@@ -12,6 +12,7 @@ from simgap.errors import InputError
 from simgap.recordings.holdouts import chosen, first, groups_of, most_alike
 from simgap.recordings.opposites import opposite_runs
 from simgap.recordings.resemblance import distances_of
+from simgap.recordings.runs import by_run
 
 PARTS = ("train", "validation", "holdout")
 RESEMBLANCE, CHANCE = "resemblance", "chance"
@@ -50,13 +51,16 @@ def split_recording(frame: pd.DataFrame, kind: str, split: Split, seed: int = 0)
     Raises:
         InputError: as `split_runs`.
     """
-    rows = frame.groupby(frame["run"].astype(str), sort=False)["t"]
-    runs = [str(run) for run in rows.groups]
+    times = {run: rows["t"].to_numpy() for run, rows in by_run(frame)}
+    runs = list(times)
     if split.validation or split.holdout:
         return split_runs(runs, split, seed)
-    seconds = (rows.size() * rows.agg(lambda time: time.diff().median())).fillna(0.0)
-    known = {str(run): float(duration) for run, duration in seconds.items()}
-    return split_runs(runs, split, seed, distances_of(frame), known, opposite_runs(frame, kind))
+    seconds = {run: _duration(time) for run, time in times.items()}
+    return split_runs(runs, split, seed, distances_of(frame), seconds, opposite_runs(frame, kind))
+
+
+def _duration(time: NDArray[np.float64]) -> float:
+    return len(time) * float(np.median(np.diff(time))) if len(time) > 1 else 0.0
 
 
 def split_runs(

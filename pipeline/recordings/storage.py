@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -25,6 +26,7 @@ WORKBOOKS = (".xlsx", ".xls", ".xlsm", ".ods")
 _ROW_NUMBERS = re.compile(
     r"__index_level_\d+__"
 )  # what pandas adds, to Parquet by this name and to CSV without one
+_REPEATED = ["run", *WHOLE_NUMBERS]
 _STRUCTURED = (
     "simgap.split",
     "simgap.clock_offset",
@@ -93,19 +95,27 @@ def header_of(path: Path) -> list[str]:
 
 def _read_parquet(path: Path) -> Table:
     try:
-        table = pq.ParquetFile(path).read()
-        _refuse_duplicates(table.column_names, path)
-        frame = table.to_pandas(ignore_metadata=True)
-        frame = frame.drop(columns=[name for name in frame.columns if _ROW_NUMBERS.fullmatch(name)])
+        file = pq.ParquetFile(path)
+        schema = file.schema_arrow
+        _refuse_duplicates(schema.names, path)
+        names = [name for name in schema.names if not _ROW_NUMBERS.fullmatch(name)]
+        # One after the other, so that one column only is held twice.
+        frame = pd.DataFrame({name: _column(file, name) for name in names}, copy=False)
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0]
         raise InputError(f"is a damaged Parquet file ({reason})", str(path), "write it again") from None
     units = {
         entry.name: entry.metadata[b"unit"].decode("utf-8", "replace")
-        for entry in table.schema
+        for entry in schema
         if entry.metadata and b"unit" in entry.metadata
     }
-    return Table(frame, units, _decode(table.schema.metadata or {}, path))
+    return Table(frame, units, _decode(schema.metadata or {}, path))
+
+
+def _column(file: pq.ParquetFile, name: str) -> pd.Series:
+    """Return a column, in memory of its own that may be written to."""
+    series = file.read(columns=[name], use_threads=False).column(name).to_pandas()
+    return series.copy() if series.dtype == np.float64 else series
 
 
 def _decode(raw: Mapping[bytes, bytes], path: Path) -> dict[str, Any]:
@@ -149,7 +159,8 @@ def write_table(
     schema = pa.schema(fields, metadata=encoded)
     arrays = [_array(frame[entry.name], entry.type) for entry in schema]
     try:
-        pq.write_table(pa.Table.from_arrays(arrays, schema=schema), path)
+        # Measured numbers hardly repeat: a dictionary of them is built in vain.
+        pq.write_table(pa.Table.from_arrays(arrays, schema=schema), path, use_dictionary=_REPEATED)
     except OSError as error:
         raise InputError(
             f"cannot be written ({error.strerror or error})",
@@ -169,6 +180,6 @@ def _field(column: str, units: Mapping[str, str]) -> pa.Field:
 def _array(series: pd.Series, kind: pa.DataType) -> pa.Array:
     if kind == pa.float64():
         # NaN, not null: one way to say that a sample is missing
-        return pa.array(series.to_numpy(dtype="float64", copy=True), type=kind, from_pandas=False)
+        return pa.array(series.to_numpy(dtype="float64"), type=kind, from_pandas=False)
     found = pa.array(series, type=kind, from_pandas=False)
     return found.combine_chunks() if isinstance(found, pa.ChunkedArray) else found

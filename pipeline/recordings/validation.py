@@ -20,6 +20,7 @@ from simgap.recordings.contract import (
     required_channels,
 )
 from simgap.recordings.numeric import location, to_numbers
+from simgap.recordings.runs import by_run, stretches_of_runs
 from simgap.recordings.units import conversion, factor_and_offset
 
 _QUATERNION = [f"attitude_{axis}" for axis in "wxyz"]
@@ -89,13 +90,18 @@ def validate(
     units = channel_units(kind, _is_sliding(kind, declared))
     _require_columns(set(frame.columns), kind, where)
     channels, remarks = _usable(frame, kind, units)
+    frame = frame.reset_index(drop=True)
     runs = _runs(frame["run"], where)
-    result = pd.DataFrame({"run": runs})
+    columns: dict[str, pd.Series | np.ndarray] = {"run": runs}
     whole = [column for column in WHOLE_NUMBERS if column in frame]
     for column in ["t", *whole, *channels]:
         expected = "s" if column == "t" else units.get(column, "1")
         numbers = to_numbers(frame[column], runs, where)
-        result[column] = _convert(numbers, declared.get(column), expected, f"{where}, column {column!r}")
+        converted = _convert(numbers, declared.get(column), expected, f"{where}, column {column!r}")
+        # What is right as it is, is shared: pandas copies it when one of the two frames is changed.
+        as_it_is = converted is numbers and frame[column].dtype == np.float64
+        columns[column] = frame[column] if as_it_is else converted
+    result = pd.DataFrame(columns, copy=False)
     result["run"], restarts = runs_of_one_clock(result["run"], result["t"])
     _check_time(result, where)
     for column in whole:
@@ -103,8 +109,9 @@ def validate(
     result, emptied = _without_empty(result, kind, where)
     if kind == "quadrotor":
         _check_quaternions(result, where)
-    codes, _ = pd.factorize(result["run"])
-    if (np.diff(codes) < 0).any():
+    names, _ = stretches_of_runs(result["run"])
+    if len(set(names)) < len(names):
+        codes, _ = pd.factorize(result["run"])
         result = result.iloc[np.argsort(codes, kind="stable")].reset_index(drop=True)
     return (
         result,
@@ -181,7 +188,7 @@ def _runs(series: pd.Series, where: str) -> pd.Series:
         raise InputError(
             "the run has no name", f"{where}, row {row}, column 'run'", "name the run in every row"
         )
-    return series.astype(str).reset_index(drop=True)
+    return series.astype(str)
 
 
 def _convert(numbers: np.ndarray, declared: str | None, expected: str, where: str) -> np.ndarray:
@@ -198,7 +205,12 @@ def _check_time(frame: pd.DataFrame, where: str) -> None:
         raise InputError(
             "no time is given", location(where, frame, row, "t"), "give a time, or leave the row out"
         )
-    steps = frame.groupby("run", sort=False)["t"].diff().to_numpy()
+    names, edges = stretches_of_runs(frame["run"])
+    if len(set(names)) == len(names):
+        steps = np.diff(frame["t"].to_numpy(), prepend=-np.inf)
+        steps[edges[:-1]] = np.inf
+    else:
+        steps = frame.groupby("run", sort=False)["t"].diff().to_numpy()
     wrong = steps <= 0
     if wrong.any():
         row = int(np.argmax(wrong))
@@ -229,18 +241,18 @@ def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataF
     remarks = [f"Column {column!r} has no values and was ignored." for column in empty]
     present = [column for column in frame.columns if column not in empty]
     checked = [*required_channels(kind, present), *(column for group in usable for column in group)]
-    counted = frame.groupby("run", sort=False)[checked].count()
-    for run, counts in counted.iterrows():
-        lacking = [str(column) for column in counts.index[counts.to_numpy() == 0]]
+    checked = [column for column in checked if frame[column].isna().any()]
+    for run, samples in by_run(frame) if checked else ():
+        lacking = [column for column in checked if samples[column].isna().all()]
         if lacking:
-            remarks.append(f"Run {str(run)!r} has no values in {', '.join(lacking)}.")
+            remarks.append(f"Run {run!r} has no values in {', '.join(lacking)}.")
     return frame.drop(columns=empty), remarks
 
 
 def _check_quaternions(frame: pd.DataFrame, where: str) -> None:
     if _QUATERNION[0] not in frame:
         return
-    norm = np.linalg.norm(frame[_QUATERNION].to_numpy(), axis=1)
+    norm = np.sqrt(sum(np.square(frame[part].to_numpy()) for part in _QUATERNION))
     wrong = np.abs(norm - 1.0) > _NORM_TOLERANCE
     if wrong.any():
         row = int(np.argmax(wrong))

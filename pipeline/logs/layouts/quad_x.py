@@ -17,7 +17,7 @@ _MIXER = np.array(mixer_of(BETAFLIGHT_X))
 _BAND = (1.0, 30.0)  # Hz: faster than drag and wind, slower than the propellers
 _LAGS = (0.004, 0.06)  # s after which motors act; earlier, it is the controller that answers to the rate
 _TELLING = 0.25  # correlation from which a direction is believed
-_FEWEST = 200  # samples
+_FEWEST, _MOST = 200, 200_000  # samples of a flight that are compared; more of them would say the same
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ def turning_of(
         return Turning((float("nan"),) * 3)
     band = butter(2, _BAND, "band", fs=1.0 / step, output="sos")
     for flight in flights:
-        mine = (time >= flight.begin) & (time <= flight.end)
-        if mine.sum() < _FEWEST:
+        mine = np.flatnonzero((time >= flight.begin) & (time <= flight.end))[:_MOST]
+        if len(mine) < _FEWEST:
             continue
         asked = sosfiltfilt(band, command[mine] ** 2 @ _MIXER.T, axis=0)
         answered = sosfiltfilt(band, np.gradient(rate[mine], step, axis=0), axis=0)

@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from simgap.logs.readers.json_alike import LATEST, NAMES, columns_alike
 from simgap.logs.readers.packed import Columns, Packed
 from simgap.logs.readers.ros_steps import LONGEST
 
-_NAMES = ("name", "names", "joint_name", "joint_names")  # of the elements of the arrays beside them
 _NANOSECONDS = 1_000_000_000
-_LATEST = 9e9  # s; the year 2255, of which the nanoseconds fit a whole number of 64 bits
 
 
 def json_columns(messages: Packed) -> Iterator[Columns]:
@@ -19,6 +18,10 @@ def json_columns(messages: Packed) -> Iterator[Columns]:
 
     Arrays beside a list of names are named by it.
     """
+    together = columns_alike(messages)
+    if together is not None:
+        yield together
+        return
     alike: dict[tuple[str, ...], list[tuple[int, list[float], int | None, set[str]]]] = {}
     for row in range(len(messages)):
         try:
@@ -79,7 +82,7 @@ def _of(value: Any, name: str, names: list[str], long: set[str]) -> Iterator[tup
 
 
 def _names(content: dict[str, Any]) -> list[str]:
-    for key in _NAMES:
+    for key in NAMES:
         value = content.get(key)
         if isinstance(value, list) and value and all(isinstance(entry, str) for entry in value):
             return value
@@ -93,8 +96,8 @@ def _stamp(content: dict[str, Any]) -> int | None:
     if isinstance(stamp, dict):
         seconds = stamp.get("sec", stamp.get("secs"))
         nanoseconds = stamp.get("nanosec", stamp.get("nsec", stamp.get("nsecs", 0)))
-        if isinstance(seconds, int) and isinstance(nanoseconds, int) and abs(seconds) < _LATEST:
+        if isinstance(seconds, int) and isinstance(nanoseconds, int) and abs(seconds) < LATEST:
             return seconds * _NANOSECONDS + nanoseconds % _NANOSECONDS
-    if isinstance(stamp, int | float) and not isinstance(stamp, bool) and abs(stamp) < _LATEST:
+    if isinstance(stamp, int | float) and not isinstance(stamp, bool) and abs(stamp) < LATEST:
         return round(stamp * _NANOSECONDS)
     return None

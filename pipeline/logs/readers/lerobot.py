@@ -15,7 +15,7 @@ from simgap.errors import InputError
 from simgap.logs.log import Log, Signal, Span
 
 _TIME, _EPISODE = "timestamp", "episode_index"
-_COUNTERS = (_TIME, _EPISODE, "frame_index", "index", "task_index", "next.done")
+_UNUSED = ("frame_index", "index", "task_index", "next.done")
 _MOST = 200_000_000  # numbers of a data set that are read, 1.6 GB: 300 hours of twelve joints at 15 Hz
 _WIDEST = 1000  # elements of a feature; more than any robot has joints
 _BETWEEN = 1.0  # s from one episode to the next, so that they share no time
@@ -38,13 +38,14 @@ def read(path: Path) -> Log:
     episodes = columns.pop(_EPISODE, None)
     if episodes is None or not len(episodes):
         raise InputError("holds no frames of an episode", str(path), "give the folder of a LeRobot data set")
-    order = np.argsort(episodes, kind="stable")
+    mixed = bool((np.diff(episodes) < 0).any())
+    order = np.argsort(episodes, kind="stable") if mixed else slice(None)
     fps = _number(info.get("fps"))
     times, spans = _times(episodes[order], _sorted(columns.get(_TIME), order), fps, str(path))
     signals = {
         signal.name: signal
         for name, values in columns.items()
-        if name not in _COUNTERS
+        if name != _TIME
         for signal in _signals(name, values[order], times, _labels(info, name))
     }
     facts = {key: str(info[key]) for key in ("robot_type", "codebase_version", "fps") if info.get(key)}
@@ -89,7 +90,9 @@ def _columns(files: list[Path], where: str) -> dict[str, NDArray[np.float64]]:
         for name, values in found.items():
             parts.setdefault(name, []).append(values)
     try:
-        return {name: np.concatenate(values) for name, values in parts.items()}
+        return {
+            name: np.concatenate(values) if len(values) > 1 else values[0] for name, values in parts.items()
+        }
     except ValueError:
         raise InputError(
             "its files hold joints of different numbers", where, "copy the data set again"
@@ -103,7 +106,8 @@ def _of_file(path: Path, most: int) -> tuple[dict[str, NDArray[np.float64]], int
 
     try:
         file = pq.ParquetFile(path)
-        names = [entry.name for entry in file.schema_arrow if _is_numeric(entry.type)]
+        fields = [entry for entry in file.schema_arrow if entry.name not in _UNUSED]
+        names = [entry.name for entry in fields if _is_numeric(entry.type)]
         widths = sum(
             entry.type.list_size if pa.types.is_fixed_size_list(entry.type) else 1
             for entry in file.schema_arrow
@@ -146,7 +150,9 @@ def _array(column: Any) -> NDArray[np.float64] | None:
     return values.reshape(len(column), width)
 
 
-def _sorted(values: NDArray[np.float64] | None, order: NDArray[np.int64]) -> NDArray[np.float64] | None:
+def _sorted(
+    values: NDArray[np.float64] | None, order: NDArray[np.int64] | slice
+) -> NDArray[np.float64] | None:
     return None if values is None else values[order]
 
 

@@ -1,6 +1,7 @@
 """Clean a recording step by step and report every change."""
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from simgap.recordings.cleaning.dead import erase_dead
 from simgap.recordings.cleaning.derived import derived_remark, with_derived
 from simgap.recordings.cleaning.filtered import replace_averaged
 from simgap.recordings.cleaning.frozen import erase_frozen
+from simgap.recordings.cleaning.halved import mend_halved
 from simgap.recordings.cleaning.idle import drop_idle
 from simgap.recordings.cleaning.limits import erase_beyond_limits
 from simgap.recordings.cleaning.missing import erase_sparse_groups, lacking, needed_groups
@@ -28,6 +30,7 @@ from simgap.recordings.cleaning.work import RunUnderCleaning, changes_table
 from simgap.recordings.cleaning.wraps import mend_wraps
 from simgap.recordings.contract import required_channels
 from simgap.recordings.recording import Recording
+from simgap.recordings.runs import by_run, column_of_runs
 from simgap.recordings.split import Split, split_recording
 
 
@@ -78,15 +81,19 @@ def clean_with_coverage(
     split = split or Split()
     if recording.cleaned:
         parts = split_recording(recording.frame, recording.kind, split, seed)
-        runs = [_take_up(recording, name, rows) for name, rows in _by_run(recording)]
+        runs = [_take_up(recording, name, rows) for name, rows in by_run(recording.frame)]
         split_up = dataclasses.replace(recording, split=parts)
         return Cleaned(_completed(split_up, recording.time_step), changes_table([]), coverage(runs))
-    runs = [_take_up(recording, name, rows) for name, rows in _by_run(recording)]
-    steps = [run.time_step for run in runs if (run.dropped == "").any()]
+    runs = [_take_up(recording, name, rows) for name, rows in by_run(recording.frame)]
+    steps = [run.time_step for run in runs if run.is_usable]
     time_step = settings.time_step or (float(np.median(steps)) if steps else 0.0)
-    runs = [_clean_run(run, time_step, settings) if (run.dropped == "").any() else run for run in runs]
+    for place, run in enumerate(
+        runs
+    ):  # one after the other, so that no run is held twice but the one at hand
+        if run.is_usable:
+            runs[place] = _clean_run(run, time_step, settings)
     changes = changes_table([change for run in runs for change in run.changes])
-    usable = [run for run in runs if (run.dropped == "").any()]
+    usable = [run for run in runs if run.is_usable]
     if not usable:
         raise InputError(_why_nothing(changes), recording.source or "recording", "give another recording")
     frame = _frame(usable, recording)
@@ -112,26 +119,22 @@ def _completed(recording: Recording, time_step: float) -> Recording:
     return dataclasses.replace(recording, frame=frame, units=units, derived=derived, warnings=warnings)
 
 
-def _by_run(recording: Recording) -> list[tuple[str, pd.DataFrame]]:
-    return [(str(name), rows) for name, rows in recording.frame.groupby("run", sort=False)]
-
-
 def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCleaning:
     """Begin with one run; an unusable run is dropped as a whole."""
     reason = lacking(rows, recording.kind)
     lost: dict[str, int] = {}
     if not reason:
         rows, lost = erase_sparse_groups(rows, recording.kind)
-    time = rows["t"].to_numpy(dtype="float64", copy=True)
+    time = rows["t"].to_numpy(dtype="float64")
     run = RunUnderCleaning(
         name=name,
         kind=recording.kind,
         time=time,
         columns=recording.channels,
-        values=rows[recording.channels].to_numpy(dtype="float64", copy=True),
+        values=_values(rows, recording.channels),
         stretch=rows["segment"].to_numpy(copy=True)
         if "segment" in rows
-        else np.zeros(len(time), dtype=np.int64),
+        else np.zeros(len(time), dtype=np.int32),
         needed=[
             *required_channels(recording.kind, recording.channels),
             *(needed_groups(rows, recording.kind) if not reason else []),
@@ -139,12 +142,20 @@ def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCle
         time_step=typical_step(time) if len(time) > 1 else 0.0,
     )
     if "filled" in rows:
-        run.filled = rows["filled"].to_numpy(copy=True)
+        run.filled = rows["filled"].to_numpy() > 0
     for column, samples in lost.items():
         run.note("missing", column, "missing in most of the run, left out", samples)
     if reason:
         run.drop(np.ones(len(time), dtype=bool), "missing", reason)
     return run
+
+
+def _values(rows: pd.DataFrame, channels: list[str]) -> np.ndarray:
+    """Return channels, (samples, channels), with each channel in one piece of memory."""
+    values = np.empty((len(rows), len(channels)), order="F")
+    for place, channel in enumerate(channels):
+        values[:, place] = rows[channel].to_numpy(dtype="float64")
+    return values
 
 
 def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
@@ -160,7 +171,7 @@ def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> R
         erase_spikes(run)
     run = resample(run, time_step, settings)
     drop_incomplete(run)
-    if (run.dropped == "").any():
+    if run.is_usable:
         _cut(run, settings)
     return run
 
@@ -168,13 +179,14 @@ def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> R
 def mend_rows(run: RunUnderCleaning) -> None:
     """Undo what can be undone, and erase what stands still, before anything else can hide it."""
     mend_wraps(run)
+    mend_halved(run)
     erase_dead(run)
     replace_averaged(run)
 
 
 def mended(recording: Recording) -> Recording:
     """Return a recording with wraps undone and dead stretches erased; nothing else is changed."""
-    runs = [_take_up(recording, name, rows) for name, rows in _by_run(recording)]
+    runs = [_take_up(recording, name, rows) for name, rows in by_run(recording.frame)]
     for run in runs:
         if len(run.time) > 2:
             mend_rows(run)
@@ -197,15 +209,23 @@ def _cut(run: RunUnderCleaning, settings: Cleaning) -> None:
 
 
 def _frame(runs: list[RunUnderCleaning], recording: Recording) -> pd.DataFrame:
-    frames = []
-    for run in runs:
-        kept = run.dropped == ""
-        index = {"run": run.name, "t": run.time[kept], "segment": segment_numbers(run)[kept]}
-        if INPUTS[run.kind]:
-            index["filled"] = run.filled[kept]
-        channels = dict(zip(run.columns, run.values[kept].T, strict=True))
-        frames.append(pd.DataFrame(index | channels))
-    return pd.concat(frames, ignore_index=True).astype({"run": recording.frame["run"].dtype})
+    kept = [slice(None) if not run.dropped.any() else run.dropped == 0 for run in runs]
+
+    def joined(column: Callable[[RunUnderCleaning], np.ndarray]) -> np.ndarray:
+        parts = [column(run)[rows] for run, rows in zip(runs, kept, strict=True)]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    lengths = [int(np.count_nonzero(run.dropped == 0)) for run in runs]
+    columns: dict[str, object] = {
+        "run": column_of_runs([run.name for run in runs], lengths, recording.frame["run"]),
+        "t": joined(lambda run: run.time.copy()),  # of the recording, where it was uniform
+        "segment": joined(segment_numbers),
+    }
+    if INPUTS[recording.kind]:
+        columns["filled"] = joined(lambda run: run.filled.astype(np.int64))
+    for place, channel in enumerate(recording.channels):
+        columns[channel] = joined(lambda run, place=place: run.values[:, place])  # type: ignore[misc]
+    return pd.DataFrame(columns, copy=False)
 
 
 def _why_nothing(changes: pd.DataFrame) -> str:

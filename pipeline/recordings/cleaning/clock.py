@@ -21,6 +21,7 @@ _EDGE = 0.2  # s at either end of a stretch in which the filters ring
 _SHORTEST_FLIGHT = 5.0  # s of flight
 _SOUND = 0.4  # explained share of variance from which on the estimate is believed; at a third, coincidences were seen
 _LARGEST_ERROR = 0.5  # of a time step: a larger standard error is no estimate
+_MOST = 200_000  # samples that are compared; more of them would say the same
 _BLOCK = 1.0  # s; residuals farther apart than this are taken as independent
 
 
@@ -92,12 +93,15 @@ def _offset(
     edge = int(np.ceil((_EDGE + largest) / run.time_step))
     pieces = []
     squared, channels = run.channel(*inputs) ** 2, run.channel(*outputs)
+    left = _MOST
     for first, past in unbroken(run):
+        past = min(past, first + left)
         motors, measured = squared[first:past], channels[first:past]
         if past - first > 4 * edge and np.isfinite(measured).all():
             if differentiate:
                 measured = np.gradient(measured, run.time_step, axis=0)
             pieces.append((sosfiltfilt(band, motors, axis=0), sosfiltfilt(band, measured, axis=0)))
+            left -= past - first
     if sum(len(motors) - 2 * edge for motors, _ in pieces) * run.time_step < _SHORTEST_FLIGHT:
         return None
     return compare_clocks(pieces, run.time_step, largest, edge)

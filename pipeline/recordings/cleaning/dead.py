@@ -2,12 +2,14 @@
 
 import numpy as np
 
+from simgap.recordings.cleaning.halved import SPEEDS
 from simgap.recordings.cleaning.work import RunUnderCleaning, stretches_of
 from simgap.recordings.cleaning.wraps import PAIRS
 
 _SHORTEST = 0.1  # s: a filter lags less
 _FEWEST = 5  # samples
 _FAST = 0.3  # of the usual fast speed: slower, a position may repeat, and a speed may be below its threshold
+_CHANGING = 0.5  # share of its samples in which a speed has to change to tell that the machine moves
 _MOST = 0.5  # share of a run; a column that is dead for longer is none
 _EMPTY = 0.3  # of the usual voltage: no battery falls to it and comes back
 
@@ -18,15 +20,51 @@ def erase_dead(run: RunUnderCleaning) -> None:
         if not run.has([rate, position]):
             continue
         values, place = run.channel(rate)[:, 0], run.channel(position)[:, 0]
+        still = [_held(run, values), _held(run, place)]
+        if run.kind == "quadrotor":  # where both repeat, a whole message did not arrive, which is seen later
+            both = [each for each in still[0] if each in still[1]]
+            still = [[each for each in stretches if each not in both] for stretches in still]
+        if not any(still):
+            continue
         with np.errstate(invalid="ignore", divide="ignore"):
             moved = np.gradient(place, run.time) if len(place) > 1 else np.zeros(len(place))
-        _erase(run, rate, values, moved, values - moved)
-        _erase(run, position, place, values, values - moved)
+        _erase(run, rate, still[0], moved, values - moved)
+        _erase(run, position, still[1], values, values - moved)
+    _erase_alone(run)
     _erase_empty_battery(run)
 
 
+def _erase_alone(run: RunUnderCleaning) -> None:
+    """Erase where one of four counted speeds repeats one value, not zero, while the other three change."""
+    speeds = [column for column in SPEEDS.get(run.kind, []) if column in run.columns]
+    values = {column: run.channel(column)[:, 0] for column in speeds}
+    for column in speeds:
+        rows = np.zeros(len(run.time), dtype=bool)
+        for first, past in _held(run, values[column]):
+            others = [values[other][first - 1 : past] for other in speeds if other != column]
+            changing = all(np.mean(np.diff(other) != 0) > _CHANGING for other in others)
+            if others and changing and values[column][first] != 0:
+                rows[first - 1 : past] = True
+        _leave_out(run, column, rows)
+
+
+def _held(run: RunUnderCleaning, values: np.ndarray) -> list[tuple[int, int]]:
+    """Return where a column repeats its last value for long, [first, one past last]."""
+    repeats = np.zeros(len(values), dtype=bool)
+    repeats[1:] = values[1:] == values[:-1]
+    return [
+        (first, past)
+        for first, past in stretches_of(repeats).tolist()
+        if past - first >= _FEWEST and run.time[past - 1] - run.time[first] >= _SHORTEST
+    ]
+
+
 def _erase(
-    run: RunUnderCleaning, column: str, values: np.ndarray, speed: np.ndarray, apart: np.ndarray
+    run: RunUnderCleaning,
+    column: str,
+    held: list[tuple[int, int]],
+    speed: np.ndarray,
+    apart: np.ndarray,
 ) -> None:
     """Erase where a column repeats its last value and is far from what the other one tells.
 
@@ -34,16 +72,18 @@ def _erase(
     that it is looked at in parts.
     """
     known = np.abs(speed[np.isfinite(speed)])
-    if len(known) < 2 * _FEWEST:
+    if not held or len(known) < 2 * _FEWEST:
         return
     far = _FAST * float(np.quantile(known, 0.95))
-    held = np.concatenate([[False], values[1:] == values[:-1]])
     part = max(_FEWEST, round(_SHORTEST / run.time_step))
-    rows = np.zeros(len(values), dtype=bool)
-    for first, past in stretches_of(held):
-        long = past - first >= _FEWEST and run.time[past - 1] - run.time[first] >= _SHORTEST
-        if long and _largest_mean(apart[first:past], part) > far:
+    rows = np.zeros(len(speed), dtype=bool)
+    for first, past in held:
+        if _largest_mean(apart[first:past], part) > far:
             rows[first - 1 : past] = True
+    _leave_out(run, column, rows)
+
+
+def _leave_out(run: RunUnderCleaning, column: str, rows: np.ndarray) -> None:
     if 0 < rows.sum() < _MOST * len(rows):
         run.erase(rows, [column], "dead", "repeats one value although the machine moves")
         run.remarks.append(

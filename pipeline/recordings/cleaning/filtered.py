@@ -4,6 +4,8 @@ Many drives count how far a joint went in the last so many samples. Such a veloc
 smoother than the motion. No effect of the catalogue is like it, so the rate of the position takes its place.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.signal import lfilter, savgol_filter
 
@@ -64,8 +66,11 @@ def averaged_over(velocity: np.ndarray, position: np.ndarray, time_step: float) 
         # The mean of both is that of the rate, as `np.gradient` takes it, over as many samples.
         averages[width] = min(error(way), error(0.5 * (way + next_way)))
     width = min(averages, key=lambda each: averages[each])
-    others = [error(rate[rows - delay]) for delay in range(max(_WIDTHS) // 2)]
-    for lag in _LAGS:
-        kept = float(np.exp(-1.0 / lag))
-        others.append(error(lfilter([1.0 - kept], [1.0, -kept], rate)[rows]))
-    return width if averages[width] < _BETTER * min(others) else 0
+
+    def others() -> Iterator[float]:
+        yield from (error(rate[rows - delay]) for delay in range(max(_WIDTHS) // 2))
+        for lag in _LAGS:
+            kept = float(np.exp(-1.0 / lag))
+            yield error(lfilter([1.0 - kept], [1.0, -kept], rate)[rows])
+
+    return width if all(averages[width] < _BETTER * other for other in others()) else 0

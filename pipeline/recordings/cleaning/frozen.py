@@ -1,7 +1,6 @@
 """Samples that were repeated because no newer message arrived, although the machine moved."""
 
 import numpy as np
-from scipy.ndimage import median_filter
 from scipy.spatial.transform import Rotation
 
 from simgap.recordings.cleaning.channels import ATTITUDE, COMMANDS, RATES, SPECIFIC_FORCE, telegrams
@@ -31,7 +30,7 @@ def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
         if columns == SPECIFIC_FORCE and run.has(ATTITUDE):
             repeated |= _repeated_in_world(values, run.channel(*ATTITUDE), run.stretch)
         moving = ~_at_rest(run, columns, values) & known
-        rows = _unlikely(values, repeated) & moving
+        rows = _unlikely(values, repeated, moving)
         if set(columns) <= COMMANDS:
             rows = _shorter(rows, run.time, max_gap)
         name = columns[0].rsplit("_", 1)[0]
@@ -39,7 +38,7 @@ def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
         if share > _LOW_RATE:
             run.note("frozen", name, "logged at a lower rate, kept", 0, f"{share:.0%} repeat", seconds=0.0)
         else:
-            longest = max((past - first for first, past in stretches_of(rows)), default=0)
+            longest = np.diff(stretches_of(rows)).max(initial=0)
             run.erase(
                 rows,
                 columns,
@@ -51,9 +50,11 @@ def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
 
 def _shorter(mask: np.ndarray, time: np.ndarray, longest: float) -> np.ndarray:
     """Keep the stretches of a mask that last up to `longest` s."""
+    stretches = stretches_of(mask)
+    first, past = stretches.T
+    short = time[past - 1] - time[first - 1] <= longest
     result = np.zeros(len(mask), dtype=bool)
-    for first, past in stretches_of(mask):
-        result[first:past] = time[past - 1] - time[first - 1] <= longest
+    result[mask] = np.repeat(short, past - first)
     return result
 
 
@@ -75,22 +76,34 @@ def _repeated_in_world(force: np.ndarray, attitude: np.ndarray, stretch: np.ndar
     return result
 
 
-def _unlikely(values: np.ndarray, repeated: np.ndarray) -> np.ndarray:
-    """Return which repetitions are too unlikely, shape (samples,)."""
+def _unlikely(values: np.ndarray, repeated: np.ndarray, moving: np.ndarray) -> np.ndarray:
+    """Return which repetitions are too unlikely, of those in motion, shape (samples,)."""
+    result = np.zeros(len(values), dtype=bool)
+    judged = np.flatnonzero(repeated & moving)
     fresh = np.flatnonzero(~repeated)
-    if len(fresh) < 2 or not repeated.any():
-        return np.zeros(len(values), dtype=bool)
+    if len(fresh) < 2 or not len(judged):
+        return result
     step = np.abs(np.diff(values[fresh], axis=0))
     step[np.isnan(step)] = 0.0
+    before = np.searchsorted(fresh, judged, side="right") - 1  # the sample that is repeated
+    last = len(step) - 1
+    beside, place = np.unique(np.clip([before - 1, before], 0, last), return_inverse=True)
+    chance = _chances(step, beside)[place].max(axis=0)  # of the likelier of the two steps beside
+    result[judged] = chance < _COINCIDENCE_LEVEL
+    return result
+
+
+def _chances(step: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return the chance that the next sample is the same, at some of the steps from one fresh sample to the next."""
     quantum = np.min(step, axis=0, where=step > 0, initial=np.inf)
-    usual = median_filter(step, size=(_CHANGES_AROUND, 1), mode="nearest")
-    with np.errstate(divide="ignore", invalid="ignore"):
-        chance = np.where(usual > 0, np.minimum(1.0, 0.5 * quantum / usual), 1.0)
-    chance = chance.prod(axis=1)  # of the step from one fresh sample to the next
-    before = np.searchsorted(fresh, np.arange(len(values)), side="right") - 1  # the sample that is repeated
-    last = len(chance) - 1
-    likelier = np.maximum(chance[np.clip(before - 1, 0, last)], chance[np.clip(before, 0, last)])
-    return repeated & (likelier < _COINCIDENCE_LEVEL)
+    around = np.arange(_CHANGES_AROUND) - _CHANGES_AROUND // 2
+    chance = np.ones(len(places))
+    for column, smallest in zip(step.T, quantum, strict=True):
+        windows = column[np.clip(places[:, None] + around, 0, len(column) - 1)]
+        usual = np.median(windows, axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            chance *= np.where(usual > 0, np.minimum(1.0, 0.5 * smallest / usual), 1.0)
+    return chance
 
 
 def _at_rest(run: RunUnderCleaning, columns: list[str], values: np.ndarray) -> np.ndarray:

@@ -43,7 +43,7 @@ def drop_idle(run: RunUnderCleaning, min_idle: float) -> None:
 
 def _drop(run: RunUnderCleaning, rest: np.ndarray, least: float, wanted: np.ndarray, reason: str) -> None:
     rows = np.zeros(len(run.time), dtype=bool)
-    gone = run.dropped != ""  # what was cut out of a rest does not make it shorter
+    gone = run.dropped > 0  # what was cut out of a rest does not make it shorter
     for first, past in stretches_of(rest | gone):
         if run.time[past - 1] - run.time[first] + run.time_step >= least:
             rows[first:past] = True

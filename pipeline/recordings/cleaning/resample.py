@@ -34,29 +34,37 @@ def typical_step(time: np.ndarray) -> float:
     steps = np.diff(time)
     median = float(np.quantile(steps, 0.5, method="lower"))  # one of the steps, however they scatter
     numbers = np.maximum(np.round(steps / median), 1.0)
-    piece = np.concatenate([[0], np.cumsum(numbers > _LONG_LOSS)])
     place = np.concatenate([[0.0], np.cumsum(numbers)])
-    step = _common_slope(place, time, piece)
+    step = _common_slope(place, time, np.flatnonzero(numbers > _LONG_LOSS) + 1)
     return float(f"{step:.{_DIGITS}g}") if abs(step / median - 1.0) < 1e-2 else median
 
 
-def _common_slope(place: np.ndarray, time: np.ndarray, piece: np.ndarray) -> float:
-    """Return the least-squares slope of times over places, the same in all pieces, each with a start of its own."""
-    count = np.bincount(piece)
-    place, time = (values - (np.bincount(piece, values) / count)[piece] for values in (place, time))
-    return float(place @ time / (place @ place))
+def _common_slope(place: np.ndarray, time: np.ndarray, begins: np.ndarray) -> float:
+    """Return the least-squares slope of times over places, the same in all pieces, each with a start of its own.
+
+    Args:
+        place: (samples,).
+        time: (samples,), s.
+        begins: of the pieces after the first one.
+    """
+    product = square = 0.0
+    for first, past in itertools.pairwise([0, *begins.tolist(), len(time)]):
+        late, far = (values[first:past] - values[first:past].mean() for values in (time, place))
+        product, square = product + float(far @ late), square + float(far @ far)
+    return product / square
 
 
 def split_at_gaps(run: RunUnderCleaning, max_gap: float) -> None:
     """Divide the stretches of a run at gaps wider than `max_gap` s."""
     step = np.diff(run.time)
-    same = np.diff(run.stretch) == 0
+    same = run.stretch[1:] == run.stretch[:-1]
     wide = same & (step > max_gap * _ROUNDING_FACTOR)
     for first in np.flatnonzero(wide):
         detail = f"at t = {run.time[first]:.6g} s"
         reason = "gap too wide to interpolate, run split"
         run.note("gaps", "", reason, 0, detail, seconds=float(step[first]))
-    run.stretch = np.concatenate([[0], np.cumsum(wide | ~same)]).astype(np.int64)
+    run.stretch = np.zeros(len(run.time), dtype=np.int32)
+    np.cumsum(wide | ~same, out=run.stretch[1:])
 
 
 @dataclass
@@ -68,6 +76,7 @@ class _Grid:
         recorded: recorded times as far as they are moved onto the grid, s, shape (samples,).
         stretch: the stretch of each new time.
         moved: whether recorded times are off the grid.
+        complete: whether every new time is a recorded one, and every recorded one is there.
         nearest: the recorded sample nearest to each new time.
         present: whether that is within half a time step.
         ticking: whether recorded times off the grid scatter about the ticks of a clock; else they drift.
@@ -78,6 +87,7 @@ class _Grid:
     recorded: np.ndarray
     stretch: np.ndarray
     moved: bool
+    complete: bool
     nearest: np.ndarray
     present: np.ndarray
     ticking: bool
@@ -98,12 +108,14 @@ def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> Run
         run.kind,
         grid.time,
         run.columns,
-        np.full((len(grid.time), len(run.columns)), np.nan),
+        np.full((len(grid.time), len(run.columns)), np.nan, order="F"),
         grid.stretch,
         run.needed,
         time_step,
+        changes=run.changes,
+        remarks=run.remarks,
+        reasons=run.reasons,
     )
-    result.changes, result.remarks = run.changes, run.remarks
     result.noise_kept = noise_kept(grid.recorded, grid.time) if grid.moved else 1.0
     _note_rows(run, result, grid)
     done: set[str] = set()
@@ -115,9 +127,9 @@ def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> Run
             limit = settings.max_slow_gap if columns[0] in SLOW else settings.max_gap
             _fill(run, result, grid, columns, max(limit, 1.5 * time_step))
             done |= set(columns)
-    inputs = run.index([column for column in INPUTS[run.kind] if column in run.needed])
-    made_up = (result.cause[:, inputs] != "").any(axis=1)
-    result.filled = np.maximum(made_up, run.filled[grid.nearest]).astype(np.int64)
+    result.filled = run.filled[grid.nearest]
+    for place in run.index([column for column in INPUTS[run.kind] if column in run.needed]):
+        result.filled |= result.cause[:, place] > 0
     return result
 
 
@@ -153,20 +165,31 @@ def _grid(run: RunUnderCleaning, time_step: float, jitter: float) -> _Grid:
     edges = [0, *(np.flatnonzero(np.diff(run.stretch)) + 1), len(run.time)]
     parts = [run.time[first:past] for first, past in itertools.pairwise(edges)]
     pieces = [_piece(part, time_step, run.time_step, jitter) for part in parts]
-    new = np.concatenate([time for time, _, _ in pieces])
-    recorded = np.concatenate([recorded for _, recorded, _ in pieces])
-    after = np.clip(np.searchsorted(recorded, new), 1, max(1, len(recorded) - 1)) % len(recorded)
-    nearest = np.where(new - recorded[after - 1] < recorded[after] - new, after - 1, after)
+    new = _joined([time for time, _, _ in pieces])
+    recorded = _joined([recorded for _, recorded, _ in pieces])
     moved = any(moved for _, _, moved in pieces)
+    complete = not moved and np.array_equal(new, recorded)
+    nearest = np.arange(len(new)) if complete else _nearest(recorded, new)
     return _Grid(
         time=new,
         recorded=recorded,
-        stretch=np.concatenate([np.full(len(time), number) for number, (time, _, _) in enumerate(pieces)]),
+        stretch=np.repeat(np.arange(len(pieces), dtype=np.int32), [len(time) for time, _, _ in pieces]),
         moved=moved,
+        complete=complete,
         nearest=nearest,
         present=np.abs(recorded[nearest] - new) <= _NEAR * run.time_step,
         ticking=not moved or all(_is_ticking(part, run.time_step) for part in parts),
     )
+
+
+def _joined(parts: list[np.ndarray]) -> np.ndarray:
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def _nearest(recorded: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """Return the number of the recorded time that is nearest to each new one."""
+    after = np.clip(np.searchsorted(recorded, new), 1, max(1, len(recorded) - 1)) % len(recorded)
+    return np.where(new - recorded[after - 1] < recorded[after] - new, after - 1, after)
 
 
 def _is_ticking(time: np.ndarray, own_step: float) -> bool:
@@ -246,6 +269,10 @@ def _fill(
     known = np.flatnonzero(np.isfinite(values).all(axis=1))
     if not len(known):
         return
+    if grid.complete and len(known) == len(values):
+        result.values[:, places] = values
+        result.cause[:, places] = 0
+        return
     times, tolerance = grid.recorded, 1e-6 * result.time_step
     if len(known) < len(times):
         times, values = times[known], values[known]
@@ -322,11 +349,11 @@ def _note_filled(
     for column in columns:
         place = run.columns.index(column)
         wanting = np.flatnonzero(filled | np.isnan(result.values[:, place]))
-        cause = np.where(grid.present[wanting], run.cause[grid.nearest[wanting], place], "")
-        cause[cause == ""] = "absent"
-        result.cause[:, place] = ""
+        cause = np.where(grid.present[wanting], run.cause[grid.nearest[wanting], place], 0)
+        cause[cause == 0] = run.number("absent")
+        result.cause[:, place] = 0
         result.cause[wanting, place] = cause
         how = "earlier value kept" if column in INPUTS[run.kind] else "interpolated"
-        made_up = cause[filled[wanting]]
-        for reason in sorted(set(made_up)):
-            run.note("fill", column, f"{how} ({reason})", int((made_up == reason).sum()))
+        counts = np.bincount(cause[filled[wanting]], minlength=len(run.reasons))
+        for reason, count in sorted(zip(run.reasons, counts.tolist(), strict=True)):
+            run.note("fill", column, f"{how} ({reason})", count)

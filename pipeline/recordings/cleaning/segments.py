@@ -9,13 +9,12 @@ _GAP_ROUNDING = 1.0 - 1e-9
 
 def drop_incomplete(run: RunUnderCleaning) -> None:
     """Drop samples in which a required channel is missing for too long to interpolate."""
-    absent = np.isnan(run.channel(*run.needed))
-    for place, column in enumerate(run.needed):
-        causes = run.cause[:, run.columns.index(column)]
-        rows = absent[:, place] & (run.dropped == "")
-        for cause in sorted(set(causes[rows])):
+    for column, place in zip(run.needed, run.index(run.needed), strict=True):
+        rows = np.isnan(run.values[:, place]) & (run.dropped == 0)
+        causes = run.cause[:, place]
+        for cause in sorted(run.reasons[number] for number in np.unique(causes[rows])):
             run.drop(
-                rows & (causes == cause),
+                rows & (causes == run.number(cause)),
                 "gaps",
                 "required channel missing for too long to interpolate",
                 f"{column} ({cause})",
@@ -34,9 +33,9 @@ def drop_short(run: RunUnderCleaning, min_duration: float) -> None:
 
 def drop_made_up(run: RunUnderCleaning, least_measured: float) -> None:
     """Drop unbroken stretches in which a required channel was measured for less than a share of the time."""
-    measured = run.cause[:, run.index(run.needed)] == ""
+    causes = [run.cause[:, place] for place in run.index(run.needed)]
     for first, past in unbroken(run):
-        share = float(measured[first:past].mean(axis=0).min())
+        share = min(np.count_nonzero(cause[first:past] == 0) for cause in causes) / (past - first)
         if share < least_measured:
             rows = np.zeros(len(run.time), dtype=bool)
             rows[first:past] = True
@@ -47,8 +46,8 @@ def drop_made_up(run: RunUnderCleaning, least_measured: float) -> None:
 
 def unbroken(run: RunUnderCleaning) -> np.ndarray:
     """Return the kept stretches as rows [first, one past last], shape (stretches, 2)."""
-    kept = np.concatenate([[False], run.dropped == "", [False]])
-    joined = np.concatenate([[False], np.diff(run.stretch) == 0, [False]]) & kept[1:] & kept[:-1]
+    kept = np.concatenate([[False], run.dropped == 0, [False]])
+    joined = np.concatenate([[False], run.stretch[1:] == run.stretch[:-1], [False]]) & kept[1:] & kept[:-1]
     first = np.flatnonzero(kept[1:-1] & ~joined[:-1])
     last = np.flatnonzero(kept[1:-1] & ~joined[1:])
     return np.stack([first, last + 1], axis=1)
@@ -56,7 +55,7 @@ def unbroken(run: RunUnderCleaning) -> np.ndarray:
 
 def segment_numbers(run: RunUnderCleaning) -> np.ndarray:
     """Return the number of the unbroken stretch of each sample, −1 where dropped, shape (samples,)."""
-    numbers = np.full(len(run.time), -1, dtype=np.int64)
+    numbers = np.full(len(run.time), -1)
     for number, (first, past) in enumerate(unbroken(run)):
         numbers[first:past] = number
     return numbers

@@ -62,8 +62,10 @@ def _least(run: RunUnderCleaning, column: str) -> float:
         return _SHOCK[column]
     rates = [rate for rate in _RATE_COLUMNS.get(column, []) if rate in run.columns]
     if rates:
-        speeds = np.abs(run.channel(*rates))
-        usual = np.quantile(speeds[np.isfinite(speeds)], 0.99) if np.isfinite(speeds).any() else np.inf
+        speeds = np.abs(run.channel(*rates)).ravel(order="K")
+        known = np.isfinite(speeds)
+        speeds = speeds if known.all() else speeds[known]
+        usual = np.quantile(speeds, 0.99, overwrite_input=True) if len(speeds) else np.inf
         return float(_OF_SPEED * usual * run.time_step)
     low, high = np.nanquantile(run.channel(column), [0.01, 0.99])
     return float(_OF_RANGE * (high - low))
@@ -89,13 +91,16 @@ def find_spikes(
     known = np.flatnonzero(np.isfinite(values))
     if len(known) < _FEWEST_SAMPLES:
         return result
-    present = values[known]
-    roughness = np.abs(present - median_filter(present, size=5, mode="nearest"))
+    present = values if len(known) == len(values) else values[known]
     step = np.abs(np.diff(present))
-    quantum = np.min(step, where=step > 0, initial=np.inf)
-    floor = max(_NOISE * 1.4826 * float(np.median(roughness)), _QUANTA * quantum, least)
-    for width in range(1, _WIDEST + 1):
-        for first in _excursions(present, width, floor):
+    floor = max(_QUANTA * np.min(step, where=step > 0, initial=np.inf), least)
+    widths = range(1, _WIDEST + 1)
+    if not any(len(_excursions(present, step, width, floor)) for width in widths):
+        return result  # whatever the noise is, which takes long to find out
+    roughness = np.abs(present - median_filter(present, size=5, mode="nearest"))
+    floor = max(_NOISE * 1.4826 * float(np.median(roughness)), floor)
+    for width in widths:
+        for first in _excursions(present, step, width, floor):
             inside = slice(first, first + width)
             rows = known[inside]
             alone = known[first + width + 1] - known[first - 2] == width + 3  # nothing missing close by
@@ -109,11 +114,17 @@ def find_spikes(
     return result
 
 
-def _excursions(values: np.ndarray, width: int, floor: float) -> np.ndarray:
-    """Return the starts of excursions of `width` samples that exceed the signal on either side."""
-    begins = np.arange(2, len(values) - width - 1)
+def _excursions(values: np.ndarray, step: np.ndarray, width: int, floor: float) -> np.ndarray:
+    """Return the starts of excursions of `width` samples that exceed the signal on either side.
+
+    Args:
+        values: shape (samples,).
+        step: size of the steps between them, shape (samples − 1,).
+        width: in samples.
+        floor: what an excursion exceeds.
+    """
     # As the samples on both sides differ by a fraction of an excursion, the step into it is nearly as large.
-    begins = begins[np.abs(np.diff(values))[1 : -width - 1] > (1.0 - 1.0 / _TIMES_STEPS_BESIDE) * floor]
+    begins = 2 + np.flatnonzero(step[1 : -width - 1] > (1.0 - 1.0 / _TIMES_STEPS_BESIDE) * floor)
     before, after = values[begins - 1], values[begins + width]
     calm = np.maximum(np.abs(before - values[begins - 2]), np.abs(values[begins + width + 1] - after))
     calm = np.maximum(calm, np.abs(after - before))

@@ -28,12 +28,14 @@ class RunUnderCleaning:
         stretch: number of the stretch a sample belongs to; between two stretches nothing is interpolated.
         needed: channels without which a sample is useless.
         time_step: s, the typical one.
-        cause: why a value is missing or replaced ("" where it is as recorded), shape (samples, channels).
-        dropped: why a sample is dropped, "" where it is kept, shape (samples,).
+        cause: number of the reason why a value is missing or replaced, 0 where it is as recorded, shape (samples,
+            channels).
+        dropped: number of the reason why a sample is dropped, 0 where it is kept, shape (samples,).
+        reasons: by number; the first one is none.
         changes: the ledger.
         remarks: what a reader of the result has to know of them, one sentence each.
         noise_kept: share of white noise that a fifth difference still shows after interpolation.
-        filled: 1 where an input that is needed was made up, shape (samples,).
+        filled: whether an input that is needed was made up, shape (samples,).
         clock_offset: s, how late the state is with respect to the motors; None where that is unknown.
     """
 
@@ -52,13 +54,28 @@ class RunUnderCleaning:
     clock_offset: float | None = None
     noise_kept: float = 1.0
     filled: np.ndarray = field(init=False)
+    reasons: list[str] = field(default_factory=lambda: [""])
 
     def __post_init__(self) -> None:
         """Start with everything as recorded."""
-        self.cause = np.full(self.values.shape, "", dtype=object)
-        self.cause[np.isnan(self.values)] = "missing"
-        self.dropped = np.full(len(self.time), "", dtype=object)
-        self.filled = np.zeros(len(self.time), dtype=np.int64)
+        self.cause = np.zeros(self.values.shape, dtype=np.uint8, order="F")
+        for place in range(len(self.columns)):
+            absent = np.isnan(self.values[:, place])
+            if absent.any():
+                self.cause[absent, place] = self.number("missing")
+        self.dropped = np.zeros(len(self.time), dtype=np.uint8)
+        self.filled = np.zeros(len(self.time), dtype=bool)
+
+    def number(self, reason: str) -> int:
+        """Return the number of a reason; a new one gets the next."""
+        if reason not in self.reasons:
+            self.reasons.append(reason)
+        return self.reasons.index(reason)
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether some sample is kept."""
+        return not self.dropped.all()
 
     def index(self, columns: list[str]) -> list[int]:
         """Return where the channels stand in `values`."""
@@ -86,7 +103,7 @@ class RunUnderCleaning:
             place = self.columns.index(column)
             wanted = rows & ~np.isnan(self.values[:, place])
             self.values[wanted, place] = np.nan
-            self.cause[wanted, place] = step
+            self.cause[wanted, place] = self.number(step)
             self.note(step, column, reason, int(wanted.sum()), detail)
 
     def replace(self, rows: np.ndarray, column: str, values: np.ndarray, step: str, reason: str) -> None:
@@ -105,9 +122,10 @@ class RunUnderCleaning:
 
     def drop(self, rows: np.ndarray, step: str, reason: str, detail: str = "") -> None:
         """Drop whole samples that are not dropped yet, and record the change."""
-        wanted = rows & (self.dropped == "")
-        self.dropped[wanted] = reason
-        self.note(step, "", reason, -int(wanted.sum()), detail)
+        wanted = rows & (self.dropped == 0)
+        if wanted.any():
+            self.dropped[wanted] = self.number(reason)
+            self.note(step, "", reason, -int(wanted.sum()), detail)
 
     def note(
         self,
@@ -146,5 +164,6 @@ def changes_table(changes: list[Change]) -> pd.DataFrame:
 
 def stretches_of(mask: np.ndarray) -> np.ndarray:
     """Return the unbroken stretches of True as rows [first, one past last], shape (stretches, 2)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
-    return edges.reshape(-1, 2)
+    within = np.zeros(len(mask) + 2, dtype=bool)
+    within[1:-1] = mask
+    return np.flatnonzero(within[1:] != within[:-1]).reshape(-1, 2)

@@ -11,15 +11,18 @@ import numpy as np
 from simgap.recordings.cleaning.work import RunUnderCleaning
 
 PAIRS = {"joint": [("velocity", "position")]}
+PAIRS["quadrotor"] = [(f"velocity_{axis}", f"position_{axis}") for axis in "xyz"]
 PAIRS["swerve"] = [(f"steer_velocity_{module}", f"steer_angle_{module}") for module in "1234"]
 """Rates and the positions whose rates they are."""
 
 _TURN = 2.0 * np.pi
 _JUMP = 0.4  # of the range of a column: a wrap jumps over the most of it
 _ALIKE = 0.1  # of a jump: wraps jump alike
+_SAMPLES = 10  # of a column that can be judged
 _FEWEST = 3  # jumps that are alike by themselves; fewer have to be a turn or a power of two
 _BEFORE, _GAIN = 1e-4, 0.5  # misfit that is looked into, and the share of it that may be left
 _ROUNDING = 0.02  # of a size: within it, a whole turn or a power of two is meant
+_STILL = 0.5  # share of the samples that are far off; above it, they stand still
 _BELOW = 0.95  # of a sign bit, which positive numbers stay below
 _MOVING = 0.05  # of the energy of the fastest samples
 
@@ -32,14 +35,29 @@ def mend_wraps(run: RunUnderCleaning) -> None:
     for rate, position in PAIRS.get(run.kind, []):
         if not run.has([rate, position]):
             continue
+        jumps = {column: _jumps(_known(run.channel(column)[:, 0])) for column in (position, rate)}
+        if not any(len(rows) for rows in jumps.values()):
+            continue
         left = misfit(run.time, *run.channel(position, rate).T)
-        for column in (position, rate):
-            if left > _BEFORE:
+        for column, rows in jumps.items():
+            if left > _BEFORE and len(rows):
                 left = _mend(run, rate, position, column, left)
 
 
+def _known(values: np.ndarray) -> np.ndarray:
+    finite = np.isfinite(values)
+    return values if finite.all() else values[finite]
+
+
+def _jumps(present: np.ndarray) -> np.ndarray:
+    """Return the samples after which a column jumps as a wrap does; none in a column of a few samples."""
+    if len(present) < _SAMPLES:
+        return np.empty(0, dtype=np.int64)
+    return np.flatnonzero(np.abs(np.diff(present)) > _JUMP * np.ptp(present))
+
+
 def _mend(run: RunUnderCleaning, rate: str, position: str, column: str, before: float) -> float:
-    """Undo the likeliest wrap of a column, if any, and return the misfit that is left of the one `before`."""
+    """Undo the likeliest wrap of a column that jumps, if any, and return the misfit left of the one `before`."""
     values = {name: run.channel(name)[:, 0] for name in (rate, position)}
     best, least = None, _GAIN * before
     for candidate in _candidates(run.time, values[column], values[position], values[rate], column == rate):
@@ -86,15 +104,10 @@ def _usual(rate: np.ndarray) -> float:
 def _candidates(
     time: np.ndarray, values: np.ndarray, position: np.ndarray, rate: np.ndarray, is_rate: bool
 ) -> Iterator[Candidate]:
-    """Yield what the column may have been."""
+    """Yield what a column that jumps may have been."""
     known = np.flatnonzero(np.isfinite(values))
     present = values[known]
-    if len(present) < 10:
-        return
-    steps = np.diff(present)
-    jumps = np.flatnonzero(np.abs(steps) > _JUMP * np.ptp(present))
-    if not len(jumps):
-        return
+    steps, jumps = np.diff(present), _jumps(present)
     beside = np.convolve(steps, [0.5, 0.0, 0.5], mode="same")  # what the samples beside a jump move
     usual = np.where(np.abs(beside) < _ALIKE * np.abs(steps), beside, 0.0)
     yield from _placed(values, known, _unwrapped(present, jumps, usual), "wraps")
@@ -156,9 +169,13 @@ def _wrapped_rate(
     with np.errstate(invalid="ignore", divide="ignore"):
         missing = np.gradient(position, time) - present
     far = np.isfinite(missing) & (np.abs(missing) > _JUMP * np.ptp(present))
-    if far.sum() < _FEWEST:
+    repeats = np.append(False, present[1:] == present[:-1])
+    if far.sum() < _FEWEST or np.mean(repeats[far]) > _STILL:  # a register that wraps goes on counting
         return None
-    period = _rounded(float(np.median(np.abs(missing[far]))), _quantum(present))
+    size, quantum = float(np.median(np.abs(missing[far]))), _quantum(present)
+    period = _rounded(size, quantum)
+    if quantum == 0.0 and period == size:  # neither a register nor a turn
+        return None
     turns = np.where(np.isfinite(missing), np.round(missing / period), 0.0)
     return present + period * turns, period
 

@@ -73,7 +73,7 @@ def take(
             )
         values = to_numbers(frame[source.column], run, where)
         if source.missing is not None:
-            values[values == source.missing] = np.nan
+            values = np.where(values == source.missing, np.nan, values)
         result[channel] = _to_contract(
             values * source.scale + source.offset, source.unit, expected[channel], channel
         )

@@ -58,8 +58,8 @@ def tabulate(
 def mend(fault: RowFault, one: Good) -> tuple[bool, bool]:
     """Return whether a fault of some rows is said, and whether no contradiction is left of it."""
     spoilt = fault.of(one.recording)
-    warnings = clean_recording(spoilt)[0].warnings
-    said = any(fault.said in warning for warning in warnings)
+    cleaned, changes = clean_recording(spoilt)
+    said = any(fault.said in text for text in (*cleaned.warnings, *changes["reason"]))
     return said, said and not contradictions(spoilt, platform_from_config(one.platform))
 
 
@@ -120,10 +120,12 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=778)
     parser.add_argument("--cases", type=int, default=20)
     parser.add_argument("--each", type=int, default=10, help="recordings that a corruption is tried on")
+    parser.add_argument("--rows", action="store_true", help="only the faults of rows")
     chosen = parser.parse_args()
     recordings = list(good(chosen.kind, chosen.seed, chosen.cases, (1.0, 5.0)))
     usual = [one for one in recordings if one.name.endswith("x1")]
-    print(show(tabulate(chosen.kind, usual, chosen.each)))
+    if not chosen.rows:
+        print(show(tabulate(chosen.kind, usual, chosen.each)))
     print(show(tabulate_rows(chosen.kind, usual, chosen.each), "fault of rows: said, and nothing else"))
     count, false = alarms(recordings)
     print(

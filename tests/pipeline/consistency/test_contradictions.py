@@ -38,8 +38,9 @@ def test_a_sample_of_every_corruption_is_caught_with_its_cause_first(kind, capsy
     assert right == tried
 
 
-def test_faults_of_rows_are_mended_and_said_and_no_contradiction(capsys):
-    rows = tabulate_rows("joint", sample("joint"), limit=1)
+@pytest.mark.parametrize("kind", KINDS)
+def test_faults_of_rows_are_mended_and_said_and_no_contradiction(kind, capsys):
+    rows = tabulate_rows(kind, sample(kind), limit=1)
     with capsys.disabled():
         print("\n" + show(rows, "fault of rows: said, and nothing else"))
     assert sum(row.tried for row in rows.values()) >= 6

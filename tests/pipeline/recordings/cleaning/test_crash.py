@@ -8,7 +8,7 @@ MARGIN = 0.5
 
 
 def kept_until(run):
-    return run.time[np.flatnonzero(run.dropped == "")[-1]]
+    return run.time[np.flatnonzero(run.dropped == 0)[-1]]
 
 
 def test_a_flight_without_a_crash_is_left(flight, as_run):

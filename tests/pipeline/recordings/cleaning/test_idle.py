@@ -4,7 +4,7 @@ from simgap.recordings.cleaning.idle import drop_idle
 
 
 def dropped(run):
-    return np.flatnonzero(run.dropped != "").tolist()
+    return np.flatnonzero(run.dropped > 0).tolist()
 
 
 def test_standing_on_the_floor_before_and_after_the_flight_is_dropped(flight, as_run):

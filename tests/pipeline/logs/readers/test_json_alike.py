@@ -1,0 +1,89 @@
+"""Messages in JSON read at once: what one parser tells, the other one tells."""
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from simgap.logs.readers import json_messages
+from simgap.logs.readers.json_alike import columns_alike
+from simgap.logs.readers.packed import Columns, Packed
+
+
+def packed(*contents: Any) -> Packed:
+    return Packed.of([each if isinstance(each, bytes) else json.dumps(each).encode() for each in contents])
+
+
+def one_by_one(messages: Packed, monkeypatch: pytest.MonkeyPatch) -> list[Columns]:
+    with monkeypatch.context() as patch:
+        patch.setattr(json_messages, "columns_alike", lambda messages: None)
+        return list(json_messages.json_columns(messages))
+
+
+def assert_same(one: Columns, other: Columns) -> None:
+    np.testing.assert_array_equal(one.rows, other.rows)
+    for (names, values), (expected, wanted) in zip(one.blocks, other.blocks, strict=True):
+        assert names == expected
+        np.testing.assert_array_equal(values, wanted)
+    assert one.long == other.long
+    assert (one.stamps is None) == (other.stamps is None)
+    if one.stamps is not None:
+        np.testing.assert_array_equal(one.stamps, other.stamps)
+
+
+STATE = {
+    "name": ["elbow", "wrist"],
+    "position": [0.1, 2],
+    "deep": {"on": True, "list": [{"x": 1}, {"x": 2.5}]},
+}
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {},
+        {"header": {"stamp": {"sec": 17, "nanosec": 5}, "frame_id": "world"}},
+        {"stamp": 1.7e9 + 0.123456789},
+        {"note": "on 2026-01-01", "scan": list(range(101))},
+        {"huge": 12345678901234567890, "small": 1e-300},
+    ],
+)
+def test_both_parsers_tell_the_same(more: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    messages = packed(*(STATE | more | {"count": count, "value": 0.1 * count} for count in range(5)))
+    found = columns_alike(messages)
+    assert found is not None
+    (expected,) = one_by_one(messages, monkeypatch)
+    assert_same(found, expected)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"name": ["wrist", "elbow"], "position": [0.1, 2.0]},
+        {"name": ["elbow", "wrist"], "position": [0.1]},
+        {"name": ["elbow", "wrist"], "position": [0.1, "far"]},
+        {"name": ["elbow", "wrist"]},
+        b'{"name": ["elbow", "wrist"], "position": [0.1, ',
+        b'{"a":' * 5000,
+        b"",
+        b"[1, 2]",
+    ],
+)
+def test_messages_that_are_not_alike_are_left_to_the_slower_reader(other: Any) -> None:
+    messages = packed({"name": ["elbow", "wrist"], "position": [0.1, 2.0]}, other)
+    assert columns_alike(messages) is None
+    assert sum(len(part.rows) for part in json_messages.json_columns(messages)) in (1, 2)
+
+
+numbers = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(2**60), 2**60) | st.booleans()
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.lists(numbers, min_size=1, max_size=4))
+def test_every_number_survives(values: list[float]) -> None:
+    found = columns_alike(packed({"values": [float(value) for value in values]}))
+    assert found is not None
+    np.testing.assert_array_equal(found.blocks[0][1][0], [float(value) for value in values])
