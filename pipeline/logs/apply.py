@@ -157,7 +157,7 @@ def _within(signal: Signal, span: Span, beside: bool = False) -> Signal:
     first = np.searchsorted(signal.time, span.begin)
     past = np.searchsorted(signal.time, span.end, side="right")
     if signal.held or beside:
-        first = max(first - 1, 0)
+        first -= first > 0
     if beside:
         past += 1
     return replace(signal, time=signal.time[first:past], values=signal.values[first:past])

@@ -36,4 +36,4 @@ def by_run(frame: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
 
 def column_of_runs(names: list[str], lengths: list[int], like: pd.Series) -> pd.Series:
     """Return the column of so many rows of each run, of the type of another one."""
-    return pd.Series(pd.array(names, dtype=like.dtype).repeat(lengths), name="run")
+    return pd.Series(names, dtype=like.dtype, name="run").repeat(lengths).reset_index(drop=True)

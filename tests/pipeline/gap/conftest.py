@@ -11,9 +11,7 @@ OPEN = {
     "test_real_recordings.py::test_rotor_drag_and_inflow_of_a_real_quadrotor": (
         "both are named, but the drag is 0.38 1/s where the authors have about 0.45"
     ),
-    "test_name_quadrotor.py::test_the_concealed_effect_is_named_and_no_other[body_drag]": (
-        "a tenth of the usual axial inflow is named beside the drag of the body"
-    ),
+    f"{_CASE}[pad_normal_E9]": "a drag of turning is named at 0.56 beside the spread of the rotors",
 }
 
 
