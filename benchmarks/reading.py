@@ -51,9 +51,9 @@ start included; 2 million records a second for importing and for cleaning; and m
 
 Where importing misses its rate, the records are taken one by one: by the parser of JSON (SysId, MCAP in JSON), by
 SQLite (ROS 2 bags), or by a loop that has to follow the length of each record. Cleaning looks at every number: a
-quadrotor has four to seven times the columns of a joint, and an offset between two clocks is estimated of it.
-A recording takes 8 bytes a number in memory. That is several times the file where this is compressed, or holds numbers
-of two or four bytes.
+quadrotor has four to seven times the columns of a joint, and an offset between two clocks is estimated of it. A
+recording takes 8 bytes a number in memory. That is several times the file where this is compressed, or holds numbers of
+two or four bytes.
 """
 Result = TypeVar("Result")
 

@@ -22,6 +22,7 @@ _SAMPLES = 10  # of a column that can be judged
 _FEWEST = 3  # jumps that are alike by themselves; fewer have to be a turn or a power of two
 _BEFORE, _GAIN = 1e-4, 0.5  # misfit that is looked into, and the share of it that may be left
 _ROUNDING = 0.02  # of a size: within it, a whole turn or a power of two is meant
+_FULL = 0.1  # by which the range of a wrapped rate may be off its period
 _STILL = 0.5  # share of the samples that are far off; above it, they stand still
 _BELOW = 0.95  # of a sign bit, which positive numbers stay below
 _MOVING = 0.05  # of the energy of the fastest samples
@@ -165,16 +166,15 @@ def _signed(present: np.ndarray) -> tuple[np.ndarray, float] | None:
 def _wrapped_rate(
     time: np.ndarray, present: np.ndarray, position: np.ndarray
 ) -> tuple[np.ndarray, float] | None:
-    """Add a period wherever the position moves faster by one."""
+    """Add a period wherever the position moves faster by one; a register that wraps is full of numbers."""
     with np.errstate(invalid="ignore", divide="ignore"):
         missing = np.gradient(position, time) - present
     far = np.isfinite(missing) & (np.abs(missing) > _JUMP * np.ptp(present))
     repeats = np.append(False, present[1:] == present[:-1])
     if far.sum() < _FEWEST or np.mean(repeats[far]) > _STILL:  # a register that wraps goes on counting
         return None
-    size, quantum = float(np.median(np.abs(missing[far]))), _quantum(present)
-    period = _rounded(size, quantum)
-    if quantum == 0.0 and period == size:  # neither a register nor a turn
+    period = _rounded(float(np.median(np.abs(missing[far]))), _quantum(present))
+    if abs(period / np.ptp(present) - 1.0) > _FULL:
         return None
     turns = np.where(np.isfinite(missing), np.round(missing / period), 0.0)
     return present + period * turns, period
