@@ -1,19 +1,24 @@
 """The most that the noise of rows can be."""
 
+from dataclasses import replace
+
 import numpy as np
 import torch
 
 from simgap.effects import effect_by_key
 from simgap.gap.noise_ceiling import noise_ceiling
+from simgap.simulation import Simulator
 from tests.pipeline.gap.problems import of_joint, problem_of
-from tests.pipeline.gap.recordings import Plant, joint_recordings, joint_simulator, recording_of
+from tests.pipeline.gap.recordings import JOINT, Plant, joint_recordings, joint_simulator, recording_of
 
 
 def test_a_law_does_not_explain_the_noise_of_its_own_signal():
     """A motor at rest: the back-EMF of a noisy speed is all that the residual holds, and friction of it would fit."""
     random, shape = np.random.default_rng(0), (4, 1600)
     voltage, position = 1e-4 * random.standard_normal(shape), 1e-7 * random.standard_normal(shape)
-    simulator = joint_simulator()
+    simulator = Simulator(
+        replace(JOINT, inertia=1e-5)
+    )  # so that the noise of the motion itself counts for little
     problem = problem_of(recording_of(voltage, position, 0.02 * random.standard_normal(shape)), simulator)
     left = problem.residual(simulator).square().mean((0, 1)).sqrt()
     ceiling = noise_ceiling(simulator, problem, of_joint("viscous_friction", "coulomb_friction"))
