@@ -62,11 +62,11 @@ def _proposed(vector: Vector, parts: list[Signal]) -> tuple[str, str | None, flo
     if largest <= 100.0 and declared is not None:
         return "motor_command", parts[0].unit, 1.0, 0.0, 0.9, f"in {parts[0].unit}"
     if _PULSE[0] <= float(np.median(values[values > 0])) <= _PULSE[1] and largest <= _PULSE[1]:
-        return "motor_command", None, 1e-3, -1.0, 0.85, "pulses of 1000 to 2000 µs"
+        return "motor_command", "1", 1e-3, -1.0, 0.85, "pulses of 1000 to 2000 µs"
     if _PULSE[1] < largest <= _SIXTEEN_BITS:
         return (
             "motor_command",
-            None,
+            "1",
             1.0 / _SIXTEEN_BITS,
             0.0,
             0.75,

@@ -111,6 +111,16 @@ def test_pulses_and_numbers_of_sixteen_bits_are_commands_from_0_to_1(flight: dic
     assert raw.confidence < SURE
 
 
+def test_a_proposal_for_pulses_that_name_their_unit_is_taken(flight: dict) -> None:
+    names = {f"motor{rotor}": f"esc{rotor}_pwm_us" for rotor in (1, 2, 3, 4)}
+    log = log_of_table(
+        table(flight, m=1000 + 1000 * flight["m"]).rename(columns=names), Path("log.csv"), "table"
+    )
+    recording = recording_of(log, guess(log, None).mapping())
+    found = recording.frame[[f"motor_command_{rotor}" for rotor in (1, 2, 3, 4)]].to_numpy()
+    np.testing.assert_allclose(found, flight["m"], atol=1e-9)
+
+
 def test_a_quaternion_without_motors_is_no_quadrotor(flight: dict) -> None:
     frame = table(flight).drop(columns=[f"motor{number}" for number in (1, 2, 3, 4)])
     assert proposed(frame).kind != "quadrotor"
