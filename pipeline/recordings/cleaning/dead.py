@@ -10,6 +10,8 @@ _SHORTEST = 0.1  # s: a filter lags less
 _FEWEST = 5  # samples
 _FAST = 0.3  # of the usual fast speed: slower, a position may repeat, and a speed may be below its threshold
 _CHANGING = 0.5  # share of its samples in which a speed has to change to tell that the machine moves
+_USUAL = 3.0  # times what a rate and its position are usually apart at most
+_CHANCE = 1e-6  # of so many repeats in a row, in a recording
 _MOST = 0.5  # share of a run; a column that is dead for longer is none
 _EMPTY = 0.3  # of the usual voltage: no battery falls to it and comes back
 
@@ -69,16 +71,23 @@ def _erase(
     """Erase where a column repeats its last value and is far from what the other one tells.
 
     A steady speed repeats one value, too, but then both agree. To and fro would cancel over the whole stretch, so
-    that it is looked at in parts.
+    that it is looked at in parts. A column whose noise never lets it repeat need not be far from the other one where
+    the machine is fast: farther than usual is enough.
     """
     known = np.abs(speed[np.isfinite(speed)])
     if not held or len(known) < 2 * _FEWEST:
         return
     far = _FAST * float(np.quantile(known, 0.95))
     part = max(_FEWEST, round(_SHORTEST / run.time_step))
+    outside = _outside(held, len(speed))
+    repeating = _share_of_repeats(run.channel(column)[:, 0][outside])
+    unusual = _USUAL * _usual_mean(apart[outside], part)
     rows = np.zeros(len(speed), dtype=bool)
     for first, past in held:
-        if _largest_mean(apart[first:past], part) > far:
+        mean = _largest_mean(apart[first:past], part)
+        moves = abs(float(speed[first:past].mean())) > far
+        noisy = len(speed) * repeating ** (past - first) < _CHANCE
+        if mean > far or (noisy and moves and mean > unusual):
             rows[first - 1 : past] = True
     _leave_out(run, column, rows)
 
@@ -90,6 +99,28 @@ def _leave_out(run: RunUnderCleaning, column: str, rows: np.ndarray) -> None:
             f"Channel {column!r} repeats one value in {int(rows.sum())} samples of run {run.name!r} although the "
             "machine moves; these were left out."
         )
+
+
+def _outside(held: list[tuple[int, int]], length: int) -> np.ndarray:
+    """Return which of so many rows are in none of the stretches."""
+    outside = np.ones(length, dtype=bool)
+    for first, past in held:
+        outside[first - 1 : past] = False
+    return outside
+
+
+def _share_of_repeats(values: np.ndarray) -> float:
+    """Return in which share of its rows a column repeats its last value, with one repeat more than was seen."""
+    return float((np.sum(values[1:] == values[:-1]) + 1) / max(len(values), 1))
+
+
+def _usual_mean(values: np.ndarray, count: int) -> float:
+    """Return the size that 95 % of the means of so many values in a row do not exceed; infinite if there is none."""
+    known = values[np.isfinite(values)]
+    if len(known) < count:
+        return np.inf
+    means = np.convolve(known, np.full(count, 1.0 / count), mode="valid")
+    return float(np.quantile(np.abs(means), 0.95))
 
 
 def _largest_mean(values: np.ndarray, count: int) -> float:
