@@ -1,67 +1,153 @@
-"""The unit that a column's name carries: "speed [rad/s]", "Velocity (rpm)", "angle_deg", "t_ms"."""
+"""The unit that a column's name carries: "speed [rad/s]", "Velocity (rpm)", "angle_deg", "coil_V", "acc_x_g"."""
 
 import re
 
 from simgap.recordings.units import conversion
 
-_BRACKETED = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]\s*$")
+_BRACKETED = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]\s*([xyz]|\d+)?\s*$", re.IGNORECASE)
 
 RAW = ("units", "unit", "counts", "count", "ticks", "tick", "raw", "lsb", "adc", "steps", "digits", "inc")
 """Words in brackets that say that a number is no physical quantity yet."""
 
+FOREIGN = (
+    "rad/s²",
+    "deg/s²",
+    "m/s³",
+    "W",
+    "Hz",
+    "kHz",
+    "kg",
+    "Pa",
+    "hPa",
+    "kPa",
+    "bar",
+    "°F",
+    "Ω",
+    "J",
+    "mAh",
+    "Wh",
+)
+"""Units of quantities that no column has."""
+
 _ENDINGS = {
     "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "rad": "rad", "rads": "rad", "radians": "rad",
-    "rev": "rev", "revs": "rev", "rot": "rev", "turns": "rev", "rotations": "rev",
+    "rev": "rev", "revs": "rev", "turns": "rev", "rotations": "rev",
     "rpm": "rpm", "rps": "rev/s", "dps": "deg/s",
     "rad/s": "rad/s", "rad_s": "rad/s", "radps": "rad/s", "rad_per_s": "rad/s", "rad_per_sec": "rad/s",
+    "rad_sec": "rad/s",
     "deg/s": "deg/s", "deg_s": "deg/s", "degps": "deg/s", "deg_per_s": "deg/s", "deg_per_sec": "deg/s",
-    "rev_s": "rev/s", "rot_s": "rev/s", "turns_s": "rev/s",
-    "m_s": "m/s", "mps": "m/s", "m/s": "m/s", "mm_s": "mm/s", "mm/s": "mm/s", "m_s2": "m/s²", "mps2": "m/s²",
+    "deg_sec": "deg/s",
+    "rev_s": "rev/s", "rot_s": "rev/s", "turns_s": "rev/s", "rev_per_s": "rev/s", "rev_per_sec": "rev/s",
+    "rot_per_sec": "rev/s", "rotations_per_sec": "rev/s",
+    "m_s": "m/s", "mps": "m/s", "m/s": "m/s", "m_per_s": "m/s", "m_per_sec": "m/s", "meters_per_sec": "m/s",
+    "mm_s": "mm/s", "mm/s": "mm/s", "cm_s": "cm/s", "cm/s": "cm/s",
+    "in_s": "in/s", "in/s": "in/s", "inps": "in/s", "in_per_s": "in/s", "in_per_sec": "in/s",
+    "inches_per_sec": "in/s", "ft_s": "ft/s", "ft/s": "ft/s", "ftps": "ft/s", "ft_per_s": "ft/s",
+    "ft_per_sec": "ft/s", "feet_per_sec": "ft/s",
+    "m_s2": "m/s²", "m/s2": "m/s²", "m/s^2": "m/s²", "m_s^2": "m/s²", "mps2": "m/s²", "mss": "m/s²",
+    "m_per_s2": "m/s²", "m_s_2": "m/s²",
+    "rad_s2": "rad/s²", "rad/s2": "rad/s²", "rad/s^2": "rad/s²", "radps2": "rad/s²", "rad_per_s2": "rad/s²",
+    "deg_s2": "deg/s²", "deg/s2": "deg/s²", "deg/s^2": "deg/s²", "m_s3": "m/s³",
     "sec": "s", "secs": "s", "seconds": "s", "ms": "ms", "msec": "ms", "millis": "ms", "us": "us", "usec": "us",
     "micros": "us", "ns": "ns", "nsec": "ns", "nanos": "ns",
-    "mm": "mm", "cm": "cm", "meters": "m", "metres": "m",
+    "mm": "mm", "cm": "cm", "meters": "m", "metres": "m", "inch": "in", "inches": "in", "feet": "ft",
     "volt": "V", "volts": "V", "mv": "mV", "amp": "A", "amps": "A", "ma": "mA",
-    "nm": "N·m", "n_m": "N·m", "n m": "N·m", "mnm": "mN·m", "newtons": "N",
-    "celsius": "°C", "degc": "°C", "percent": "percent", "pct": "percent", "g": "g",
+    "nm": "N·m", "n_m": "N·m", "n m": "N·m", "mnm": "mN·m", "newtons": "N", "ncm": "N·cm", "kgcm": "kgf·cm",
+    "kg_cm": "kgf·cm",
+    "celsius": "°C", "degc": "°C", "deg_c": "°C", "kelvin": "K", "degf": "°F", "deg_f": "°F", "fahrenheit": "°F",
+    "percent": "percent", "pct": "percent",
+    "hz": "Hz", "khz": "kHz", "watts": "W", "watt": "W", "kg": "kg", "pa": "Pa", "hpa": "hPa", "kpa": "kPa",
+    "mah": "mAh", "wh": "Wh", "ohm": "Ω", "ohms": "Ω",
 }  # fmt: skip
-_SPEED = re.compile("vel|speed")  # of which "_ms" is metres per second
-_AMBIGUOUS = ("g", "rot")  # a gain or a gravity, a rotation of a vector: only by brackets
+"""Last words that are a unit beside any quantity, in lower case."""
+
+_TIME = r"time|stamp|elapsed|clock|zeit|(?:^|[^a-z])t$"
+_LENGTH = r"pos|dist|travel|disp|length|height|alt|odom|stroke|extension|slide|carriage|(?:^|[^a-z])p?[xyz]$"
+_ACCELERATION = r"acc|imu|gravity|(?:^|[^a-z])a[xyz]?$"
+_FORCE = r"force|thrust|load|lift|drag|effort"
+_CURRENT = r"cur|amp|strom|bat|supply|bus|total|(?:^|[^a-z])i[qd]?(?:$|[^a-z])"
+_VOLTAGE = r"volt|bat|supply|bus|coil|winding|terminal|armature|cell|spannung"
+
+_BESIDE: tuple[tuple[str, str, str], ...] = (
+    ("V", "V", r"^(?!.*(?:phase|hall|channel|ch)[^a-z]*$)"),  # phases are named U, V, W
+    ("v", "V", _VOLTAGE),
+    ("A", "A", _CURRENT),  # beside others, A is the first of several
+    ("a", "A", "current"),
+    ("g", "g", _ACCELERATION),  # a mass is in gram
+    ("G", "g", _ACCELERATION),
+    ("mg", "mg", _ACCELERATION),
+    ("ms2", "m/s²", _ACCELERATION),
+    ("s", "s", _TIME),
+    ("m", "m", _LENGTH),
+    ("in", "in", r"dist|travel|height|odom|(?:^|[^a-z])[xyz]$"),  # else it is an input
+    ("ft", "ft", _LENGTH),
+    ("fps", "ft/s", r"vel|speed"),  # else frames per second
+    ("N", "N", _FORCE),
+    ("W", "W", r"power|leistung"),
+    ("C", "°C", "temp"),
+    ("c", "°C", "temp"),
+    ("F", "°F", "temp"),
+    ("K", "K", "temp"),
+    ("rot", "rev", r"pos|angle|motor|rotor|wheel|drive|steer|encoder"),  # else a rotation
+)
+"""Last words as they are written, the unit, and what has to stand before them for it to be one."""
+
+_SPEED = re.compile("vel|speed|gyr|omega|rate")
+_OF_SPEEDS = {"ms": "m/s", "rads": "rad/s", "degs": "deg/s"}  # what else are milliseconds, radians, degrees
+_PLACE = re.compile(r"(?:[_\-. ]([xyz])|[_\-. ]?(\[\d+\]|\d+))$")  # "q_rad[0]", "acc_g_x"
 
 
 def unit_in(name: str) -> str | None:
     """Return the unit that a name says, in brackets or by a last word that can mean nothing else; None where none.
 
-    A word for raw numbers in brackets, such as "counts", is returned as it stands: it has no conversion.
+    Words for raw numbers in brackets, such as "counts", and units of `FOREIGN` are returned: they have no conversion.
     """
-    bracketed = _BRACKETED.search(name)
-    if bracketed and not bracketed[1].isdigit():
-        word = bracketed[1]
-        known = next((form for form in (word, word.lower()) if conversion(form) is not None), None)
-        return known or (word.lower() if word.lower() in RAW else None)
-    found = _ending(name)
-    return found[1] if found else None
+    return _split(name)[1]
 
 
 def quantity_words(name: str) -> str:
     """Return a name without the unit that it carries."""
+    return _split(name)[0]
+
+
+def _split(name: str) -> tuple[str, str | None]:
+    """Return what a name says beside its unit, and the unit; the whole name and None where it says none."""
     bracketed = _BRACKETED.search(name)
-    if (
-        bracketed
-        and not bracketed[1].isdigit()
-        and (conversion(bracketed[1]) is not None or bracketed[1].lower() in RAW)
-    ):
-        return name[: bracketed.start()]
-    found = _ending(name)
-    return name if found is None else found[0]
+    if bracketed and (unit := _unit_of(bracketed[1])) is not None:
+        return name[: bracketed.start()] + (bracketed[2] or ""), unit
+    found = _ending(name) or _ending(_parted(name))
+    if found is None and (place := _PLACE.search(name)):
+        found = _ending(name[: place.start()])
+        if found and (place[1] or found[1] not in ("s", "m", "V", "A")):  # "joint_A_1" is no current
+            return found[0] + place[0], found[1]
+        return name, None
+    return found or (name, None)
+
+
+def _unit_of(word: str) -> str | None:
+    """Return the unit that a word in brackets is; None where it is another word."""
+    if word.isdigit():
+        return None
+    known = next((form for form in (word, word.lower()) if conversion(form) is not None), None)
+    if known is not None:
+        return known
+    return (
+        word.lower() if word.lower() in RAW else _ENDINGS.get(word.lower(), word if word in FOREIGN else None)
+    )
 
 
 def _ending(name: str) -> tuple[str, str] | None:
     """Return a name without its last word, and the unit that this word means; None where it means none."""
-    for form in (name.strip(), _parted(name)):
-        for ending, unit in _LONGEST:
-            if found := re.search(rf"(?:^|[_\-. /]){re.escape(ending)}$", form.lower()):
-                rest = form[: found.start()]
-                return rest, "m/s" if unit == "ms" and _SPEED.search(rest.lower()) else unit
+    text = name.strip()
+    for ending, unit in _LONGEST:
+        if found := re.search(rf"(?:^|[_\-. /,])\s*{re.escape(ending)}$", text.lower()):
+            rest = text[: found.start()]
+            return rest, _OF_SPEEDS.get(ending, unit) if _SPEED.search(rest.lower()) else unit
+    for ending, unit, beside in _BESIDE:
+        if found := re.search(rf"[_\-. /,]\s*{re.escape(ending)}$", text):
+            rest = text[: found.start()]
+            if re.search(beside, rest.lower()):
+                return rest, unit
     return None
 
 
@@ -70,7 +156,4 @@ def _parted(name: str) -> str:
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip())
 
 
-_LONGEST = sorted(
-    ((ending, unit) for ending, unit in _ENDINGS.items() if ending not in _AMBIGUOUS),
-    key=lambda pair: -len(pair[0]),
-)
+_LONGEST = sorted(_ENDINGS.items(), key=lambda pair: -len(pair[0]))

@@ -24,7 +24,9 @@ _ALIASES = {
     "second": "s", "secs": "s", "Seconds": "s", "msec": "ms", "milliseconds": "ms", "millis": "ms",
     "usec": "us", "microseconds": "us", "micros": "us", "nsec": "ns", "nanoseconds": "ns", "nanos": "ns",
     "N-m": "N·m", "N⋅m": "N·m", "newton": "N", "newtons": "N", "Newton": "N", "Celsius": "°C", "ºC": "°C", "°c": "°C",
-    "U/min": "rpm", "1/min": "rpm", "r/min": "rpm", "rads": "rad", "ratio": "1",
+    "U/min": "rpm", "1/min": "rpm", "r/min": "rpm", "rads": "rad", "ratio": "1", "rot": "rev",
+    "Ncm": "N·cm", "N*cm": "N·cm", "N.cm": "N·cm", "N cm": "N·cm",
+    "kgcm": "kgf·cm", "kg*cm": "kgf·cm", "kg.cm": "kgf·cm", "kg cm": "kgf·cm", "kg·cm": "kgf·cm", "kgf.cm": "kgf·cm",
 }  # fmt: skip
 
 _CONVERSIONS: dict[str, tuple[str, float, float]] = {
@@ -50,6 +52,8 @@ _CONVERSIONS: dict[str, tuple[str, float, float]] = {
     "mA": ("A", 1e-3, 0.0),
     "mN": ("N", 1e-3, 0.0),
     "mN·m": ("N·m", 1e-3, 0.0),
+    "N·cm": ("N·m", 1e-2, 0.0),
+    "kgf·cm": ("N·m", 1e-2 * _STANDARD_GRAVITY, 0.0),
     "percent": ("1", 1e-2, 0.0),
     "K": ("°C", 1.0, -273.15),
 }

@@ -9,7 +9,7 @@ from simgap.logs.guessing.inputs import Driven, advice_for_input, inputs_of
 from simgap.logs.guessing.motion import Slope, is_still, range_of, slope_of, turns, wrap_of
 from simgap.logs.guessing.parts import Named, Part, choices, named_signals, parts_of
 from simgap.logs.guessing.unit_fit import SEEN, Fitted, fit_units, unit_alone
-from simgap.logs.guessing.words import Said
+from simgap.logs.guessing.words import Said, allows
 from simgap.logs.log import Log, Signal
 from simgap.logs.mapping import Source
 from simgap.logs.proposal import SURE, Proposal, Proposed, lacking
@@ -44,6 +44,12 @@ class _Motion:
     def filled(self) -> int:
         return (self.position is not None) + (self.velocity is not None) + bool(self.driven.columns)
 
+    @property
+    def clarity(self) -> float:
+        """How clearly a name says that it is the position or, where there is none, the velocity."""
+        leading = self.position or self.velocity
+        return leading.said.score if leading else 0.0
+
 
 def propose_joint(log: Log, said: dict[str, Said]) -> Proposal | None:
     """Propose the columns of the joint that moves most; None where no name says a position or a velocity.
@@ -53,34 +59,16 @@ def propose_joint(log: Log, said: dict[str, Said]) -> Proposal | None:
         said: what the names of its signals say, without those of the clock.
     """
     said = by_behaviour(log, said)
-    named = [each for each in named_signals(said) if _fits(log.signals[each.name], each.said.quantity)]
+    named = [each for each in named_signals(said) if allows(each.said.quantity, log.signals[each.name].unit)]
     motions = [_motion(log, named, part) for part in parts_of(named)]
     if not motions:
         return None
-    best = max(motions, key=lambda motion: (motion.filled, not motion.still, motion.swing))
+    best = max(motions, key=lambda motion: (motion.filled, not motion.still, motion.clarity, motion.swing))
     columns = _columns(log, best) | best.driven.columns
     lost = lacking("joint", set(columns))
     missing = {name: _ADVICE.get(name) or advice_for_input(log, best.driven) for name in lost}
     refusal = _refusal(log, motions)
     return Proposal("joint", _kept(columns), missing, notes=_notes(log, motions, best), refusal=refusal)
-
-
-def _fits(signal: Signal, quantity: str) -> bool:
-    """Whether the declared unit allows what a name says."""
-    found = conversion(signal.unit) if signal.unit else None
-    if found is None:
-        return True
-    bases = {
-        "position": ("rad", "m", "1"),
-        "velocity": ("rad/s", "m/s", "1"),
-        "effort": ("N·m", "N", "1", "m/s²"),
-        "voltage": ("V", "1"),
-        "duty": ("1",),
-        "battery": ("V",),
-        "current": ("A", "1"),
-        "temperature": ("°C",),
-    }
-    return found[0] in bases[quantity]
 
 
 def _motion(log: Log, named: list[Named], part: Part) -> _Motion:

@@ -51,8 +51,8 @@ def _proposed(vector: Vector, parts: list[Signal]) -> tuple[str, str | None, flo
     largest = float(values.max())
     if declared is not None and declared[0] == "rad/s" and "erpm" not in vector.words:
         return "motor_speed", parts[0].unit, 1.0, 0.0, 0.95, f"speeds in {parts[0].unit}"
-    if "erpm" in vector.words:
-        return None  # of a magnetic field; the number of poles is not in a log
+    if "erpm" in vector.words or (declared is not None and declared[0] not in ("1", "s")):
+        return None  # of a magnetic field, whose number of poles is not in a log; or no command nor pulse
     if vector.words & _SPEED_WORDS:
         return "motor_speed", "rad/s", 1.0, 0.0, 0.6, "by its name; no unit is said"
     if largest <= 1.0:

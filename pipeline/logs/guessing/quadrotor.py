@@ -176,13 +176,20 @@ def _position_and_velocity(log: Log, triples: list[Vector]) -> dict[str, Propose
     _, position, velocity, slopes = min(found, key=lambda each: each[0])
     columns = {}
     for axis, where, speed, slope in zip(_AXES, position.names, velocity.names, slopes, strict=True):
-        error = abs(slope.factor - 1.0)
-        why = "the velocity is its derivative" + (f", times {slope.factor:.3g}" if error > _NEAR else "")
+        factor = slope.factor * _size(log.signals[where]) / _size(log.signals[speed])
+        error = abs(factor - 1.0)
+        why = "the velocity is its derivative" + (f", times {factor:.3g}" if error > _NEAR else "")
         sure = 0.93 if error < _NEAR else 0.8 if error < _ROUGH else 0.5
         for column, name, unit in (("position", where, "m"), ("velocity", speed, "m/s")):
             own = log.signals[name].unit
             columns[f"{column}_{axis}"] = Proposed(Source(name, own or unit), sure, why)
     return columns
+
+
+def _size(signal: Signal) -> float:
+    """Return the factor of a signal's declared unit to that of the contract; 1 where none is declared."""
+    found = conversion(signal.unit) if signal.unit else None
+    return found[1] if found else 1.0
 
 
 def _slopes(position: Sequence[Signal], velocity: Sequence[Signal]) -> list[Slope]:

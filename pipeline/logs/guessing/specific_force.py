@@ -11,14 +11,12 @@ from simgap.logs.common_times import values_at
 from simgap.logs.guessing.vectors import Vector, is_estimated
 from simgap.logs.log import Log, Signal
 from simgap.logs.mapping import Source
-from simgap.logs.proposal import Proposed
+from simgap.logs.proposal import SURE, Proposed
+from simgap.recordings.units import conversion
 
 _WORDS = frozenset(("a", "acc", "accel", "acceleration", "accelerometer", "specific", "force", "linear"))
 _GRAVITY = 9.81  # m/s², the contract's
-_UNITS = {
-    "m/s²": (9.0, 10.6, 1.0),
-    "g": (0.92, 1.08, _GRAVITY),
-}  # medians of the norm: most of a flight is near hover
+_NORM = (9.0, 10.6)  # m/s², medians: most of a flight is near hover
 _UPRIGHT = 0.8  # of the norm along z, in most of a flight
 _CLEARLY = 0.8  # of the error in the other axes
 _LAG = 10  # samples over which the velocity changes more than its noise
@@ -56,10 +54,17 @@ def specific_force(log: Log, triples: Sequence[Vector], columns: Mapping[str, Pr
             continue
         values = np.stack([part.values for part in parts])
         norm, up = float(np.nanmedian(np.linalg.norm(values, axis=0))), float(np.nanmedian(values[2]))
-        for unit, (low, high, factor) in _UNITS.items():
-            if low < norm < high and abs(up) > _UPRIGHT * norm:
+        for unit, factor in _units(parts[0].unit):
+            if _NORM[0] < factor * norm < _NORM[1] and abs(up) > _UPRIGHT * norm:
                 return _in_axes(log, parts, unit, factor * values, columns)
     return Measured({})
+
+
+def _units(declared: str | None) -> list[tuple[str, float]]:
+    """Return the units that an accelerometer may be in, with their factors to m/s²; the declared one first."""
+    names = [declared] if declared else []
+    found = {unit: conversion(unit) for unit in [*names, "m/s²", "g", "mg"]}
+    return [(unit, known[1]) for unit, known in found.items() if known and known[0] == "m/s²"]
 
 
 def _in_axes(
@@ -84,8 +89,11 @@ def _in_axes(
     signs = (1, -1, -1) if best in ("down", "flipped") else (1, 1, 1)
     why = f"gravity in {unit}, and changes the velocity as an accelerometer of the body does"
     why += "; its z points down" if best in ("down", "flipped") else ""
+    declared = parts[0].unit
+    sure = 0.95 if declared is None or conversion(declared) == conversion(unit) else 0.7
+    why += f", but {declared} is said" if sure < SURE else ""
     found = {
-        f"specific_force_{axis}": Proposed(Source(part.name, unit, sign=sign), 0.95, why)
+        f"specific_force_{axis}": Proposed(Source(part.name, unit, sign=sign), sure, why)
         for axis, part, sign in zip(_AXES, parts, signs, strict=True)
     }
     return Measured(found, down=best == "down")

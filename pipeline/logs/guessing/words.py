@@ -3,23 +3,28 @@
 import re
 from dataclasses import dataclass
 
-from simgap.logs.header_units import quantity_words, unit_in
+from simgap.logs.header_units import FOREIGN, quantity_words, unit_in
 from simgap.recordings.units import conversion
 
 _WORDS: dict[str, tuple[str, ...]] = {
     "battery": ("battery", "batt", "bat", "vbat", "vbatt", "supply", "vbus", "vcc", "vin", "vdd"),
-    "temperature": ("temperature", "temp", "temps", "celsius"),
+    "temperature": ("temperature", "temp", "temps", "celsius", "temperatur"),
+    "acceleration": (
+        "acceleration", "accelerations", "accelerometer", "acc", "accel", "accl", "acceler", "ax", "ay", "az",
+        "qdd", "ddq", "beschleunigung",
+    ),
+    "body_rate": ("gyro", "gyros", "gyr", "gyroscope", "bodyrate"),
     "velocity": (
         "velocity", "velocities", "vel", "speed", "speeds", "spd", "omega", "qd", "dq", "qdot", "rate", "rpm",
-        "thetadot", "dtheta", "angvel", "posdot", "dpos", "drehzahl", "geschwindigkeit",
+        "thetadot", "dtheta", "angvel", "posdot", "dpos", "drehzahl", "geschwindigkeit", "velo", "thetad",
     ),
     "duty": ("duty", "dutycycle", "pwm", "throttle", "percentoutput"),
     "voltage": ("voltage", "voltages", "volts", "volt", "u", "spannung"),
     "effort": ("effort", "efforts", "torque", "torques", "tau", "trq", "force", "load", "drehmoment"),
-    "current": ("current", "currents", "curr", "cur", "amps", "ampere", "iq", "strom"),
+    "current": ("current", "currents", "curr", "cur", "amps", "ampere", "amperage", "iq", "strom"),
     "position": (
         "position", "positions", "pos", "angle", "angles", "ang", "theta", "q", "phi", "encoder", "enc",
-        "rotation", "winkel",
+        "rotation", "winkel", "posn",
     ),
 }  # fmt: skip
 """Quantity to its names, in the order in which they decide where a name has several."""
@@ -40,8 +45,8 @@ COMMANDED = frozenset((
 ))  # fmt: skip
 _OTHER = frozenset((
     "error", "err", "std", "stddev", "cov", "covariance", "variance", "min", "max", "limit", "lim",
-    "integral", "ff", "feedforward", "acc", "accel", "acceleration", "accelerations", "jerk", "qdd", "ddq",
-    "status", "flag", "flags", "mode", "count", "hz", "fps", "latency", "id", "kp", "kd", "ki", "gain",
+    "integral", "ff", "feedforward", "jerk", "status", "flag",
+    "flags", "mode", "count", "hz", "fps", "latency", "id", "kp", "kd", "ki", "gain",
     "bandwidth", "kbps", "transfer", "residual", "ee", "tcp", "tool", "pose", "cartesian", "quat",
     "quaternion",
 ))  # fmt: skip
@@ -49,7 +54,7 @@ _SAME = frozenset((
     "actual", "measured", "meas", "measurement", "present", "state", "states", "est", "estimate",
     "estimated", "feedback", "fb", "joint", "joints", "motor", "axis", "servo", "data", "value", "raw",
     "real", "sensor", "input", "output", "applied", "angular", "angle", "shaft", "bus", "the", "of", "in",
-    "per", "is",
+    "per", "is", "coil", "winding", "terminal", "armature", "mot",
 ))  # fmt: skip
 _PREFERRED = frozenset(("actual", "measured", "meas", "measurement", "present"))
 _DOT = frozenset(("dot", "d", "derivative"))
@@ -60,7 +65,25 @@ _OF_UNIT = {
     "°C": "temperature",
     "rad/s": "velocity",
     "rad": "position",
+    "m/s²": "acceleration",
+    "m": "position",
+    "m/s": "velocity",
+    "N": "effort",
 }
+ALLOWED: dict[str, tuple[str, ...]] = {
+    "battery": ("V",),
+    "temperature": ("°C",),
+    "acceleration": ("m/s²", "1"),
+    "body_rate": ("rad/s", "1"),
+    "velocity": ("rad/s", "m/s", "1"),
+    "duty": ("1",),
+    "voltage": ("V", "1"),
+    "effort": ("N·m", "N", "1", "m/s²"),
+    "current": ("A", "1"),
+    "position": ("rad", "m", "1"),
+}
+"""Quantity to the units of the contract that a signal of it may have."""
+
 _SCORE_OF_UNIT = 0.8  # of a name that says nothing but a unit
 _SHORTEST_PART = 4  # letters of a word that is looked for inside of a longer one
 
@@ -70,10 +93,11 @@ class Said:
     """What a name says.
 
     Attributes:
-        quantity: one of battery, temperature, velocity, duty, voltage, effort, current, position; empty if none.
+        quantity: one of battery, temperature, acceleration, body_rate, velocity, duty, voltage, effort, current,
+            position; empty if none.
         score: how clearly, from 0 to 1.
         commanded: whether it is what was asked for.
-        other: whether it is something derived that is no column: an error, a limit, an acceleration.
+        other: whether it is something that is no column: an error, a limit, an angular acceleration.
         part: the words that are left: of which joint or side.
         words: all words.
     """
@@ -95,21 +119,30 @@ def words_of(name: str) -> tuple[str, ...]:
 
 def said_by(name: str) -> Said:
     """Return what a signal's name says."""
-    words = words_of(quantity_words(name))
-    if unit_in(name) == "rpm" and not any(word in _WORDS["velocity"] for word in words):
+    words, unit = words_of(quantity_words(name)), unit_in(name)
+    if unit == "rpm" and not any(word in _WORDS["velocity"] for word in words):
         words = (*words, "rpm")
     quantity, score, used = _quantity(words)
     if not quantity:
         quantity, score, used = _quantity(words_of(name))  # "AppliedVolts": its unit is all that is said
     if not quantity:
-        quantity, score = _by_unit(unit_in(name))
+        quantity, score = _by_unit(unit)
     commanded = bool(COMMANDED & set(words))
     if commanded and not quantity:
         quantity, score = "position", 0.6  # a target without a word of its own is mostly a position
     part = tuple(
         w for w in words if w not in used and w not in COMMANDED and w not in _SAME and w not in _DOT
     )
-    return Said(quantity, score, commanded, bool(_OTHER & set(words)), part, words)
+    other = bool(_OTHER & set(words)) or unit in FOREIGN
+    if quantity and not allows(quantity, unit):
+        quantity, score, other = "", 0.0, True  # "battery_current_A" is neither
+    return Said(quantity, score, commanded, other, part, words)
+
+
+def allows(quantity: str, unit: str | None) -> bool:
+    """Whether a signal in a unit may be of a quantity; True where the unit is unknown."""
+    found = conversion(unit) if unit else None
+    return found is None or found[0] in ALLOWED[quantity]
 
 
 def is_preferred(said: Said) -> bool:
@@ -119,8 +152,9 @@ def is_preferred(said: Said) -> bool:
 
 def _quantity(words: tuple[str, ...]) -> tuple[str, float, set[str]]:
     found: dict[str, set[str]] = {}
+    have = set(words) - ({"u"} if "phase" in words else set())  # one of U, V, W
     for quantity, names in _WORDS.items():
-        if used := set(words) & set(names):
+        if used := have & set(names):
             found[quantity] = used
     if {"applied", "output"} <= set(words) or {"percent", "output"} <= set(words):
         found.setdefault("duty", {"output"})

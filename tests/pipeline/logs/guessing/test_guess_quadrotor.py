@@ -140,3 +140,32 @@ def test_a_swerve_drive_by_the_names_of_its_modules() -> None:
     assert proposal.is_sure
     assert proposal.columns["steer_angle_2"].source.signal == "FR Steer Angle (deg)"
     assert proposal.columns["drive_velocity_3"].source.signal == "BL Drive Velocity (rad/s)"
+
+
+@pytest.mark.parametrize(("unit", "size"), [("g", 9.80665), ("mg", 9.80665e-3), ("m_s2", 1.0)])
+def test_an_accelerometer_is_taken_in_the_unit_of_its_name(flight: dict, unit: str, size: float) -> None:
+    names = {f"a{axis}": f"acc_{axis}_{unit}" for axis in "xyz"}
+    log = log_of_table(table(flight, a=flight["a"] / size).rename(columns=names), Path("log.csv"), "table")
+    proposal = guess(log, None)
+    assert proposal.columns["specific_force_x"].source.signal == f"acc_x_{unit}"
+    assert proposal.is_sure
+    found = recording_of(log, proposal.mapping()).frame[[f"specific_force_{axis}" for axis in "xyz"]]
+    np.testing.assert_allclose(found, flight["a"], rtol=1e-9, atol=1e-9)
+
+
+def test_an_accelerometer_whose_name_contradicts_gravity_is_asked_about(flight: dict) -> None:
+    found = proposed(table(flight).rename(columns={f"a{axis}": f"acc_{axis}_g" for axis in "xyz"}))
+    assert found.columns["specific_force_z"].source.unit == "m/s²"
+    assert found.columns["specific_force_z"].confidence < SURE
+
+
+def test_centimetres_and_metres_a_second_fit_each_other(flight: dict) -> None:
+    names = {f"p{axis}": f"pos_{axis}_cm" for axis in "xyz"}
+    found = proposed(table(flight, p=100.0 * flight["p"]).rename(columns=names))
+    assert found.columns["position_x"].source.unit == "cm"
+    assert found.is_sure
+
+
+def test_currents_of_motors_are_no_commands(flight: dict) -> None:
+    names = {f"motor{rotor}": f"motor{rotor}_current_A" for rotor in (1, 2, 3, 4)}
+    assert "motor_command_1" not in proposed(table(flight).rename(columns=names)).columns
