@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from simgap.runner.command import report_mistakes
+from simgap.stages._log_options import LogOptions, add_log_options, log_options
 
 if TYPE_CHECKING:
     from simgap.logs.log import Log
@@ -15,34 +16,60 @@ if TYPE_CHECKING:
     from simgap.recordings.recording import Recording
 
 
-def inspect(path: Path, kind: str | None = None, output: Path | None = None, every: bool = False) -> None:
+def inspect(path: Path, options: LogOptions, output: Path | None = None, every: bool = False) -> None:
     """Show what is in a log and what a diagnosis would make of it, and write a mapping that can be corrected."""
     from simgap.logs.formats import read_log
     from simgap.logs.listing import log_lines, signal_lines
     from simgap.logs.opening import recording_as_it_is
     from simgap.logs.proposal import propose
-    from simgap.logs.proposal_file import write_proposal
 
     log = read_log(path)
-    recording = recording_as_it_is(path, kind)
+    if options.mapping is not None:
+        _show_given(log, path, options, options.mapping, every)
+        return
+    recording = recording_as_it_is(path, options.kind)
     if recording is not None:
-        print(*signal_lines(log, recording.channels, every), "", *_prospect(recording), sep="\n")
+        print(*signal_lines(log, recording.channels, every), "", *_prospect(recording, options), sep="\n")
         print(f"It has the contract's columns, so it needs no mapping: {_command(path)}")
         return
-    proposal = propose(log, kind)
+    proposal = propose(log, options.kind)
     print(*log_lines(log, proposal, every), "", sep="\n")
     if proposal.refusal:
         print(f"No diagnosis. {path.name}: {proposal.refusal}.")
         return
+    _show_proposed(log, proposal, path, options, output or Path(f"{path.name}.mapping.yaml"))
+
+
+def _show_proposed(log: "Log", proposal: "Proposal", path: Path, options: LogOptions, output: Path) -> None:
+    """Say what comes out with a proposal, and write it."""
+    from simgap.logs.proposal_file import write_proposal
+
     if proposal.is_sure:
-        print(*_mapped(log, proposal), sep="\n")
+        print(*_mapped(log, proposal, options), sep="\n")
     else:
         print(f"No diagnosis yet: {_doubt(proposal)}.")
-    written = write_proposal(log, proposal, output or Path(f"{path.name}.mapping.yaml"))
+    written = write_proposal(log, proposal, output)
     if proposal.is_sure:
         print(f"wrote {written}: no need to give it, if it is right: {_command(path)}")
     else:
-        print(f"wrote {written}: correct it, then {_command(path, written)}")
+        shown = shlex.join(["simgap", "inspect", str(path), "--map", str(written)])
+        print(f"wrote {written}: correct it; {shown} shows what comes out")
+        print(f"then {_command(path, written)}")
+
+
+def _show_given(log: "Log", path: Path, options: LogOptions, mapping: Path, every: bool) -> None:
+    """Show what comes out with the mapping that a person gives."""
+    from simgap.logs.given import as_proposal
+    from simgap.logs.listing import log_lines
+    from simgap.logs.opening import mapping_for
+
+    proposal = as_proposal(log, mapping_for(path, mapping, options.kind), mapping.name)
+    print(*log_lines(log, proposal, every), "", sep="\n")
+    if proposal.is_sure:
+        print(*_mapped(log, proposal, options), sep="\n")
+        print(f"To diagnose it: {_command(path, mapping)}")
+    else:
+        print(f"No diagnosis yet: {_doubt(proposal)}. Correct {mapping}.")
 
 
 def _command(path: Path, mapping: Path | None = None) -> str:
@@ -55,55 +82,63 @@ def _command(path: Path, mapping: Path | None = None) -> str:
 
 def _doubt(proposal: "Proposal") -> str:
     """Say why a proposal is not enough."""
-    from simgap.logs.proposal import lacking
+    from simgap.logs.proposal import SURE, lacking
 
     if proposal.kind is None:
         return "no kind of machine fits"
     lost = lacking(proposal.kind, set(proposal.columns))
-    return f"no signal for {', '.join(lost[:4])} was found" if lost else "not every column is sure"
+    if lost:
+        return f"no signal for {', '.join(lost[:4])} was found, which a {proposal.kind} needs"
+    doubted = [column for column, found in proposal.columns.items() if found.confidence < SURE]
+    return f"{', '.join(doubted[:4])} {'is' if len(doubted) == 1 else 'are'} not sure"
 
 
-def _mapped(log: "Log", proposal: "Proposal") -> Iterator[str]:
-    """Yield what a diagnosis would get by the proposed mapping."""
+def _mapped(log: "Log", proposal: "Proposal", options: LogOptions) -> Iterator[str]:
+    """Yield what a diagnosis would get by a mapping."""
     from simgap.errors import InputError
     from simgap.logs.apply import recording_of
     from simgap.logs.ratio import without_ratios
 
+    mapping = proposal.mapping()
     try:
-        recording = recording_of(log, without_ratios(proposal.mapping()))
+        recording = recording_of(
+            log, without_ratios(mapping) if options.platform is None else mapping, options.platform
+        )
     except InputError as error:
         yield f"No diagnosis: {error}."
     else:
-        yield from _prospect(recording)
+        yield from _prospect(recording, options)
 
 
-def _prospect(recording: "Recording") -> Iterator[str]:
+def _prospect(recording: "Recording", options: LogOptions) -> Iterator[str]:
     """Yield what a diagnosis would get: runs, samples, doubts, and what the recording contradicts itself in."""
     from simgap.consistency import contradictions
+    from simgap.platforms import platform_from_config
 
     seconds = recording.frame.groupby("run", sort=False)["t"].agg(lambda t: t.iloc[-1] - t.iloc[0]).sum()
     runs = len(recording.runs)
     yield f"{runs} run{'' if runs == 1 else 's'}, {len(recording.frame)} samples, {seconds:.1f} s"
     yield from recording.warnings
-    yield from (f"Contradiction: {each.sentence}" for each in contradictions(recording))
+    platform = None if options.platform is None else platform_from_config(options.platform)
+    found = contradictions(recording, platform)
+    yield from (f"Contradiction: {each.sentence}" for each in found)
+    if not found:
+        yield "Nothing in it contradicts itself."
 
 
 def main(argv: list[str] | None = None) -> NoReturn:
     """Run the command."""
     parser = argparse.ArgumentParser(prog="simgap inspect", description=inspect.__doc__, allow_abbrev=False)
-    parser.add_argument("path", type=Path, metavar="LOG", help="a log of any format, or the folder of one")
+    add_log_options(parser)
     parser.add_argument(
-        "--kind", choices=("quadrotor", "swerve", "joint"), help="of the machine; else it is guessed"
-    )
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="the mapping; else LOG.mapping.yaml"
+        "-o", "--output", type=Path, metavar="FILE", help="the proposed mapping; else LOG.mapping.yaml"
     )
     parser.add_argument("--all", action="store_true", help="list every signal")
     parser.add_argument("--debug", action="store_true", help="show tracebacks")
-    given = parser.parse_args(argv)
+    given = parser.parse_intermixed_args(argv)
 
     def action() -> None:
-        inspect(given.path, given.kind, given.output, given.all)
+        inspect(given.path, log_options(given), given.output, given.all)
 
     sys.exit(report_mistakes("inspect", given.debug, action))
 

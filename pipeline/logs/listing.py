@@ -6,6 +6,7 @@ import numpy as np
 
 from simgap.logs.common_times import step_of
 from simgap.logs.log import Log, Signal
+from simgap.logs.mapping import Source, source_to_config
 from simgap.logs.proposal import SURE, Proposal, lacking
 
 _SHOWN = 40  # signals that are listed unless all are asked for: a screen
@@ -79,6 +80,14 @@ def _run_lines(log: Log, proposal: Proposal) -> Iterator[str]:
             yield f"  and {len(spans) - _SHOWN} more"
 
 
+def _source_text(source: Source) -> str:
+    """Return a signal with its unit and what else is done to it: "motor_deg [deg], sign -1"."""
+    done = source_to_config(source)
+    unit = f" [{source.unit}]" if source.unit else ""
+    others = [f", {key} {value}" for key, value in done.items() if key not in ("from", "unit")]
+    return f"{source.signal}{unit}{''.join(others)}"
+
+
 def _column_lines(proposal: Proposal) -> Iterator[str]:
     if proposal.kind is None:
         yield "No kind of machine fits: give --kind quadrotor, swerve or joint, or write a mapping."
@@ -86,8 +95,7 @@ def _column_lines(proposal: Proposal) -> Iterator[str]:
     yield f"as a {proposal.kind}:"
     for column, entry in proposal.columns.items():
         doubt = "" if entry.confidence >= SURE else "  please check"
-        unit = f" [{entry.source.unit}]" if entry.source.unit else ""
-        yield f"  {column:20} {entry.source.signal}{unit}  {entry.confidence:.2f}: {entry.reason}{doubt}"
+        yield f"  {column:20} {_source_text(entry.source)}  {entry.confidence:.2f}: {entry.reason}{doubt}"
     lost = lacking(proposal.kind, set(proposal.columns))
     for column in dict.fromkeys([*lost, *proposal.missing]):
         needed = "needed" if column in lost else "better with it"

@@ -106,7 +106,9 @@ def mapping_from_config(content: Any, where: str = "mapping", kind: str | None =
     kind = content.get("kind", kind)
     if kind not in KINDS:
         raise InputError(
-            f"{kind!r} is no kind of platform", f"{where}, kind", f"use one of {', '.join(KINDS)}"
+            "says no kind of machine" if kind is None else f"{kind!r} is no kind of platform",
+            f"{where}, kind",
+            f"write kind: and one of {', '.join(KINDS)}",
         )
     given = {str(key): value for key, value in content.items() if key not in _GENERAL_KEYS}
     columns = {column: _source(column, entry, where) for column, entry in given.items()}

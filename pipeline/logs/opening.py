@@ -7,7 +7,7 @@ from typing import Any
 from simgap.errors import InputError
 from simgap.logs.formats import format_of, read_log
 from simgap.logs.log import Log
-from simgap.logs.mapping import completed, read_mapping
+from simgap.logs.mapping import Mapping, completed, read_mapping
 from simgap.logs.proposal import Proposal, lacking, propose
 from simgap.logs.proposal_file import write_proposal
 from simgap.recordings.contract import COLUMNS, INDEX_COLUMNS, KINDS
@@ -39,10 +39,7 @@ def open_recording(
     from simgap.logs.apply import recording_of
 
     if mapping is not None:
-        chosen = read_mapping(mapping, kind)
-        if _is_recording_file(path):
-            chosen = completed(chosen, header_of(path))
-        return recording_of(read_log(path), chosen, platform)
+        return recording_of(read_log(path), mapping_for(path, mapping, kind), platform)
     found = recording_as_it_is(path, kind)
     if found is not None:
         return found
@@ -50,6 +47,21 @@ def open_recording(
     proposal = propose(log, kind)
     _require(log, proposal, path)
     return recording_of(log, proposal.mapping(), platform)
+
+
+def mapping_for(path: Path, mapping: Path, kind: str | None = None) -> Mapping:
+    """Read the mapping of a log; of a table with the contract's names it says only what it corrects.
+
+    Args:
+        path: of the log.
+        mapping: a YAML file; see `simgap.logs.mapping.read_mapping`.
+        kind: quadrotor, swerve or joint, where the mapping does not say it.
+
+    Raises:
+        InputError: when either cannot be read, or the mapping is wrong.
+    """
+    chosen = read_mapping(mapping, kind)
+    return completed(chosen, header_of(path)) if _is_recording_file(path) else chosen
 
 
 def recording_as_it_is(path: Path, kind: str | None = None) -> Recording | None:

@@ -107,6 +107,55 @@ def test_a_platform_gives_the_numbers_that_a_mapping_needs(
         assert said in capsys.readouterr().err
 
 
+def shown_with(mapping: str, capsys: pytest.CaptureFixture[str], *more: str) -> str:
+    Path("mine.yaml").write_text(mapping)
+    with pytest.raises(SystemExit) as ended:
+        inspect_log(["log.csv", *more])
+    shown = capsys.readouterr()
+    assert not ended.value.code, shown.err
+    return shown.out
+
+
+@pytest.mark.parametrize("option", [["--map", "mine.yaml"], ["mapping=mine.yaml"]])
+def test_a_mapping_is_shown_with_what_comes_out(log: Path, option: list[str], capsys) -> None:
+    shown = shown_with(MAPPING, capsys, *option)
+    assert "as a joint:" in shown
+    assert "position             B [deg]  1.00: as mine.yaml says" in shown
+    assert "1 run, 300 samples, 3.0 s" in shown
+    assert "Nothing in it contradicts itself." in shown
+    assert "recording=log.csv mapping=mine.yaml" in shown
+    assert [path.name for path in Path().glob("*.yaml")] == ["mine.yaml"]
+
+
+def test_a_mapping_that_contradicts_the_log_is_shown_to(log: Path, capsys) -> None:
+    shown = shown_with(
+        MAPPING.replace("C, unit: deg/s", "C, unit: deg/s, sign: -1"), capsys, "--map", "mine.yaml"
+    )
+    assert "C [deg/s], sign -1" in shown
+    assert "Contradiction: " in shown
+    assert "another sign" in shown
+    assert "contradicts itself." not in shown
+
+
+def test_what_a_mapping_still_lacks_is_said_for_its_kind(log: Path, capsys) -> None:
+    lacking = MAPPING.replace("voltage: D\n", "").replace("from: B", "from: BB")
+    shown = shown_with(lacking, capsys, "--map", "mine.yaml")
+    assert "effort               missing (needed). log what the controller gives" in shown
+    assert "no signal 'BB'; did you mean 'B'?" in shown
+    assert (
+        "No diagnosis yet: no signal for effort was found, which a joint needs. Correct mine.yaml." in shown
+    )
+    wrong = shown_with(MAPPING.replace("from: B", "from: BB"), capsys, "--map", "mine.yaml")
+    assert "No diagnosis yet: position is not sure. Correct mine.yaml." in wrong
+
+
+def test_a_signal_that_may_be_what_a_mapping_lacks_is_named(log: Path, capsys) -> None:
+    log.write_text(log.read_text().replace("A,B,C,D", "A,pos_deg,vel_dps,coil_V"))
+    mapping = "t: {from: A, unit: ms}\nposition: pos_deg\n"
+    shown = shown_with(mapping, capsys, "--map", "mine.yaml", "--kind", "joint")
+    assert "velocity             missing (better with it). It may be {from: vel_dps, unit: deg/s}" in shown
+
+
 @pytest.mark.parametrize("command", [inspect_log, lambda given: import_log([*given, "-o", "r.parquet"])])
 def test_what_is_not_there_is_one_line(command, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:

@@ -81,6 +81,7 @@ def fit_units(
     if is_si and ("rad", "rad/s") in fitting and _SWINGS[0] < swing < _SWINGS[1]:
         return Fitted("rad", "rad/s", sign, 0.92 * penalty, told)
     chosen = ("deg", "deg/s") if swing > _SWINGS[1] and ("deg", "deg/s") in fitting else fitting[0]
+    told = f"the velocity is its derivative in {chosen[0]} and {chosen[1]}{against}"
     return Fitted(*chosen, sign, 0.65 * penalty, f"{told}, or in another unit of both: none is said")
 
 
