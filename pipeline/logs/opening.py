@@ -76,9 +76,10 @@ def recording_as_it_is(path: Path, kind: str | None = None) -> Recording | None:
     """
     if not _is_recording_file(path):
         return None
+    from simgap.logs.run_column import with_run
     from simgap.logs.sparse import recording_of_sparse
 
-    table = read_table(path)
+    table = with_run(read_table(path), path)
     return recording_of_sparse(table, path, kind) or recording_from_table(table, kind, str(path))
 
 

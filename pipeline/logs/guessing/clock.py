@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from simgap.logs.guessing.runs import run_of
 from simgap.logs.guessing.words import words_of
 from simgap.logs.log import Log, Signal
 from simgap.logs.mapping import Source
@@ -20,16 +21,11 @@ _INDEX_WORDS = frozenset((
     "index", "idx", "i", "n", "row", "sample", "samples", "frame", "seq", "sequence", "counter", "count",
     "id", "number", "no", "nr",
 ))  # fmt: skip
-_RUN_WORDS = frozenset((
-    "run", "runs", "trial", "trials", "episode", "test", "experiment", "flight", "session", "segment",
-))  # fmt: skip
 _SLOWEST, _FASTEST = 1.0, 1e4  # Hz: below, nothing of a motor is seen; above, no robot logs
 _UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _EPOCH = (1e9, 3e9)  # s since 1970: from 2001 to 2065
 _RISING = 0.99  # share of steps that go forward
 _COARSE = 0.5  # share of rows with a new time; whole seconds that stay the same are half of a stamp
-_MOST_RUNS = 2000  # different names; more are no names of runs
-_FEWEST_ROWS = 5  # of a run, on average
 
 
 @dataclass(frozen=True)
@@ -47,10 +43,9 @@ class Clock:
 
 def clock_of(log: Log) -> Clock:
     """Propose the columns of time and of the run of a table."""
-    run = _run(log)
     proposals = [found for name in log.signals if (found := _time(log.signals[name])) is not None]
     best = max(proposals, key=lambda found: found.confidence, default=None)
-    return Clock(best, run)
+    return Clock(best, run_of(log, best))
 
 
 def _time(signal: Signal) -> Proposed | None:
@@ -116,23 +111,3 @@ def _unit(
         0.6 if odd else 0.96,
         f"increases by {step:.4g}, so in {unit} at {1 / (step * _UNITS[unit]):.4g} Hz",
     )
-
-
-def _run(log: Log) -> Proposed | None:
-    for name, text in log.texts.items():
-        if set(words_of(name)) & _RUN_WORDS:
-            count = len({value for value in text if value is not None})
-            if 1 <= count <= min(_MOST_RUNS, len(text) / _FEWEST_ROWS):
-                return Proposed(Source(name), 0.95, f"names {count} runs")
-    for name, signal in log.signals.items():
-        if set(words_of(name)) & _RUN_WORDS and _names_runs(signal.values):
-            return Proposed(Source(name), 0.93, "stays the same over many rows")
-    return None
-
-
-def _names_runs(values: NDArray[np.float64]) -> bool:
-    known = values[np.isfinite(values)]
-    if len(known) < len(values) or (known != np.round(known)).any():
-        return False
-    count = len(np.unique(known))
-    return count <= min(_MOST_RUNS, len(known) / _FEWEST_ROWS) and float((np.diff(known) == 0).mean()) > 0.5
