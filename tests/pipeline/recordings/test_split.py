@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from simgap.artifacts import PROJECT_ROOT
 from simgap.errors import InputError
 from simgap.recordings.split import PARTS, Split, require_holdout, runs_of, split_runs
 
@@ -97,3 +98,18 @@ def test_a_proof_needs_a_run_held_out():
         require_holdout({"a": "train"})
     with pytest.raises(InputError, match=r"name runs in dataset\.split\.holdout"):
         require_holdout({"a": "train", "b": "train"})
+
+
+def test_six_equally_long_runs_give_an_interval_of_the_closed_gap_as_the_pages_say():
+    """An interval needs two held-out runs: see `test_one_held_out_run_gives_no_interval` for the other half."""
+    held = {
+        count: {
+            len(runs_of(split_runs([f"r{run}" for run in range(count)], Split(), seed), "holdout"))
+            for seed in range(5)
+        }
+        for count in range(2, 12)
+    }
+    assert all(counts == {1} for count, counts in held.items() if count < 6)
+    assert all(min(counts) >= 2 for count, counts in held.items() if count >= 6)
+    for page in ("README.md", "docs/index.md", "docs/report.md", "docs/data.md"):
+        assert "six equally long runs" in (PROJECT_ROOT / page).read_text(encoding="utf-8"), page
