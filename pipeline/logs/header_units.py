@@ -52,7 +52,7 @@ _ENDINGS = {
     "micros": "us", "ns": "ns", "nsec": "ns", "nanos": "ns",
     "mm": "mm", "cm": "cm", "meters": "m", "metres": "m", "inch": "in", "inches": "in", "feet": "ft",
     "volt": "V", "volts": "V", "mv": "mV", "amp": "A", "amps": "A", "ma": "mA",
-    "nm": "N·m", "n_m": "N·m", "n m": "N·m", "mnm": "mN·m", "newtons": "N", "ncm": "N·cm", "kgcm": "kgf·cm",
+    "nm": "N·m", "n m": "N·m", "mnm": "mN·m", "newtons": "N", "ncm": "N·cm", "kgcm": "kgf·cm",
     "kg_cm": "kgf·cm",
     "celsius": "°C", "degc": "°C", "deg_c": "°C", "kelvin": "K", "degf": "°F", "deg_f": "°F", "fahrenheit": "°F",
     "percent": "percent", "pct": "percent",
@@ -62,9 +62,12 @@ _ENDINGS = {
 """Last words that are a unit beside any quantity, in lower case."""
 
 _TIME = r"time|stamp|elapsed|clock|zeit|(?:^|[^a-z])t$"
-_LENGTH = r"pos|dist|travel|disp|length|height|alt|odom|stroke|extension|slide|carriage|(?:^|[^a-z])p?[xyz]$"
+_LENGTH = (
+    r"pos|dist|travel|disp|length|height|alt|odom|stroke|extension|slide|carriage|(?:^|[^a-z])p?[xyzned]$"
+)
 _ACCELERATION = r"acc|imu|gravity|(?:^|[^a-z])a[xyz]?$"
 _FORCE = r"force|thrust|load|lift|drag|effort"
+_TORQUE = r"torque|tau|trq|effort|moment|load|drive|motor"
 _CURRENT = r"cur|amp|strom|bat|supply|bus|total|(?:^|[^a-z])i[qd]?(?:$|[^a-z])"
 _VOLTAGE = r"volt|bat|supply|bus|coil|winding|terminal|armature|cell|spannung"
 
@@ -77,6 +80,8 @@ _BESIDE: tuple[tuple[str, str, str], ...] = (
     ("G", "g", _ACCELERATION),
     ("mg", "mg", _ACCELERATION),
     ("ms2", "m/s²", _ACCELERATION),
+    ("N_m", "N·m", _TORQUE),
+    ("n_m", "N·m", _TORQUE),  # else a position to the north
     ("s", "s", _TIME),
     ("m", "m", _LENGTH),
     ("in", "in", r"dist|travel|height|odom|(?:^|[^a-z])[xyz]$"),  # else it is an input

@@ -8,6 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from simgap.errors import InputError
+from simgap.logs.euler import add_quaternions
 from simgap.logs.header_units import unit_in
 from simgap.logs.log import Log, Signal
 from simgap.logs.long_table import long_signals
@@ -30,7 +31,7 @@ def log_of_table(
 
     A column of dates becomes seconds since its first; one of lists, as "[0.1, 0.2]", becomes name[0], name[1]. A table
     whose rows are a time, a name and a value has one signal a name. Seconds and nanoseconds in two columns, as ROS
-    writes them, become one.
+    writes them, become one. Roll, pitch and yaw get their quaternion beside them.
 
     Args:
         frame: the columns.
@@ -61,6 +62,7 @@ def log_of_table(
             declared = (units or {}).get(title)
             signals[own] = _signal(own, rows, values, unit or declared or unit_in(title))
     _join_stamps(signals)
+    add_quaternions(signals)
     return Log(name, str(path), signals, facts=facts or {}, remarks=tuple(said), texts=texts, tabular=True)
 
 

@@ -111,10 +111,18 @@ def _build(cls: type, values: Any, where: str) -> Any:
             near = difflib.get_close_matches(str(key), fields, n=1)
             remedy = f"did you mean {near[0]!r}?" if near else f"known keys: {', '.join(fields)}"
             raise InputError(f"unknown key {key!r} for a {cls.__name__.lower()}", where, remedy)
-    for name, field in fields.items():
-        if name not in values and field.default is dataclasses.MISSING:
-            raise InputError(f"key {name!r} is missing", where, "give it (see docs/contract.md)")
+    lost = [name for name, field in fields.items() if name not in values and _is_needed(field)]
+    if len(lost) == 1:
+        raise InputError(f"key {lost[0]!r} is missing", where, "give it (see docs/contract.md)")
+    if lost:
+        raise InputError(
+            f"keys {', '.join(map(repr, lost))} are missing", where, "give them (see docs/contract.md)"
+        )
     return cls(**{key: _value(hints[key], value, f"{where}.{key}", key) for key, value in values.items()})
+
+
+def _is_needed(field: dataclasses.Field[Any]) -> bool:
+    return field.default is dataclasses.MISSING
 
 
 def _value(hint: Any, value: Any, where: str, key: str) -> Any:

@@ -31,6 +31,12 @@ class Turn:
     factors: tuple[float, float, float]
     correlation: float
 
+    @property
+    def is_rotation(self) -> bool:
+        """Whether other axes, or the opposite direction of turning, explain the signs; else it is a mirror image."""
+        negative = sum(factor < 0 for factor in self.factors)
+        return negative in (0, 2, 3)
+
 
 def is_quaternion(parts: Sequence[Signal]) -> bool:
     """Whether four signals at the same times have norm one, and turn."""

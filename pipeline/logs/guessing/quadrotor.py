@@ -29,11 +29,12 @@ _CLEAR = 0.95  # correlation from which on one vector is the derivative of the o
 _SEEN = 0.8  # correlation from which on they belong together, if samples were lost
 _ROUGH = 0.3  # of a factor, where samples were lost; degrees are 57 times away
 _NEAR = 0.05  # of a factor of units
+_TAKEN = 0.8  # confidence of an attitude whose frame only the name of the position says
 _DEGREE = np.pi / 180.0
 _AXES = ("x", "y", "z")
 _ADVICE = {
     "position": "log the position of the vehicle in the world, m",
-    "attitude": "log the attitude as a quaternion; angles of roll, pitch and yaw are not enough",
+    "attitude": "log the attitude: a quaternion, or the angles roll, pitch and yaw",
     "velocity": "log the velocity in the world frame, m/s",
     "body_rate": "log the gyroscope, rad/s",
     "motor": "log what each of the four motors is told, or its speed",
@@ -61,6 +62,10 @@ def propose_quadrotor(log: Log, said: dict[str, Said]) -> Proposal | None:
     measured = specific_force(log, triples, columns)
     if measured.down:
         columns = _turned_over(columns)
+    elif any(
+        vector.down and columns["position_x"].source.signal == vector.names[0] for vector in triples if pair
+    ):
+        columns = _as_named(_turned_over(columns))
     columns |= measured.columns
     battery = supply_of(log, named_signals(said), ())
     if battery is not None:
@@ -87,6 +92,20 @@ def _turned_over(columns: dict[str, Proposed]) -> dict[str, Proposed]:
             found = replace(found, source=source, reason=f"{found.reason}; z points down in the log")
         turned[name] = found
     return turned
+
+
+def _as_named(columns: dict[str, Proposed]) -> dict[str, Proposed]:
+    """Return columns of a flight that is named after north, east and down, with its attitude to be confirmed."""
+    return {
+        name: replace(
+            found,
+            confidence=min(found.confidence, _TAKEN),
+            reason=f"{found.reason}, as in the position's name",
+        )
+        if name.startswith(("attitude", "body_rate"))
+        else found
+        for name, found in columns.items()
+    }
 
 
 def _advice(column: str) -> str:
@@ -116,15 +135,15 @@ def _attitude(log: Log, vectors: list[Vector], triples: list[Vector]) -> dict[st
             if turn is not None and turn.correlation > _SEEN:
                 found.append((max(_plain(quaternion), _plain(rates)), quaternion, rates, turn))
     if not found:
-        return _attitude_alone(log, vectors)
+        return _attitude_alone(log, vectors, any(each.words & _RATE_WORDS for each in triples))
     _, quaternion, rates, turn = min(found, key=lambda each: (each[0], -each[3].correlation))
     names = quaternion.names if turn.scalar_first else np.roll(quaternion.names, 1).tolist()
     named, rates_clear = quaternion.axes == "wxyz", turn.correlation > _CLEAR
     why = "norm one, and it turns as the body rates say"
+    why += "" if turn.is_rotation else ", but mirrored: has one of the angles another sign?"
+    sure = 0.97 if turn.is_rotation and (named == turn.scalar_first or not named) else 0.5
     columns = {
-        f"attitude_{axis}": Proposed(
-            Source(name), 0.97 if named == turn.scalar_first or not named else 0.5, why
-        )
+        f"attitude_{axis}": Proposed(Source(name), sure, why)
         for axis, name in zip("wxyz", names, strict=True)
     }
     for axis, signal, factor in zip(_AXES, _signals(log, rates), turn.factors, strict=True):
@@ -132,14 +151,15 @@ def _attitude(log: Log, vectors: list[Vector], triples: list[Vector]) -> dict[st
     return columns
 
 
-def _attitude_alone(log: Log, vectors: list[Vector]) -> dict[str, Proposed] | None:
+def _attitude_alone(log: Log, vectors: list[Vector], rated: bool) -> dict[str, Proposed] | None:
     fitting = [each for each in vectors if len(each.axes) == 4 and is_quaternion(_signals(log, each))]
     if not fitting:
         return None
     vector = min(fitting, key=_plain)
-    sure = 0.9 if vector.axes == "wxyz" else 0.5
+    sure = 0.9 if vector.axes == "wxyz" and not rated else 0.5
+    why = "norm one; no body rates " + ("turn it" if rated else "to compare it with")
     return {
-        f"attitude_{axis}": Proposed(Source(name), sure, "norm one; no body rates to compare it with")
+        f"attitude_{axis}": Proposed(Source(name), sure, why)
         for axis, name in zip("wxyz", vector.names, strict=True)
     }
 

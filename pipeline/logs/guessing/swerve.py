@@ -1,5 +1,7 @@
 """A swerve drive in a log of no known layout: four modules, each with a drive and a steering motor, by name."""
 
+from simgap.logs.guessing.inputs import supply_of
+from simgap.logs.guessing.parts import named_signals
 from simgap.logs.guessing.words import Said, words_of
 from simgap.logs.log import Log, Signal
 from simgap.logs.mapping import Source
@@ -17,9 +19,9 @@ _DRIVE = frozenset(("drive", "driving", "wheel"))
 _STEER = frozenset(("steer", "steering", "turn", "turning", "azimuth", "rotation", "angle", "swivel"))
 _FEWEST = 8  # of the 20 required columns; fewer may be any four motors
 _ORDER = "Modules are taken as front left, front right, back left, back right: module_positions need the same order."
-_SPEED = (
-    "the drive velocity is in m/s: give {from, unit: rad/s, scale: gear ratio over wheel radius}, "
-    "or log the motor's"
+_RATIO = "drive.gear_ratio / wheel_radius"
+_BEHIND = (
+    "The drive speeds are over the floor; gear ratio and wheel radius of the platform make them the motors'."
 )
 
 
@@ -39,14 +41,18 @@ def propose_swerve(log: Log, said: dict[str, Said]) -> Proposal | None:
             continue
         found = _proposed(log.signals[name], column)
         if found is None:
-            missing[column] = _SPEED if column.startswith("drive_velocity") else f"{name!r} has another unit"
+            missing[column] = f"{name!r} has another unit"
         elif column not in columns or found.confidence > columns[column].confidence:
             columns[column] = found
     if len(columns) + len(missing) < _FEWEST:
         return None
+    battery = supply_of(log, named_signals(said), ())
+    if battery is not None:
+        columns["battery_voltage"] = battery
     lost = lacking("swerve", set(columns))
     missing = {name: missing.get(name, f"log {name.replace('_', ' ')} of each module") for name in lost}
-    return Proposal("swerve", columns, missing, notes=(_ORDER,))
+    behind = any(found.source.ratio for found in columns.values())
+    return Proposal("swerve", columns, missing, notes=(_ORDER, _BEHIND) if behind else (_ORDER,))
 
 
 def _first_number(said: dict[str, Said]) -> int:
@@ -86,6 +92,11 @@ def _proposed(signal: Signal, column: str) -> Proposed | None:
     expected = COLUMNS["swerve"][column]
     found = conversion(signal.unit) if signal.unit else None
     if found is not None:
+        if found[0] == "m/s" and column.startswith("drive_velocity"):
+            source = Source(signal.name, "rad/s", scale=found[1], ratio=_RATIO)
+            return Proposed(
+                source, 0.93, f"a speed over the floor in {signal.unit}, times gear ratio over wheel radius"
+            )
         if found[0] != expected:
             return None
         return Proposed(Source(signal.name, signal.unit), 0.93, f"by its name, in {signal.unit}")

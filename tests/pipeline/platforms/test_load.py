@@ -213,3 +213,13 @@ def test_each_number_of_a_position_loop_may_be_unknown():
         ({"derivative": -1.0}, "negative"),
     ):
         assert word in refusal({"inertia": 0.03, "controller": wrong})
+
+
+def test_all_missing_keys_are_named_at_once():
+    assert "keys 'motor_speed_max', 'nominal_voltage' are missing; give them" in refusal(
+        {
+            key: value
+            for key, value in platform_to_config(QUADROTOR).items()
+            if key not in ("motor_speed_max", "nominal_voltage")
+        }
+    )

@@ -169,3 +169,105 @@ def test_centimetres_and_metres_a_second_fit_each_other(flight: dict) -> None:
 def test_currents_of_motors_are_no_commands(flight: dict) -> None:
     names = {f"motor{rotor}": f"motor{rotor}_current_A" for rotor in (1, 2, 3, 4)}
     assert "motor_command_1" not in proposed(table(flight).rename(columns=names)).columns
+
+
+def as_down(vectors: np.ndarray) -> np.ndarray:
+    """Return vectors of north, west, up as north, east, down; the same turns forward, left, up."""
+    return vectors * np.array([1.0, -1.0, -1.0])
+
+
+def down(flight: dict[str, np.ndarray], **names: str) -> pd.DataFrame:
+    """Return a flight as a person logs it in north, east, down: angles and rates in degrees, acceleration in g."""
+    quaternion = np.column_stack([flight["q"][:, :1], as_down(flight["q"][:, 1:])])
+    turned = Rotation.from_quat(quaternion, scalar_first=True)
+    yaw, pitch, roll = turned.as_euler("ZYX", degrees=True).T
+    columns = {"time_s": flight["t"], "roll_deg": roll, "pitch_deg": pitch, "yaw_deg": yaw}
+    for stem, content, unit in (
+        ("pos", flight["p"], "m"),
+        ("vel", flight["v"], "m_s"),
+    ):
+        columns |= {f"{stem}_{axis}_{unit}": as_down(content)[:, place] for place, axis in enumerate("ned")}
+    columns |= {
+        f"gyro_{axis}_dps": np.rad2deg(as_down(flight["w"]))[:, place] for place, axis in enumerate("xyz")
+    }
+    columns |= {f"acc_{axis}_g": as_down(flight["a"])[:, place] / 9.80665 for place, axis in enumerate("xyz")}
+    columns |= {f"motor{place + 1}": flight["m"][:, place] for place in range(4)}
+    return pd.DataFrame(columns).rename(columns=names)
+
+
+def test_a_flight_in_north_east_down_with_angles_in_degrees(flight: dict) -> None:
+    log = log_of_table(down(flight), Path("log.csv"), "table")
+    proposal = guess(log, None)
+    assert proposal.is_sure
+    frame = recording_of(log, proposal.mapping()).frame
+    for column, content in (
+        ("position", "p"),
+        ("velocity", "v"),
+        ("body_rate", "w"),
+        ("specific_force", "a"),
+    ):
+        found = frame[[f"{column}_{axis}" for axis in "xyz"]]
+        np.testing.assert_allclose(found, flight[content], rtol=1e-9, atol=1e-9)
+    found = frame[[f"attitude_{axis}" for axis in "wxyz"]].to_numpy()
+    aligned = np.abs((found * flight["q"]).sum(axis=1))
+    np.testing.assert_allclose(aligned, 1.0, atol=1e-12)
+
+
+def test_an_angle_of_another_sign_is_asked_about(flight: dict) -> None:
+    """A pitch that counts nose down as positive makes a mirror image of the attitude."""
+    frame = down(flight)
+    columns = proposed(frame.assign(pitch_deg=-frame["pitch_deg"])).columns
+    assert columns["attitude_w"].confidence < SURE
+    mirrored = proposed(table(flight, w=flight["w"] * np.array([1.0, -1.0, 1.0]))).columns["attitude_w"]
+    assert mirrored.confidence < SURE
+    assert "mirrored" in mirrored.reason
+    wrong = frame.assign(pitch_deg=frame["roll_deg"].to_numpy()[::-1])
+    assert proposed(wrong).columns["attitude_w"].confidence < SURE
+
+
+def test_without_an_accelerometer_a_frame_that_points_down_is_asked_about(flight: dict) -> None:
+    frame = down(flight).drop(columns=[f"acc_{axis}_g" for axis in "xyz"])
+    columns = proposed(frame).columns
+    assert [columns[f"position_{axis}"].source.sign for axis in "xyz"] == [1, -1, -1]
+    assert [columns[f"body_rate_{axis}"].source.sign for axis in "xyz"] == [1, -1, -1]
+    assert columns["position_z"].confidence >= SURE > columns["attitude_w"].confidence
+    assert "as in the position's name" in columns["attitude_w"].reason
+
+
+def test_east_north_up_are_x_y_and_z(flight: dict) -> None:
+    names = {
+        f"{stem}{axis}": f"{stem}{place}" for stem in "pv" for axis, place in zip("xyz", "enu", strict=True)
+    }
+    proposal = proposed(table(flight).rename(columns=names))
+    assert proposal.is_sure
+    assert [proposal.columns[f"velocity_{axis}"].source.signal for axis in "xyz"] == ["ve", "vn", "vu"]
+    assert [proposal.columns[f"velocity_{axis}"].source.sign for axis in "xyz"] == [1, 1, 1]
+
+
+def test_an_accelerometer_is_known_on_a_fast_flight_too(flight: dict) -> None:
+    """Of a hover the median is 1 g; here the whole flight pulls up."""
+    lift = np.array([0.0, 0.0, 4.0])
+    turned = Rotation.from_quat(flight["q"], scalar_first=True)
+    velocity = flight["v"] + flight["t"][:, None] * lift
+    changed = {
+        "v": velocity,
+        "p": flight["p"] + 0.5 * flight["t"][:, None] ** 2 * lift,
+        "a": flight["a"] + turned.inv().apply(lift),
+    }
+    assert proposed(table(flight, **changed)).columns["specific_force_x"].confidence >= SURE
+
+
+def test_drive_speeds_in_inches_a_second_become_those_of_the_motors() -> None:
+    time = np.arange(400) * 0.02
+    columns: dict[str, np.ndarray] = {"t_s": time, "battery_V": 12.0 - 0.1 * np.abs(np.sin(time))}
+    for module in ("fl", "fr", "bl", "br"):
+        columns |= {f"{module}_drive_V": np.sin(time), f"{module}_drive_vel_in_s": 100.0 * np.sin(time),
+                    f"{module}_steer_V": np.cos(time), f"{module}_steer_angle_deg": 90.0 * np.sin(time),
+                    f"{module}_steer_vel_dps": 90.0 * np.cos(time)}  # fmt: skip
+    log = log_of_table(pd.DataFrame(columns), Path("log.csv"), "table")
+    proposal = guess(log, None)
+    assert proposal.is_sure
+    assert proposal.columns["battery_voltage"].source.signal == "battery_V"
+    platform = {"wheel_radius": 0.05, "drive": {"gear_ratio": 6.0}}
+    found = recording_of(log, proposal.mapping(), platform).frame["drive_velocity_1"]
+    np.testing.assert_allclose(found, 2.54 * np.sin(time) / 0.05 * 6.0)

@@ -45,6 +45,7 @@ Torque (N.m)            effort        N·m
 tau_mNm                 effort        mN·m
 servo_torque_Ncm        effort        N·cm
 torque (kg.cm)          effort        kgf·cm
+torque_n_m              effort        N·m
 load_N                  effort        N
 force_N                 effort        N
 enc_deg                 position      deg
@@ -59,6 +60,7 @@ shaft angle, deg        position      deg
 carriage_mm             position      mm
 slide_position_m        position      m
 elevator_height_in      position      in
+pos_n_m                 position      m
 setpoint_deg            *position     deg
 target_pos_rad          *position     rad
 wheel_speed_rpm         velocity      rpm
