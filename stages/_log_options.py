@@ -18,11 +18,13 @@ class LogOptions:
         kind: quadrotor, swerve or joint; None where nobody said it.
         mapping: path of a mapping; None where there is none.
         platform: its keys; None where none is given.
+        said: what was given of it, as a shell takes it: ["platform=arm.urdf", "joint=elbow"].
     """
 
     kind: str | None
     mapping: Path | None
     platform: dict[str, Any] | None
+    said: tuple[str, ...] = ()
 
 
 def add_log_options(parser: argparse.ArgumentParser) -> None:
@@ -59,7 +61,9 @@ def log_options(given: argparse.Namespace) -> LogOptions:
         )
     platform = _platform(pairs)
     kind = given.kind or (_kind_of(platform) if platform is not None else None)
-    return LogOptions(kind, given.map or (Path(pairs["mapping"]) if "mapping" in pairs else None), platform)
+    mapping = given.map or (Path(pairs["mapping"]) if "mapping" in pairs else None)
+    said = tuple(f"{key}={pairs[key]}" for key in ("platform", "joint") if key in pairs)
+    return LogOptions(kind, mapping, platform, said)
 
 
 def _platform(pairs: dict[str, str]) -> dict[str, Any] | None:

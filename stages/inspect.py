@@ -30,7 +30,7 @@ def inspect(path: Path, options: LogOptions, output: Path | None = None, every: 
     recording = recording_as_it_is(path, options.kind)
     if recording is not None:
         print(*signal_lines(log, recording.channels, every), "", *_prospect(recording, options), sep="\n")
-        print(f"It has the contract's columns, so it needs no mapping: {_command(path)}")
+        print(f"It has the contract's columns, so it needs no mapping: {_command(path, options)}")
         return
     proposal = propose(log, options.kind)
     print(*log_lines(log, proposal, every), "", sep="\n")
@@ -50,11 +50,11 @@ def _show_proposed(log: "Log", proposal: "Proposal", path: Path, options: LogOpt
         print(f"No diagnosis yet: {_doubt(proposal)}.")
     written = write_proposal(log, proposal, output)
     if proposal.is_sure:
-        print(f"wrote {written}: no need to give it, if it is right: {_command(path)}")
+        print(f"wrote {written}: no need to give it, if it is right: {_command(path, options)}")
     else:
         shown = shlex.join(["simgap", "inspect", str(path), "--map", str(written)])
         print(f"wrote {written}: correct it; {shown} shows what comes out")
-        print(f"then {_command(path, written)}")
+        print(f"then {_command(path, options, written)}")
 
 
 def _show_given(log: "Log", path: Path, options: LogOptions, mapping: Path, every: bool) -> None:
@@ -67,17 +67,16 @@ def _show_given(log: "Log", path: Path, options: LogOptions, mapping: Path, ever
     print(*log_lines(log, proposal, every), "", sep="\n")
     if proposal.is_sure:
         print(*_mapped(log, proposal, options), sep="\n")
-        print(f"To diagnose it: {_command(path, mapping)}")
+        print(f"To diagnose it: {_command(path, options, mapping)}")
     else:
         print(f"No diagnosis yet: {_doubt(proposal)}. Correct {mapping}.")
 
 
-def _command(path: Path, mapping: Path | None = None) -> str:
+def _command(path: Path, options: LogOptions, mapping: Path | None = None) -> str:
     """Return the command that diagnoses a log, as a shell takes it."""
     given = {"recording": path} | ({"mapping": mapping} if mapping else {})
-    return shlex.join(
-        ["simgap", "diagnose", "platform=NAME", *(f"{key}={value}" for key, value in given.items())]
-    )
+    machine = options.said or ("platform=FILE",)
+    return shlex.join(["simgap", "diagnose", *machine, *(f"{key}={value}" for key, value in given.items())])
 
 
 def _doubt(proposal: "Proposal") -> str:

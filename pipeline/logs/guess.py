@@ -12,6 +12,10 @@ from simgap.logs.proposal import Proposal, lacking
 from simgap.logs.table_clock import with_clock
 
 _NOTHING = "no signal is known by its name or behaviour as one of a joint, quadrotor or swerve drive"
+_NOT_OF_KIND = "no signal is known by its name or behaviour as one of a {}"
+_OTHER_KIND = (
+    "looks like the log of a {}, not of a {}: give the platform of the machine that was logged, or a mapping"
+)
 _RATE_WORDS = frozenset(("hz", "rate", "fs", "frequency", "fps"))
 _TIME_ADVICE = (
     "log a time with every sample, or give rate: HERTZ in the mapping where all samples are equally far apart"
@@ -27,8 +31,12 @@ def guess(log: Log, kind: str | None) -> Proposal:
     used = {found.source.signal for found in (clock.time, clock.run) if found is not None}
     said = {name: said_by(name) for name in timed.signals if name not in used}
     found = _of_kind(timed, said, kind)
+    if kind is not None and (found is None or lacking(kind, set(found.columns))):
+        other = _of_kind(timed, said, None)
+        if other is not None and other.kind != kind and not lacking(str(other.kind), set(other.columns)):
+            return Proposal(kind, {}, refusal=_OTHER_KIND.format(other.kind, kind))
     if found is None:
-        return Proposal(kind, {}, refusal=_NOTHING)
+        return Proposal(kind, {}, refusal=_NOTHING if kind is None else _NOT_OF_KIND.format(kind))
     return _with_clock(found, log, clock)
 
 

@@ -38,17 +38,19 @@ def proposal_text(log: Log, proposal: Proposal) -> str:
 
 
 def write_proposal(log: Log, proposal: Proposal, path: Path) -> Path:
-    """Write a proposal; a file that is there already is kept, and a number is added to the name.
+    """Write a proposal; a file that is there already is kept, and a number is added to the name of another one.
 
     Returns:
         The path that was written.
     """
-    free, number = path, 1
+    free, number, content = path, 1, proposal_text(log, proposal)
     while free.exists():
+        if free.is_file() and free.read_bytes() == content.encode():
+            return free
         number += 1
         free = path.with_name(f"{path.name.removesuffix('.yaml')}-{number}.yaml")
     temporary = free.with_name(f".{free.name}.part")
-    temporary.write_text(proposal_text(log, proposal), encoding="utf-8")
+    temporary.write_bytes(content.encode())
     os.replace(temporary, free)
     return free
 

@@ -59,7 +59,9 @@ def _chosen(config: Any, where: str) -> tuple[type, dict[str, Any]]:
     if kind is not None and str(kind) not in _BY_KIND:
         raise InputError(f"unknown kind {kind!r}", f"{where}.kind", f"use one of {', '.join(_BY_KIND)}")
     if not values:
-        raise InputError("no platform is given", where, "choose one with platform=NAME")
+        raise InputError(
+            "no platform is given", where, "give platform=FILE, or the NAME of one in conf/platform"
+        )
     return (_BY_KIND[kind] if kind else max(_BY_KIND.values(), key=_in_common(values))), values
 
 

@@ -67,9 +67,13 @@ def test_the_command_that_is_shown_can_be_pasted(log: Path, capsys: pytest.Captu
 
 
 def test_a_written_mapping_is_never_overwritten(log: Path) -> None:
-    for _ in range(2):
-        with pytest.raises(SystemExit):
-            inspect_log([str(log), "--kind", "joint"])
+    for name in ("log.csv.mapping.yaml", "log.csv.mapping-2.yaml"):
+        for _ in range(2):  # the same again is no other file
+            with pytest.raises(SystemExit):
+                inspect_log([str(log), "--kind", "joint"])
+        Path("log.csv.mapping.yaml").write_text("mine")
+        assert Path(name).exists()
+    assert Path("log.csv.mapping.yaml").read_text() == "mine"
     assert {path.name for path in Path().glob("*.yaml")} == {"log.csv.mapping.yaml", "log.csv.mapping-2.yaml"}
 
 
@@ -125,6 +129,12 @@ def test_a_mapping_is_shown_with_what_comes_out(log: Path, option: list[str], ca
     assert "Nothing in it contradicts itself." in shown
     assert "recording=log.csv mapping=mine.yaml" in shown
     assert [path.name for path in Path().glob("*.yaml")] == ["mine.yaml"]
+
+
+def test_the_command_that_is_shown_has_the_platform_that_was_given(log: Path, capsys) -> None:
+    Path("arm.yaml").write_text("inertia: 0.01\nmotor: {resistance: 1, torque_constant: 0.02}\n")
+    shown = shown_with(MAPPING.replace("kind: joint", ""), capsys, "--map", "mine.yaml", "platform=arm.yaml")
+    assert "simgap diagnose platform=arm.yaml recording=log.csv mapping=mine.yaml" in shown
 
 
 def test_a_mapping_that_contradicts_the_log_is_shown_to(log: Path, capsys) -> None:

@@ -60,12 +60,13 @@ def propose_quadrotor(log: Log, said: dict[str, Said]) -> Proposal | None:
         return None
     columns |= (pair or {}) | motors
     measured = specific_force(log, triples, columns)
+    frame = _UP
     if measured.down:
-        columns = _turned_over(columns)
+        columns, frame = _turned_over(columns), _DOWN
     elif any(
         vector.down and columns["position_x"].source.signal == vector.names[0] for vector in triples if pair
     ):
-        columns = _as_named(_turned_over(columns))
+        columns, frame = _as_named(_turned_over(columns)), _DOWN
     columns |= measured.columns
     battery = supply_of(log, named_signals(said), ())
     if battery is not None:
@@ -73,14 +74,15 @@ def propose_quadrotor(log: Log, said: dict[str, Said]) -> Proposal | None:
     lost = lacking("quadrotor", set(columns))
     missing = {name: advice for name in lost if (advice := _advice(name))}
     return Proposal(
-        "quadrotor", columns, missing, notes=(*_NOTES, *measured.notes), refusal=_refusal(log, columns)
+        "quadrotor", columns, missing, notes=(_ORDER, frame, *measured.notes), refusal=_refusal(log, columns)
     )
 
 
-_NOTES = (
-    "The motors are taken in the order of the log: rotor_positions of the platform have to be in the same order.",
-    "World z is taken as up, body x as forward and y as left, where the accelerometer does not say otherwise.",
+_ORDER = "The motors are taken in the order of the log: rotor_positions of the platform have to be in the same order."
+_UP = (
+    "World z is taken as up, body x as forward and y as left, where the accelerometer does not say otherwise."
 )
+_DOWN = "In the log z points down. Signs of y and z are changed: world z is up, body x forward and y left."
 
 
 def _turned_over(columns: dict[str, Proposed]) -> dict[str, Proposed]:

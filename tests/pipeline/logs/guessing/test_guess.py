@@ -172,3 +172,13 @@ def test_of_whole_seconds_and_a_full_stamp_the_stamp_is_the_time(moving: dict) -
     frame = pd.DataFrame({"header.stamp.sec": np.floor(stamp), "header.stamp.nanosec": np.round(1e9 * (stamp % 1)),
                           "pos_rad": moving["p"], "vel_rad_s": moving["v"], "torque_nm": moving["e"]})  # fmt: skip
     assert proposed(frame).columns["t"].source.signal == "header.stamp"
+
+
+def test_a_log_of_another_kind_of_machine_says_so(moving: dict) -> None:
+    frame = pd.DataFrame(
+        {"t": moving["t"], "pos_rad": moving["p"], "vel_rad_s": moving["v"], "torque_nm": moving["e"]}
+    )
+    assert proposed(frame, "swerve").refusal.startswith(
+        "looks like the log of a joint, not of a swerve: give"
+    )
+    assert proposed(frame[["t"]].assign(a=1.0), "swerve").refusal.endswith("as one of a swerve")
