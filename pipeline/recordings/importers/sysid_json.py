@@ -10,6 +10,7 @@ import pandas as pd
 
 from simgap.errors import InputError
 from simgap.recordings.importers.columns import check_options
+from simgap.recordings.importers.sysid_rows import content_by_arrow
 from simgap.recordings.importers.sysid_units import SORTS, UNITS, Samples, described, readings_of, scale_of
 from simgap.recordings.recording import Recording, recording_from_frame
 
@@ -70,12 +71,13 @@ def load(path: Path) -> dict[str, Any]:
         InputError: when it is no JSON, or no SysId data.
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        text = path.read_bytes()
+        content = content_by_arrow(text) or json.loads(text.decode())
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(
             f"cannot be read as JSON ({error})", str(path), "give the file that SysId saved"
         ) from None
-    if not isinstance(content, dict) or not any(content.get(test) for test in TESTS):
+    if not isinstance(content, dict) or not any(_is_there(content.get(test)) for test in TESTS):
         raise InputError("holds no SysId test", str(path), f"one of {', '.join(TESTS)} is needed")
     if not isinstance(content.get("units"), str) or content["units"] not in UNITS:
         raise InputError(
@@ -91,6 +93,11 @@ def load(path: Path) -> dict[str, Any]:
     return content
 
 
+def _is_there(rows: Any) -> bool:
+    """Whether a test has rows: a list, or an array that Arrow read."""
+    return len(rows) > 0 if isinstance(rows, np.ndarray) else bool(rows)
+
+
 def runs_of(content: Mapping[str, Any], path: Path) -> dict[str, Samples]:
     """Return the tests of a file in its own numbers, by `TEST`, or `TEST-left` and `TEST-right` of a drivetrain.
 
@@ -99,7 +106,7 @@ def runs_of(content: Mapping[str, Any], path: Path) -> dict[str, Samples]:
     """
     runs = {}
     for test in TESTS:
-        if not content.get(test):
+        if not _is_there(content.get(test)):
             continue
         try:
             rows = np.array(content[test], dtype=float)
