@@ -60,7 +60,7 @@ def _chosen(config: Any, where: str) -> tuple[type, dict[str, Any]]:
         raise InputError(f"unknown kind {kind!r}", f"{where}.kind", f"use one of {', '.join(_BY_KIND)}")
     if not values:
         raise InputError(
-            "no platform is given", where, "give platform=FILE, or the NAME of one in conf/platform"
+            "no platform is given", where, "give platform=FILE, or platform=NAME of one that simgap brings"
         )
     return (_BY_KIND[kind] if kind else max(_BY_KIND.values(), key=_in_common(values))), values
 
