@@ -1,7 +1,6 @@
 """Angles of roll, pitch and yaw as a quaternion, since the contract has no angles."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from simgap.logs.log import Signal
 from simgap.recordings.units import conversion
@@ -45,6 +44,8 @@ def _with(name: str, angle: str) -> str:
 
 
 def _quaternion(parts: list[Signal]) -> dict[str, Signal]:
+    from scipy.spatial.transform import Rotation  # few logs have angles, and a refusal does not wait for it
+
     angles = np.stack([part.values for part in parts], axis=1)
     found = conversion(parts[0].unit) if parts[0].unit else None
     degrees = np.nanmax(np.abs(angles), initial=0.0) > _LARGEST
