@@ -10,7 +10,6 @@ from torch import Tensor
 from simgap.effects.recurrence import accumulated
 from simgap.physics.shapes import Real, Series, Signal, Value
 
-_AT_TARGET = 16  # rounding errors within which a value is at its target
 _FORGOTTEN = 1 / 40  # of a step: so short a lag has decayed to e⁻⁴⁰ at the end of the step
 
 
@@ -52,9 +51,7 @@ def uneven_lag_step(start: Real, target: Real, up: Value, down: Value, time_step
 def uneven_lag_along_time(target: Series, up: Value, down: Value, time_step: float) -> Series:
     """Return the means of `uneven_lag_step` along recorded blocks, settled at their first sample.
 
-    Given which steps rise, the lag is a linear recurrence, solved over all samples at once. Whether a step rises
-    depends on the samples before it only, so that each pass settles at least one more of them; in practice a few
-    passes settle all. A step that starts at its target to within rounding keeps what it was taken for.
+    Whether a step rises depends on the samples before it, so that they are followed one by one.
 
     Args:
         target: (blocks, samples, ...).
@@ -63,25 +60,13 @@ def uneven_lag_along_time(target: Series, up: Value, down: Value, time_step: flo
         time_step: s.
     """
     (decay_up, share_up), (decay_down, share_down) = (_decay(target, t, time_step) for t in (up, down))
-    rising = torch.zeros_like(target, dtype=torch.bool)
-    rising[:, 1:] = target[:, 1:] > target[:, :-1]
-    for _ in range(target.shape[1]):
-        decay = torch.where(rising, decay_up, decay_down)
-        starts = _starts(decay, target)
-        above = target - starts
-        found = torch.where(
-            above.abs() > _AT_TARGET * torch.finfo(target.dtype).eps * target.abs(), above > 0, rising
-        )
-        if torch.equal(found, rising):
-            break
-        rising = found
-    return target + torch.where(rising, share_up, share_down) * (starts - target)
-
-
-def _starts(decay: Series, target: Series) -> Series:
-    """Return y at the start of each step, with the share of a deviation that each step leaves at its end."""
-    gained = torch.cat([target[:, :1], ((1.0 - decay) * target)[:, 1:]], dim=1)
-    return torch.cat([target[:, :1], accumulated(decay, gained)[:, :-1]], dim=1)
+    starts, start = [], target[:, 0]
+    for held in target.movedim(1, 0).contiguous():
+        starts.append(start)
+        above = held - start
+        start = torch.addcmul(held, above, torch.where(above > 0, decay_up, decay_down), value=-1.0)
+    behind = torch.stack(starts, dim=1) - target
+    return target + torch.where(behind < 0, share_up, share_down) * behind
 
 
 def lag_along_time(target: Series, time_constant: float | Signal, time_step: float) -> Series:
