@@ -2,7 +2,7 @@
 
 import re
 
-from simgap.recordings.units import conversion
+from simgap.recordings.units import conversion, usual_name
 
 _BRACKETED = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]\s*([xyz]|\d+)?\s*$", re.IGNORECASE)
 
@@ -10,52 +10,31 @@ RAW = ("units", "unit", "counts", "count", "ticks", "tick", "raw", "lsb", "adc",
 """Words in brackets that say that a number is no physical quantity yet."""
 
 FOREIGN = (
-    "rad/s²",
-    "deg/s²",
-    "m/s³",
-    "W",
-    "Hz",
-    "kHz",
-    "kg",
-    "Pa",
-    "hPa",
-    "kPa",
-    "bar",
-    "°F",
-    "Ω",
-    "J",
-    "mAh",
-    "Wh",
-)
+    "rad/s²", "deg/s²", "m/s³", "W", "Hz", "kHz", "kg", "Pa", "hPa", "kPa", "bar", "°F", "Ω", "J", "mAh", "Wh",
+)  # fmt: skip
 """Units of quantities that no column has."""
 
-_ENDINGS = {
-    "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "rad": "rad", "rads": "rad", "radians": "rad",
-    "rev": "rev", "revs": "rev", "turns": "rev", "rotations": "rev",
-    "rpm": "rpm", "rps": "rev/s", "dps": "deg/s",
-    "rad/s": "rad/s", "rad_s": "rad/s", "radps": "rad/s", "rad_per_s": "rad/s", "rad_per_sec": "rad/s",
-    "rad_sec": "rad/s",
-    "deg/s": "deg/s", "deg_s": "deg/s", "degps": "deg/s", "deg_per_s": "deg/s", "deg_per_sec": "deg/s",
-    "deg_sec": "deg/s",
+_SPELLED = (
+    "deg degree degrees rad rads radians rev turns rotations rpm rps dps rad/s deg/s m/s mm/s cm/s in/s ft/s m/s2 "
+    "m/s^2 sec secs seconds ms msec millis us usec micros ns nsec nanos mm cm meters metres volt volts amp amps "
+    "newtons kgcm celsius percent"
+)
+_ENDINGS = {word: usual_name(word) for word in _SPELLED.split()} | {
+    "degs": "deg", "revs": "rev",
+    "rad_s": "rad/s", "radps": "rad/s", "rad_per_s": "rad/s", "rad_per_sec": "rad/s", "rad_sec": "rad/s",
+    "deg_s": "deg/s", "degps": "deg/s", "deg_per_s": "deg/s", "deg_per_sec": "deg/s", "deg_sec": "deg/s",
     "rev_s": "rev/s", "rot_s": "rev/s", "turns_s": "rev/s", "rev_per_s": "rev/s", "rev_per_sec": "rev/s",
     "rot_per_sec": "rev/s", "rotations_per_sec": "rev/s",
-    "m_s": "m/s", "mps": "m/s", "m/s": "m/s", "m_per_s": "m/s", "m_per_sec": "m/s", "meters_per_sec": "m/s",
-    "mm_s": "mm/s", "mm/s": "mm/s", "cm_s": "cm/s", "cm/s": "cm/s",
-    "in_s": "in/s", "in/s": "in/s", "inps": "in/s", "in_per_s": "in/s", "in_per_sec": "in/s",
-    "inches_per_sec": "in/s", "ft_s": "ft/s", "ft/s": "ft/s", "ftps": "ft/s", "ft_per_s": "ft/s",
-    "ft_per_sec": "ft/s", "feet_per_sec": "ft/s",
-    "m_s2": "m/s²", "m/s2": "m/s²", "m/s^2": "m/s²", "m_s^2": "m/s²", "mps2": "m/s²", "mss": "m/s²",
-    "m_per_s2": "m/s²", "m_s_2": "m/s²",
+    "m_s": "m/s", "mps": "m/s", "m_per_s": "m/s", "m_per_sec": "m/s", "meters_per_sec": "m/s",
+    "mm_s": "mm/s", "cm_s": "cm/s",
+    "in_s": "in/s", "inps": "in/s", "in_per_s": "in/s", "in_per_sec": "in/s", "inches_per_sec": "in/s",
+    "ft_s": "ft/s", "ftps": "ft/s", "ft_per_s": "ft/s", "ft_per_sec": "ft/s", "feet_per_sec": "ft/s",
+    "m_s2": "m/s²", "m_s^2": "m/s²", "mps2": "m/s²", "mss": "m/s²", "m_per_s2": "m/s²", "m_s_2": "m/s²",
     "rad_s2": "rad/s²", "rad/s2": "rad/s²", "rad/s^2": "rad/s²", "radps2": "rad/s²", "rad_per_s2": "rad/s²",
     "deg_s2": "deg/s²", "deg/s2": "deg/s²", "deg/s^2": "deg/s²", "m_s3": "m/s³",
-    "sec": "s", "secs": "s", "seconds": "s", "ms": "ms", "msec": "ms", "millis": "ms", "us": "us", "usec": "us",
-    "micros": "us", "ns": "ns", "nsec": "ns", "nanos": "ns",
-    "mm": "mm", "cm": "cm", "meters": "m", "metres": "m", "inch": "in", "inches": "in", "feet": "ft",
-    "volt": "V", "volts": "V", "mv": "mV", "amp": "A", "amps": "A", "ma": "mA",
-    "nm": "N·m", "n m": "N·m", "mnm": "mN·m", "newtons": "N", "ncm": "N·cm", "kgcm": "kgf·cm",
-    "kg_cm": "kgf·cm",
-    "celsius": "°C", "degc": "°C", "deg_c": "°C", "kelvin": "K", "degf": "°F", "deg_f": "°F", "fahrenheit": "°F",
-    "percent": "percent", "pct": "percent",
+    "inch": "in", "inches": "in", "feet": "ft",
+    "mv": "mV", "ma": "mA", "nm": "N·m", "n m": "N·m", "mnm": "mN·m", "ncm": "N·cm", "kg_cm": "kgf·cm",
+    "degc": "°C", "deg_c": "°C", "kelvin": "K", "degf": "°F", "deg_f": "°F", "fahrenheit": "°F", "pct": "percent",
     "hz": "Hz", "khz": "kHz", "watts": "W", "watt": "W", "kg": "kg", "pa": "Pa", "hpa": "hPa", "kpa": "kPa",
     "mah": "mAh", "wh": "Wh", "ohm": "Ω", "ohms": "Ω",
 }  # fmt: skip

@@ -64,9 +64,14 @@ KNOWN = (*_BASE, *_CONVERSIONS)
 """Every unit that can be declared, without the other spellings of the same."""
 
 
+def usual_name(spelling: str) -> str:
+    """Return the name of a unit that is spelled in another way: of "degrees", deg; an unknown one as it stands."""
+    return _ALIASES.get(spelling.strip(), spelling.strip())
+
+
 def conversion(unit: str) -> tuple[str, float, float] | None:
     """Return (contract unit, factor, offset): contract value = factor · value + offset; None if unknown."""
-    name = _ALIASES.get(unit.strip(), unit.strip())
+    name = usual_name(unit)
     return (name, 1.0, 0.0) if name in _BASE else _CONVERSIONS.get(name)
 
 
