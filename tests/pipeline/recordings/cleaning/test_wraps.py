@@ -113,6 +113,31 @@ def test_a_dead_stretch_is_left_out(column):
     assert any(f"{column!r} repeats one value" in warning for warning in result.warnings)
 
 
+def turning_slowly() -> tuple[np.ndarray, np.ndarray, slice]:
+    """Return position and speed of an axis, and a quarter of a second about its highest speed."""
+    velocity = 4.0 * np.sin(2.0 * TIME)
+    position = 2.0 * (1.0 - np.cos(2.0 * TIME))
+    first = int(np.argmax(velocity))
+    return position, velocity, slice(first, first + round(0.25 / (TIME[1] - TIME[0])))
+
+
+def test_a_speed_whose_noise_never_repeats_is_dead_where_it_is_off_by_little():
+    position, velocity, held = turning_slowly()
+    noisy = velocity + np.random.default_rng(0).normal(0.0, 1e-3, len(TIME))
+    noisy[held] = noisy[held.start]
+    assert np.abs(noisy - velocity).max() < 0.15 * velocity.max()
+    result = clean_recording(recording(position, noisy))[0]
+    assert any("'velocity' repeats one value" in warning for warning in result.warnings)
+
+
+def test_a_coarse_speed_that_repeats_about_its_highest_is_not_dead():
+    position, velocity, held = turning_slowly()
+    coarse = np.round(velocity, 0)
+    assert len(set(coarse[held])) == 1
+    result = clean_recording(recording(position, coarse))[0]
+    assert not any("repeats one value" in warning for warning in result.warnings)
+
+
 def test_a_steady_speed_of_a_coarse_sensor_is_not_dead():
     velocity = np.round(np.clip(8.0 * np.sin(TIME), -4.0, 4.0), 1)
     position = np.concatenate([[0.0], np.cumsum(velocity[1:] * np.diff(TIME))])
