@@ -17,12 +17,14 @@ if TYPE_CHECKING:
 
     from simgap.models.contract import DynamicsModel, FitContext
     from simgap.models.layout import Layout
+    from simgap.models.step_scores import NextValues
     from simgap.models.windows import Series
     from simgap.recordings.recording import Recording
 
 VALIDATION_SHARE = 0.2
 NAIVE = "/naive"  # ends the names of the errors of the assumption that nothing changes
 STEPS = "steps"  # beside the quantities: one-step scores by target
+GROUPS = "step_groups"  # beside the quantities: mean and variance of these over targets of one kind
 DISTRIBUTION = "distribution"  # beside the quantities: quantiles of the errors
 
 
@@ -59,6 +61,7 @@ def _train(config: TrainStage, run: StageRun) -> None:
     from simgap.models.contract import FitContext, Provenance
     from simgap.models.layouts import layout_of
     from simgap.models.registry import model_class, model_settings
+    from simgap.models.step_scores import next_values
     from simgap.models.storage import save_model
     from simgap.recordings.recording import read_recording
     from simgap.recordings.split import require_holdout
@@ -92,13 +95,16 @@ def _train(config: TrainStage, run: StageRun) -> None:
         training=asdict(config.train),
     )
     machines = _machines(recording, layout) | {"": held}
-    before: dict[str, dict[str, float]] = {}
+    history = config.train.evaluation_history
+    before = next_values(model, machines, history) if config.train.bias_correction else {}
     if config.train.bias_correction:
-        before = _steps(model, machines, config.train.evaluation_history)
         model.correct(chosen)
     save_model(model, run.output / "model")
     run.log_metrics({"best_validation_loss": loss})
-    _score(model, machines, config.train, before, run, FitContext(config.seed))
+    after = next_values(model, machines, history)
+    scores = _scores(model, held, config.train, run, FitContext(config.seed)) | _step_scores(after, before)
+    _write_metrics(_finite(scores), run)
+    run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
     remove_checkpoint(checkpoint)
 
 
@@ -147,45 +153,31 @@ def _machines(recording: "Recording", layout: "Layout") -> "dict[str, Series]":
     return {name: series_of(recording, layout, runs, [name]) for name in layout.machines()}
 
 
-def _steps(
-    model: "DynamicsModel", machines: "dict[str, Series]", history: int
-) -> dict[str, dict[str, float]]:
-    """Return one-step scores by target, of all machines together and of each."""
+def _step_scores(after: "dict[str, NextValues]", before: "dict[str, NextValues]") -> dict[str, Any]:
+    """Return the errors of one step, of each target and over those of one kind."""
+    from simgap.models.output_groups import group_scores
     from simgap.models.step_scores import step_scores
 
-    return {
-        f"{target}{name}": scores
-        for name, series in machines.items()
-        for target, scores in step_scores(model, series, history).items()
-    }
+    steps = step_scores(after, before)
+    groups = group_scores(steps)
+    return {STEPS: steps} | ({GROUPS: groups} if groups else {})
 
 
-def _score(
-    model: "DynamicsModel",
-    machines: "dict[str, Series]",
-    settings: Training,
-    before: dict[str, dict[str, float]],
-    run: StageRun,
-    context: "FitContext",
-) -> None:
-    """Write the errors on held-out runs, one-step errors beside those before a correction."""
+def _scores(
+    model: "DynamicsModel", held: "Series", settings: Training, run: StageRun, context: "FitContext"
+) -> dict[str, Any]:
+    """Return the errors of many steps on held-out runs, and what else is asked for."""
     from simgap.models.error_distribution import error_quantiles
     from simgap.models.evaluation import rollout_errors
     from simgap.models.free_run import free_run_scores, free_run_traces
     from simgap.models.moving_window import moving_window_ratios
     from simgap.models.residual_ratios import residual_ratios
 
-    history = settings.evaluation_history
-    held = machines[""]
-    errors = rollout_errors(model, held, settings.horizons, settings.evaluation_windows, history)
-    steps = _steps(model, machines, history)
-    for target, values in before.items():
-        steps[target]["mse_uncorrected"] = values["mse"]
-    scores: dict[str, Any] = {**errors, STEPS: steps}
+    history, most = settings.evaluation_history, settings.evaluation_windows
+    scores: dict[str, Any] = {**rollout_errors(model, held, settings.horizons, most, history)}
     for name, part in model.parts().items():
-        scores[name] = rollout_errors(part, held, settings.horizons, settings.evaluation_windows, history)
+        scores[name] = rollout_errors(part, held, settings.horizons, most, history)
     if settings.quantiles:
-        most = settings.evaluation_windows
         scores[DISTRIBUTION] = error_quantiles(
             model, held, settings.horizons, settings.quantiles, most, history
         )
@@ -199,8 +191,7 @@ def _score(
         scores["residual_ratios"] = residual_ratios(model, held)
     if settings.moving_window:
         scores["moving_window"] = moving_window_ratios(model, held, settings, context)
-    _write_metrics(_finite(scores), run)
-    run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
+    return scores
 
 
 def _test_windows(model: "DynamicsModel", held: "Series", settings: Training) -> dict[str, Any]:

@@ -13,6 +13,8 @@ import pytest
 import torch
 import yaml
 
+from simgap.comparison.comparison import Comparison, Job
+from simgap.comparison.table import tables_of
 from simgap.errors import InputError
 from simgap.models.settings import Training
 from simgap.models.storage import load_model
@@ -20,6 +22,7 @@ from simgap.platforms import platform_to_config
 from simgap.recordings import write_recording
 from simgap.runner import StageRun
 from simgap.runner.command import main
+from simgap.runner.compose import compose, typed
 from simgap.stages.train import TrainStage, compared, train
 from tests.pipeline.models import learnable
 from tests.pipeline.models.rig import COMMANDED, rig
@@ -112,6 +115,10 @@ def test_modules_are_trained_on_together_and_scored_one_by_one(tmp_path):
     mean = sum(steps[name]["mse"] for name in names) / 4
     assert steps["steer_velocity"]["mse"] == pytest.approx(mean)
     assert len({steps[name]["mse"] for name in names}) == 4
+    groups = json.loads((run.output / "metrics.json").read_text())["step_groups"]
+    assert set(groups) == {"steer_velocity"}
+    assert groups["steer_velocity"]["mean"]["mse"] == pytest.approx(mean)
+    assert run.metrics["step_groups/steer_velocity/variance/mae"] > 0.0
     assert load_model(run.output / "model").layout.kind == "steering"
     assert load_model(run.output / "model").provenance.training["layout"] == "steering"
 
@@ -121,8 +128,24 @@ def test_errors_before_and_after_a_correction_are_reported(tmp_path):
     scores = json.loads((run.output / "metrics.json").read_text())["steps"]["velocity"]
     model = load_model(run.output / "model")
     assert model.correction is not None
-    assert scores["mse"] != scores["mse_uncorrected"]
+    for name in ("mse", "mae", "r_squared"):
+        assert scores[name] != scores[f"{name}_uncorrected"]
     assert run.metrics["steps/velocity/mse_uncorrected"] == scores["mse_uncorrected"]
+
+
+def test_the_tables_of_motors_are_found_in_the_metrics(tmp_path):
+    settings = replace(QUICK, layout="swerve_chassis", bias_correction=True)
+    run = run_stage(tmp_path, learnable.swerve(), settings=settings)
+    own = compared(json.loads((run.output / "metrics.json").read_text()))[""]
+    wanted = typed(TrainStage, compose(["+experiment=swerve_motors"])).results
+    tables = tables_of(Comparison("motors", "", "", [Job({"model": "linear"}, 0, own)], results=wanted))
+    assert [table.title for table in tables] == [table.title for table in wanted.tables]
+    after, before = tables[0], tables[6]
+    assert after.columns == [*(f"drive_velocity_{number}" for number in range(1, 5)), "variance", "mean"]
+    kinds = ("drive_velocity", "steer_velocity")
+    assert before.columns == [f"{kind}/{over}" for kind in kinds for over in ("mean", "variance")]
+    motors = [own[f"steps/drive_velocity_{number}/mse_uncorrected"] for number in range(1, 5)]
+    assert before.rows[0].entries["drive_velocity/mean"].mean == pytest.approx(sum(motors) / 4)
 
 
 def test_free_runs_and_residual_ratios_are_written_where_they_are_asked_for(tmp_path):

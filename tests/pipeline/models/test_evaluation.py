@@ -12,7 +12,7 @@ from simgap.models.error_distribution import error_quantiles
 from simgap.models.evaluation import rollout_errors, scored_starts
 from simgap.models.joint_layout import JointLayout
 from simgap.models.settings import ModelSettings
-from simgap.models.step_scores import step_scores
+from simgap.models.step_scores import UNCORRECTED, NextValues, next_values, step_scores
 from simgap.models.windows import Series, evenly
 
 TIME_STEP = 0.1
@@ -106,13 +106,13 @@ def test_what_is_too_short_is_refused():
     with pytest.raises(InputError, match=r"train\.horizons: no held-out segment is long enough"):
         rollout_errors(Constant(0.0), series, [5], most=100, history=16)
     with pytest.raises(InputError, match=r"model\.sequence_length: no held-out segment is long enough"):
-        step_scores(Constant(0.0, 20), series)
+        next_values(Constant(0.0, 20), {"": series})
 
 
 def test_scores_of_one_step_are_those_of_their_definitions():
     generator = torch.Generator().manual_seed(0)
     velocity = torch.cumsum(torch.randn(500, generator=generator, dtype=torch.float64), 0)
-    scores = step_scores(Constant(0.5), moving(velocity))
+    scores = step_scores(next_values(Constant(0.5), {"": moving(velocity)}))
     assert set(scores) == {"velocity"}
     change, following = velocity.diff(), velocity[1:]
     squared = (change - 0.5).square()
@@ -127,12 +127,34 @@ def test_scores_of_one_step_are_those_of_their_definitions():
 
 
 def test_a_perfect_model_scores_one():
-    score = step_scores(Constant(2.0), moving(2.0 * speeding(50)))["velocity"]
+    score = step_scores(next_values(Constant(2.0), {"": moving(2.0 * speeding(50))}))["velocity"]
     assert score["mse"] == pytest.approx(0.0, abs=1e-20)
     assert [score["r_squared"], score["correlation"]] == pytest.approx([1.0, 1.0])
     assert math.isnan(
         score["increment_r_squared"]
     )  # all increments are alike: nothing is there to be explained
+
+
+def test_the_mean_as_prediction_scores_zero_and_a_correction_is_scored_beside_what_was_before():
+    true = speeding(11)
+    exact, mean = NextValues(true, true, true), NextValues(true, torch.full_like(true, 5.0), true)
+    scores = step_scores({"velocity": exact}, {"velocity": mean})["velocity"]
+    assert [scores["mse"], scores["mae"], scores["r_squared"]] == [0.0, 0.0, 1.0]
+    assert scores["mse_uncorrected"] == pytest.approx(10.0)
+    assert scores["mae_uncorrected"] == pytest.approx(30.0 / 11.0)
+    assert scores["r_squared_uncorrected"] == pytest.approx(0.0)
+    assert set(scores) == {
+        f"{name}{end}" for name in step_scores({"v": exact})["v"] for end in ("", UNCORRECTED)
+    }
+
+
+def test_machines_of_one_kind_are_told_apart_by_their_suffix():
+    machines = {"_1": moving(speeding(20)), "_2": moving(3.0 * speeding(20))}
+    values = next_values(Constant(1.0), machines)
+    assert {name: set(own.residuals.tolist()) for name, own in values.items()} == {
+        "velocity_1": {0.0},
+        "velocity_2": {2.0},
+    }
 
 
 def test_starts_are_thinned_evenly():
