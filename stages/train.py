@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -102,6 +102,7 @@ def _train(config: TrainStage, run: StageRun) -> None:
     save_model(model, run.output / "model")
     run.log_metrics({"best_validation_loss": loss})
     after = next_values(model, machines, history)
+    _write_residuals(after, before, _units(recording, layout, after), run)
     scores = _scores(model, held, config.train, run, FitContext(config.seed)) | _step_scores(after, before)
     _write_metrics(_finite(scores), run)
     run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
@@ -163,6 +164,12 @@ def _step_scores(after: "dict[str, NextValues]", before: "dict[str, NextValues]"
     return {STEPS: steps} | ({GROUPS: groups} if groups else {})
 
 
+def _units(recording: "Recording", layout: "Layout", outputs: Iterable[str]) -> dict[str, str]:
+    """Return the units of the outputs; that of all machines together is that of the first."""
+    first = next(iter(layout.machines()))
+    return {name: recording.units.get(name, recording.units.get(f"{name}{first}", "")) for name in outputs}
+
+
 def _scores(
     model: "DynamicsModel", held: "Series", settings: Training, run: StageRun, context: "FitContext"
 ) -> dict[str, Any]:
@@ -212,6 +219,19 @@ def _write_traces(traces: "pd.DataFrame", run: StageRun) -> None:
 
     traces.to_parquet(run.output / "free_run.parquet", index=False)
     (run.output / "free_run.svg").write_text(trace_figure(traces), encoding="utf-8")
+
+
+def _write_residuals(
+    after: "dict[str, NextValues]", before: "dict[str, NextValues]", units: dict[str, str], run: StageRun
+) -> None:
+    """Draw how the one-step residuals are distributed, beside those before a correction."""
+    from simgap.models.residual_figure import residual_figure
+
+    residuals, uncorrected = (
+        {name: values.residuals.numpy() for name, values in part.items()} for part in (after, before)
+    )
+    figure = residual_figure(residuals, uncorrected, units)
+    (run.output / "residuals.svg").write_text(figure, encoding="utf-8")
 
 
 def _write_metrics(metrics: dict[str, Any], run: StageRun) -> None:

@@ -34,7 +34,7 @@ class ReportInputs:
         diagnose: folder of `diagnosis.json` and `evidence/`.
         clean: folder of `changes.parquet`, `coverage.parquet`, `recording.parquet`.
         sysid: folder of `parameters.yaml`, `metrics.json`.
-        train: folder of `metrics.json`.
+        train: folder of `metrics.json`, `residuals.svg`.
         evaluate: folder of `metrics.json`, `line.png`, `flight.gif`.
         profile: folder of `metrics.json`, `motions.svg`, of planned motions.
         deploy: folder of `metrics.json`, of flights or trials on the machine.

@@ -14,6 +14,8 @@ from simgap.report.section import Drawing, Section
 from simgap.report.tables import Table, metric_tables
 from simgap.report.text import NO_BREAK, estimate, is_number, number, percent, spoken
 
+RESIDUALS = "residuals.svg"
+
 
 def model_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     """Hold the errors of the trained model against those of persistence, and list its other scores."""
@@ -22,7 +24,11 @@ def model_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
         return None
     errors = {name: entry for name, entry in metrics.items() if _is_errors(entry)}
     others = {name: entry for name, entry in metrics.items() if name not in errors}
-    content = {"errors": _errors_table(errors) if errors else None, "tables": metric_tables(others)}
+    content = {
+        "errors": _errors_table(errors) if errors else None,
+        "tables": metric_tables(others),
+        "residuals": _picture(inputs.train, RESIDUALS),
+    }
     return Section("model", "Trained model", content)
 
 
@@ -63,8 +69,6 @@ def _against(pair: Mapping[str, Any]) -> str:
 
 def _sweep(folder: Path) -> dict[str, Any]:
     comparison = Comparison.read(folder)
-    figure = folder / FIGURE
-    picture = base64.b64encode(figure.read_bytes()).decode("ascii") if figure.exists() else None
     return {
         "title": comparison.results.title or spoken(comparison.name),
         "text": comparison.results.text,
@@ -72,8 +76,14 @@ def _sweep(folder: Path) -> dict[str, Any]:
         "machine": comparison.machine,
         "tables": [_table(table) for table in tables_of(comparison)],
         "failed": comparison.failed,
-        "picture": picture,
+        "picture": _picture(folder, FIGURE),
     }
+
+
+def _picture(folder: Path | None, file: str) -> str | None:
+    """Return a drawing, encoded; None where it is absent."""
+    path = folder / file if folder is not None else None
+    return base64.b64encode(path.read_bytes()).decode("ascii") if path and path.is_file() else None
 
 
 def _table(table: Compared) -> Table:

@@ -50,4 +50,5 @@ def test_from_the_recording_to_trials_of_policies_of_three_simulators(tmp_path: 
         assert driven[f"{name}trials/worst_miss"] > 0.0
     page = (tmp_path / "report" / "report.html").read_text()
     assert "policy in build sim" in page
-    assert page.count("data:image/svg+xml;base64,") == 5  # all plans, and the trials of four motions
+    pictures = 1 + 1 + 4  # residuals of the model, all plans, and the trials of four motions
+    assert page.count("data:image/svg+xml;base64,") == pictures

@@ -59,6 +59,8 @@ def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path
     assert set(metrics["steps"]) == {"velocity"}
     assert run.metrics["steps/velocity/mse"] == metrics["steps"]["velocity"]["mse"]
     assert metrics["velocity"]["h1"]["model"] < metrics["velocity"]["h1"]["naive"]
+    figure = (run.output / "residuals.svg").read_text()
+    assert (">velocity (m/s): " in figure, "uncorrected" in figure) == (True, False)
     model = load_model(run.output / "model")
     assert model.provenance.data == next(iter(run.inputs.values()))
     assert model.provenance.value == run.metrics["best_validation_loss"]
@@ -119,6 +121,8 @@ def test_modules_are_trained_on_together_and_scored_one_by_one(tmp_path):
     assert set(groups) == {"steer_velocity"}
     assert groups["steer_velocity"]["mean"]["mse"] == pytest.approx(mean)
     assert run.metrics["step_groups/steer_velocity/variance/mae"] > 0.0
+    figure = (run.output / "residuals.svg").read_text()
+    assert [figure.count(f">{name} (rad/s): ") for name in ("steer_velocity", *names)] == [1] * 5
     assert load_model(run.output / "model").layout.kind == "steering"
     assert load_model(run.output / "model").provenance.training["layout"] == "steering"
 
@@ -130,6 +134,7 @@ def test_errors_before_and_after_a_correction_are_reported(tmp_path):
     assert model.correction is not None
     for name in ("mse", "mae", "r_squared"):
         assert scores[name] != scores[f"{name}_uncorrected"]
+    assert ">uncorrected</text>" in (run.output / "residuals.svg").read_text()
     assert run.metrics["steps/velocity/mse_uncorrected"] == scores["mse_uncorrected"]
 
 

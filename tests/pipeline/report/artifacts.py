@@ -12,6 +12,7 @@ import yaml
 from simgap.comparison.comparison import Comparison, Job
 from simgap.comparison.figure import FIGURE, draw
 from simgap.comparison.settings import Results, TableOf
+from simgap.models.residual_figure import residual_figure
 from tests.pipeline.report.diagnoses import RUNS, diagnosis
 from tests.pipeline.report.evidence import write_evidence, write_json
 
@@ -104,6 +105,8 @@ def _identified(folder: Path, text: str) -> None:
             "steps": {"velocity_x": {"mse": 0.25, "r_squared": 0.9, "increment_r_squared": None}},
         },
     )
+    figure = residual_figure({text or "velocity_x": np.linspace(-1.0, 1.0, 100)}, {}, {})
+    (folder / "train" / "residuals.svg").write_text(figure, encoding="utf-8")
 
 
 def make_sweep(branch: Path, text: str = "") -> Path:

@@ -1,10 +1,11 @@
 """What the page says of learned models."""
 
+import base64
 import re
 
 from simgap.comparison.figure import FIGURE, draw
 from simgap.report import ReportInputs, write_page
-from simgap.report.models import model_section, sweeps_section
+from simgap.report.models import RESIDUALS, model_section, sweeps_section
 from simgap.report.section import Drawing
 from tests.pipeline.comparison.sweeps import job, sweep
 from tests.pipeline.report.artifacts import HOSTILE, make_branch, make_sweep
@@ -20,6 +21,20 @@ def test_errors_stand_beside_those_of_persistence(tmp_path):
     assert epochs.rows == [["epochs", "40"]]
     assert (steps.title, steps.columns) == ("steps", ["", "MSE", "R²", "increment R²"])
     assert steps.rows == [["velocity x", "0.25", "0.9", "–"]]
+
+
+def test_the_residuals_are_a_picture_of_the_section_where_they_were_drawn(tmp_path):
+    branch = make_branch(tmp_path)
+    inputs = ReportInputs.of_branch(branch)
+    section = model_section(inputs, Drawing())
+    assert section is not None
+    assert base64.b64decode(section.content["residuals"]) == (branch / "train" / RESIDUALS).read_bytes()
+    write_page(inputs, tmp_path / "page.html")
+    assert "histograms of the residuals" in (tmp_path / "page.html").read_text("utf-8")
+    (branch / "train" / RESIDUALS).unlink()
+    section = model_section(inputs, Drawing())
+    assert section is not None
+    assert section.content["residuals"] is None
 
 
 def test_models_that_a_sweep_compared_stand_side_by_side(tmp_path):
