@@ -30,6 +30,7 @@ MODULES = (
     "prepare",
     "prior",
     "reading",
+    "recent",
     "refit",
     "residuals",
     "row_noise",

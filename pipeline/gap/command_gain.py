@@ -9,14 +9,14 @@ What a command does is not the same everywhere: without a voltage, back-EMF brak
 The gain is therefore the smaller one of two: of what commands do to rows, and of what the actuators' own forces do.
 """
 
-from collections import OrderedDict
 from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
 
 from simgap.effects import Effect, WrenchEffect
-from simgap.gap.residuals import bare_rows, channel_series, row_weights, signals_inside, without_lost
+from simgap.gap.recent import Recent
+from simgap.gap.residuals import Inside, bare_rows, channel_series, row_weights, without_lost
 from simgap.physics.weak_form import WindowFunctions, mean_rate_of
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
@@ -62,11 +62,12 @@ class CommandGain:
         self._blocks, self._functions = blocks, functions
         self._some = blocks.take(self._part)
         self._joined = _joined(blocks, _without_commands(self._some))
+        self._inside = Inside(self._joined)
         self._sound = without_lost(self._some, functions)
         # What a position loop exerts answers the motion: it is no measure of what the loop is told.
         looped = "position_command" in blocks.signals
         self._exerted = () if looped else nominal.mechanism.exerted
-        self._kept: OrderedDict[tuple[object, ...], Answer] = OrderedDict()
+        self._answers, self._exerted_by = Recent[Answer](_KEPT), Recent[Tensor](_KEPT)
         self._moved = _moved(nominal, self._some, functions).square().mean((0, 1))
         self._nominal = self._evaluated(nominal)
 
@@ -74,6 +75,10 @@ class CommandGain:
         """Return the residual of a simulator on the side of its commands, (blocks, rows, channels)."""
         answer = self._evaluated(simulator)
         return answer.rows * self._factor(answer)
+
+    def inside(self, simulator: Simulator) -> dict[str, Tensor]:
+        """Return the signals in a simulator, see `simgap.gap.residuals.signals_inside`."""
+        return {name: series[: len(self._blocks)] for name, series in self._inside(simulator).items()}
 
     def factor(self, simulator: Simulator) -> Tensor:
         """Return the factors of a simulator's rows that put them on the side of the commands, (channels,).
@@ -105,32 +110,28 @@ class CommandGain:
 
     def _evaluated(self, simulator: Simulator) -> Answer:
         """Return how rows answer, from memory where the simulator was seen just before."""
-        values = tuple((each.effect, *each.values.values()) for each in simulator.effects)
-        if values not in self._kept:
-            self._kept[values] = self._evaluate(simulator)
-        if len(self._kept) > _KEPT:
-            self._kept.popitem(last=False)
-        return self._kept[values]
+        return self._answers.of(simulator.effects, lambda: self._evaluate(simulator))
 
     def _evaluate(self, simulator: Simulator) -> Answer:
-        joined, count = self._joined, len(self._blocks)
-        inner = signals_inside(simulator, joined, joined.acting)
-        bare = bare_rows(simulator, joined, self._functions, inner)
-        recorded = {name: series[:count] for name, series in inner.items()}
+        count, recorded = len(self._blocks), self.inside(simulator)
+        bare = bare_rows(simulator, self._joined, self._functions, self._inside(simulator))
         rows = bare[:count] * row_weights(simulator, recorded, self._blocks, self._functions)
         some, still = bare[self._part] * self._sound, bare[count:] * self._sound
-        exerted = self._exerted_by(simulator, {name: series[self._part] for name, series in recorded.items()})
+        unloaded = simulator.with_effects(tuple(f for f in simulator.effects if not _loads(f.effect)))
+        exerted = self._exerted_by.of(unloaded.effects, lambda: self._exert(unloaded))
         return Answer(rows, some - still, exerted, still)
 
-    def _exerted_by(self, simulator: Simulator, inner: dict[str, Tensor]) -> Tensor:
+    def _exert(self, unloaded: Simulator) -> Tensor:
         """Return what the forces of actuators do to the rows of some blocks, (blocks, rows, channels).
 
-        Loads that only come with them, such as friction or drag of rotors, are none of theirs. What a rotor lacks is.
+        Args:
+            unloaded: without loads, such as friction or drag of rotors: they come with the forces of actuators and are
+                none of theirs. What a rotor lacks is.
         """
-        bare = simulator.with_effects(tuple(f for f in simulator.effects if not _loads(f.effect)))
+        inner = {name: series[self._part] for name, series in self._inside(unloaded).items()}
         nothing = {name: torch.zeros_like(inner[name]) for name in self._exerted if name in inner}
         acting, relaxed = (
-            bare_rows(bare, self._some, self._functions, signals) for signals in (inner, inner | nothing)
+            bare_rows(unloaded, self._some, self._functions, signals) for signals in (inner, inner | nothing)
         )
         return (acting - relaxed) * self._sound
 

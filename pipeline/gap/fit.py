@@ -10,7 +10,7 @@ from torch import Tensor
 from simgap.effects import Effect, Parameter, WrenchEffect
 from simgap.effects.sizes import size_of
 from simgap.gap.command_gain import CommandGain
-from simgap.gap.residuals import channels_on, residual_rows, row_weights, signals_inside
+from simgap.gap.residuals import Inside, channels_on, residual_rows, row_weights, signals_inside
 from simgap.gap.row_noise import share_of_motion
 from simgap.gap.temper import Temper, energy_of
 from simgap.physics.weak_form import WindowFunctions
@@ -54,6 +54,14 @@ class Problem:
     def gain(self) -> CommandGain | None:
         """How strongly rows answer to the commands."""
         return None if self.nominal is None else CommandGain(self.nominal, self.blocks, self.functions)
+
+    def inside(self, simulator: Simulator) -> dict[str, Tensor]:
+        """Return the signals in a simulator, see `simgap.gap.residuals.signals_inside`."""
+        return self._inside(simulator) if self.gain is None else self.gain.inside(simulator)
+
+    @cached_property
+    def _inside(self) -> Inside:
+        return Inside(self.blocks)
 
     def factor(self, simulator: Simulator) -> Tensor:
         """Return the factors that put the rows of a simulator on the side of its commands, (channels,)."""
@@ -247,14 +255,25 @@ def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, resi
 
 def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Problem) -> Tensor:
     blocks, functions = problem.blocks, problem.functions
-    inner = _derived_inside(simulator, blocks)
-    columns = torch.einsum("bscp,rs->brcp", law_series(simulator, effect, blocks), functions.weights)
+    inner = _derived(simulator, problem.inside(simulator))
+    series = law_series(simulator, effect, blocks, inner)
+    columns = torch.einsum("bscp,rs->brcp", series, functions.weights)
     return columns * row_weights(simulator, inner, blocks, functions)[..., None]
 
 
-def law_series(simulator: Simulator, effect: WrenchEffect, blocks: Blocks) -> Tensor:
-    """Return what one unit of each parameter of a linear effect does, (blocks, samples, channels, parameters)."""
-    inner, constants = _derived_inside(simulator, blocks), simulator.constants()
+def law_series(
+    simulator: Simulator, effect: WrenchEffect, blocks: Blocks, inner: dict[str, Tensor] | None = None
+) -> Tensor:
+    """Return what one unit of each parameter of a linear effect does, (blocks, samples, channels, parameters).
+
+    Args:
+        simulator: that the effect acts in.
+        effect: linear there.
+        blocks: recorded.
+        inner: what is in the simulator, with what its mechanism derives, where that is known.
+    """
+    inner = inner or _derived(simulator, signals_inside(simulator, blocks, blocks.acting))
+    constants = simulator.constants()
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(constants)
     names = [channel.name for channel in channels_on(simulator, blocks)]
     columns = []
@@ -266,9 +285,8 @@ def law_series(simulator: Simulator, effect: WrenchEffect, blocks: Blocks) -> Te
     return torch.stack(columns, dim=-1)
 
 
-def _derived_inside(simulator: Simulator, blocks: Blocks) -> dict[str, Tensor]:
-    """Return the signals inside a simulator, with those that its mechanism derives."""
-    inner = signals_inside(simulator, blocks, blocks.acting)
+def _derived(simulator: Simulator, inner: dict[str, Tensor]) -> dict[str, Tensor]:
+    """Return the signals inside a simulator with those that its mechanism derives."""
     return inner | simulator.mechanism.derived(inner, simulator.constants())
 
 

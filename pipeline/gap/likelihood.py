@@ -86,8 +86,8 @@ class LikelihoodOf:
         noise, silenced = self.noise(simulator)
         energy, factor = self.energy(simulator), self.problem.factor(simulator)
         if self.problem.gain is None:
-            loud = self._loudness(noise)
-            return self._on_side(fitted.residual * loud, noise * loud**2, silenced * loud**2, energy)
+            larger = self._enlargement(noise)
+            return self._on_side(fitted.residual * larger, noise * larger**2, silenced * larger**2, energy)
         by_commands = self._on_side(fitted.residual, noise, silenced, energy)
         by_motion = self._on_side(fitted.residual / factor, noise / factor**2, silenced / factor**2, energy)
         return by_commands.lower(by_motion.scaled(factor))
@@ -107,10 +107,13 @@ class LikelihoodOf:
     def _untouched(self, nominal: Simulator) -> Tensor:
         """Return the log likelihood of the samples that an estimated driver has used up, (channels,).
 
-        They count as the nominal simulator leaves them: an estimate is no evidence for itself.
+        They count as the nominal simulator leaves them, noise included: an estimate is no evidence for itself.
         """
         temper = self.temper
-        left = self.base.square().mean(1).clamp_min(_NOTHING)
+        noise = (TOLERATED * self.problem.noise.square()).clamp_min(
+            _NOTHING
+        ) + self.problem.quadrature.square()
+        left = torch.maximum(self.base.square().mean(1), noise)
         return -0.5 * temper.taken * (left / self.energy(nominal)).log().sum(0)
 
     def noise(self, simulator: Simulator) -> tuple[Tensor, Tensor]:
@@ -132,7 +135,7 @@ class LikelihoodOf:
         noise = TOLERATED * floor.clamp_min(_NOTHING) + self.problem.quadrature.square()
         return noise, (floor - heard).clamp_min(0.0)
 
-    def _loudness(self, noise: Tensor) -> Tensor:
+    def _enlargement(self, noise: Tensor) -> Tensor:
         """Return the factors of rows at which their noise is that of the nominal simulator, at least 1, (channels,).
 
         Where rows are not put on the side of the commands, a small gain of a noisy input would make all errors small.

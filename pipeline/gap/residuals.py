@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from simgap.effects import ActuatorEffect, ConstantEffect, Effect, MeasurementEffect
+from simgap.gap.recent import Recent
 from simgap.physics.weak_form import WindowFunctions, mean_of, mean_rate_of
 from simgap.platforms.mechanism import Channel
 from simgap.simulation import Simulator
@@ -14,6 +16,9 @@ from simgap.simulation.replay import without_sensors
 
 _TOUCHED = 1e-3  # of a window's weight; a lost command at its edge does no harm
 _LEAST_SOUND = 0.5  # least share of windows without lost commands
+_KEPT = (
+    4  # simulators whose signals are kept: parameters of forces are moved one after the other beside the same
+)
 
 
 @dataclass(frozen=True)
@@ -96,6 +101,25 @@ def signals_inside(simulator: Simulator, blocks: Blocks, acting: dict[str, Tenso
     """Return the signals in a simulator; effects with memory are run from the start of each block's margin."""
     signals = simulator.along_time(acting, blocks.time_step)
     return {name: blocks.acting_inside(series) for name, series in signals.items()}
+
+
+class Inside:
+    """What is in simulators of one recording, from memory where nothing before the forces has changed."""
+
+    def __init__(self, blocks: Blocks) -> None:
+        """Begin with an empty memory."""
+        self._blocks = blocks
+        self._recent = Recent[dict[str, Tensor]](_KEPT)
+
+    def __call__(self, simulator: Simulator) -> dict[str, Tensor]:
+        """Return the signals in a simulator, see `signals_inside`."""
+        effects = [fitted for fitted in simulator.effects if _comes_before_forces(fitted.effect)]
+        return self._recent.of(effects, lambda: signals_inside(simulator, self._blocks, self._blocks.acting))
+
+
+def _comes_before_forces(effect: Effect) -> bool:
+    """Whether what is in a simulator depends on an effect, and not only the forces that follow."""
+    return isinstance(effect, MeasurementEffect | ActuatorEffect | ConstantEffect)
 
 
 def settling_of(channel: str, simulator: Simulator, blocks: Blocks) -> float:

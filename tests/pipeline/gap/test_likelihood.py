@@ -247,3 +247,19 @@ def test_a_joint_that_does_not_move_at_all_has_a_likelihood(driven):
     voltage = driven * np.random.default_rng(0).standard_normal(still.shape)
     for reading in readings_of(recording_of(voltage, still, still), joint_simulator(), Gap()):
         assert np.isfinite(reading.likelihood_of(fit(reading.nominal, reading.problem)).value)
+
+
+def test_what_an_estimated_driver_has_used_up_counts_as_noise_where_the_nominal_simulator_meets_the_rows(
+    monkeypatch,
+):
+    """A machine at rest, recorded without noise: rows that are met exactly are no better than rows within the noise."""
+    reading = read(Plant(friction=0.3))
+    problem = reading.problem
+    used_up = replace(problem, counted=None, temper=problem.temper.without(3.0 / len(problem.blocks)))
+    rows = torch.zeros_like(problem.residual(reading.nominal))
+    found = []
+    for left in (rows, rows + problem.noise):
+        monkeypatch.setattr(Problem, "residual", lambda *_, left=left: left)
+        found.append(LikelihoodOf(used_up, reading.nominal).untouched)
+    torch.testing.assert_close(*found)
+    assert float(found[0]) > 0.0
