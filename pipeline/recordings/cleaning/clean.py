@@ -121,10 +121,11 @@ def _completed(recording: Recording, time_step: float) -> Recording:
 
 def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCleaning:
     """Begin with one run; an unusable run is dropped as a whole."""
-    reason = lacking(rows, recording.kind)
+    groups = needed_groups(rows, recording.kind)
+    reason = lacking(rows, recording.kind, groups)
     lost: dict[str, int] = {}
     if not reason:
-        rows, lost = erase_sparse_groups(rows, recording.kind)
+        rows, lost = erase_sparse_groups(rows, recording.kind, groups)
     time = rows["t"].to_numpy(dtype="float64")
     run = RunUnderCleaning(
         name=name,
@@ -137,7 +138,7 @@ def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCle
         else np.zeros(len(time), dtype=np.int32),
         needed=[
             *required_channels(recording.kind, recording.channels),
-            *(needed_groups(rows, recording.kind) if not reason else []),
+            *(groups if not reason else []),
         ],
         time_step=typical_step(time) if len(time) > 1 else 0.0,
     )

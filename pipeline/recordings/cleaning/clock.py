@@ -21,7 +21,7 @@ _EDGE = 0.2  # s at either end of a stretch in which the filters ring
 _SHORTEST_FLIGHT = 5.0  # s of flight
 _SOUND = 0.4  # explained share of variance from which on the estimate is believed; at a third, coincidences were seen
 _LARGEST_ERROR = 0.5  # of a time step: a larger standard error is no estimate
-_MOST = 200_000  # samples that are compared; more of them would say the same
+_MOST = 50_000  # samples that are compared; more of them would say the same
 _BLOCK = 1.0  # s; residuals farther apart than this are taken as independent
 
 
@@ -92,11 +92,11 @@ def _offset(
     band = butter(2, [_BAND[0], min(_BAND[1], 0.8 * nyquist)], "band", fs=2 * nyquist, output="sos")
     edge = int(np.ceil((_EDGE + largest) / run.time_step))
     pieces = []
-    squared, channels = run.channel(*inputs) ** 2, run.channel(*outputs)
+    driving, driven = run.index(inputs), run.index(outputs)
     left = _MOST
     for first, past in unbroken(run):
         past = min(past, first + left)
-        motors, measured = squared[first:past], channels[first:past]
+        motors, measured = run.values[first:past, driving] ** 2, run.values[first:past, driven]
         if past - first > 4 * edge and np.isfinite(measured).all():
             if differentiate:
                 measured = np.gradient(measured, run.time_step, axis=0)

@@ -50,15 +50,15 @@ def _signs(run: RunUnderCleaning) -> dict[str, np.ndarray]:
     """Return a mask per sign that the recording can show, each of shape (samples,)."""
     located, signs = run.has(POSITION), {}
     if located:
-        signs["speed"] = _far_above(np.linalg.norm(run.channel(*VELOCITY), axis=1), "speed")
-    signs["body rate"] = _far_above(np.linalg.norm(run.channel(*BODY_RATE), axis=1), "body rate")
+        signs["speed"] = _far_above(run.length(VELOCITY), "speed")
+    signs["body rate"] = _far_above(run.length(BODY_RATE), "body rate")
     if located:
         signs["position jump"] = _far_above(_position_jump(run), "position jump")
     if run.has(SPECIFIC_FORCE):
-        excess = np.abs(np.linalg.norm(run.channel(*SPECIFIC_FORCE), axis=1) - _GRAVITY)
+        excess = np.abs(run.length(SPECIFIC_FORCE) - _GRAVITY)
         signs["specific force"] = _far_above(excess, "specific force")
     if run.has(ATTITUDE):
-        _, x, y, _ = run.channel(*ATTITUDE).T
+        x, y = run.channel(*ATTITUDE[1:3]).T
         with np.errstate(invalid="ignore"):
             upward = 1.0 - 2.0 * (x**2 + y**2)  # z of the body's z axis in the world
             signs["upside down"] = upward < _UPSIDE_DOWN
@@ -75,14 +75,17 @@ def _far_above(size: np.ndarray, sign: str) -> np.ndarray:
 
 def _position_jump(run: RunUnderCleaning) -> np.ndarray:
     """Way of the position within `_JUMP_TIME` beyond what the velocity accounts for, m."""
-    velocity = run.channel(*VELOCITY)
-    step = np.diff(run.channel(*POSITION), axis=0)
-    step -= 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(run.time)[:, None]
-    step[np.diff(run.stretch) != 0] = 0.0
-    drift = np.concatenate([np.zeros((1, 3)), np.cumsum(np.nan_to_num(step), axis=0)])
     back = max(1, round(_JUMP_TIME / run.time_step))
-    earlier = drift[np.maximum(np.arange(len(drift)) - back, 0)]
-    return np.linalg.norm(drift - earlier, axis=1)
+    time_step, other = np.diff(run.time), run.stretch[1:] != run.stretch[:-1]
+    squared = np.zeros(len(run.time))
+    for position, velocity in zip(run.channel(*POSITION).T, run.channel(*VELOCITY).T, strict=True):
+        step = np.diff(position) - 0.5 * (velocity[1:] + velocity[:-1]) * time_step
+        step[other | np.isnan(step)] = 0.0
+        drift = np.zeros(len(run.time))
+        np.cumsum(step, out=drift[1:])
+        drift[back:] -= drift[:-back].copy()  # before `back` samples have passed, since the first one
+        squared += drift**2
+    return np.sqrt(squared)
 
 
 def _onset(time: np.ndarray, alarm: np.ndarray) -> int | None:

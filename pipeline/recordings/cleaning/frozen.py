@@ -11,6 +11,7 @@ _CHANGES_AROUND = 11  # changes over which the usual step is taken
 _LOW_RATE = 0.5  # share of repetitions above which the channel is simply logged less often
 _STANDSTILL_SHARE = 1e-3  # of a channel's largest value: below, it stands still
 _EQUAL_SHARE = 1e-9
+_EQUAL_SIZE = 4.0 * _EQUAL_SHARE  # of vectors whose components are equal to that share of the largest
 
 
 def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
@@ -22,13 +23,15 @@ def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
     channels logged at a lower rate are left.
     """
     for columns in telegrams(run.kind, run.columns):
+        repeated = _repeated(run, columns)
+        if columns == SPECIFIC_FORCE and run.has(ATTITUDE):
+            repeated |= _repeated_in_world(run)
+        if not repeated.any():
+            continue
         values = run.channel(*columns)
         known = np.isfinite(values).all(axis=1)
         if known.sum() < 3 * _CHANGES_AROUND:
             continue
-        repeated = _repeated(values, run.stretch)
-        if columns == SPECIFIC_FORCE and run.has(ATTITUDE):
-            repeated |= _repeated_in_world(values, run.channel(*ATTITUDE), run.stretch)
         moving = ~_at_rest(run, columns, values) & known
         rows = _unlikely(values, repeated, moving)
         if set(columns) <= COMMANDS:
@@ -58,21 +61,33 @@ def _shorter(mask: np.ndarray, time: np.ndarray, longest: float) -> np.ndarray:
     return result
 
 
-def _repeated(values: np.ndarray, stretch: np.ndarray) -> np.ndarray:
-    same = (values[1:] == values[:-1]).all(axis=1) & (stretch[1:] == stretch[:-1])
+def _repeated(run: RunUnderCleaning, columns: list[str]) -> np.ndarray:
+    """Return which samples repeat the last one in every column."""
+    same = run.stretch[1:] == run.stretch[:-1]
+    for place in run.index(columns):
+        if not same.any():
+            break
+        values = run.values[:, place]
+        same &= values[1:] == values[:-1]
     return np.concatenate([[False], same])
 
 
-def _repeated_in_world(force: np.ndarray, attitude: np.ndarray, stretch: np.ndarray) -> np.ndarray:
+def _repeated_in_world(run: RunUnderCleaning) -> np.ndarray:
     """Find held accelerations of loggers that turn them into world axes: held there, they move in body
     axes."""
+    force, attitude = run.channel(*SPECIFIC_FORCE), run.channel(*ATTITUDE)
+    size = run.length(SPECIFIC_FORCE)
+    with np.errstate(invalid="ignore"):  # a rotation keeps the size, so that others need not be turned
+        alike = np.abs(np.diff(size)) <= _EQUAL_SIZE * size[1:]
+    rows = 1 + np.flatnonzero(alike & (run.stretch[1:] == run.stretch[:-1]))
+    rows = rows[np.isfinite(attitude[rows - 1]).all(axis=1) & np.isfinite(attitude[rows]).all(axis=1)]
     result = np.zeros(len(force), dtype=bool)
-    known = np.flatnonzero(np.isfinite(force).all(axis=1) & np.isfinite(attitude).all(axis=1))
-    if len(known) > 1:
-        world = Rotation.from_quat(attitude[known], scalar_first=True).apply(force[known])
-        close = np.abs(np.diff(world, axis=0)).max(axis=1) <= _EQUAL_SHARE * np.abs(world[1:]).max(axis=1)
-        neighbours = (np.diff(known) == 1) & (stretch[known[1:]] == stretch[known[:-1]])
-        result[known[1:][close & neighbours]] = True
+    if len(rows):
+        before, after = (
+            Rotation.from_quat(attitude[at], scalar_first=True).apply(force[at]) for at in (rows - 1, rows)
+        )
+        close = np.abs(after - before).max(axis=1) <= _EQUAL_SHARE * np.abs(after).max(axis=1)
+        result[rows[close]] = True
     return result
 
 
@@ -80,30 +95,33 @@ def _unlikely(values: np.ndarray, repeated: np.ndarray, moving: np.ndarray) -> n
     """Return which repetitions are too unlikely, of those in motion, shape (samples,)."""
     result = np.zeros(len(values), dtype=bool)
     judged = np.flatnonzero(repeated & moving)
-    fresh = np.flatnonzero(~repeated)
-    if len(fresh) < 2 or not len(judged):
+    fresh = np.cumsum(~repeated)
+    steps = int(fresh[-1]) - 1 if len(fresh) else 0
+    if steps < 1 or not len(judged):
         return result
-    step = np.abs(np.diff(values[fresh], axis=0))
-    step[np.isnan(step)] = 0.0
-    before = np.searchsorted(fresh, judged, side="right") - 1  # the sample that is repeated
-    last = len(step) - 1
-    beside, place = np.unique(np.clip([before - 1, before], 0, last), return_inverse=True)
-    chance = _chances(step, beside)[place].max(axis=0)  # of the likelier of the two steps beside
-    result[judged] = chance < _COINCIDENCE_LEVEL
+    before = fresh[judged] - 1  # the sample that is repeated
+    beside = np.clip([before - 1, before], 0, steps - 1)
+    chance = np.zeros(steps)
+    chance[beside] = 1.0
+    places = np.flatnonzero(chance)
+    for column in values.T:
+        chance[places] *= _chances(np.abs(np.diff(column[~repeated])), places)
+    result[judged] = (
+        chance[beside].max(axis=0) < _COINCIDENCE_LEVEL
+    )  # of the likelier of the two steps beside
     return result
 
 
 def _chances(step: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the chance that the next sample is the same, at some of the steps from one fresh sample to the next."""
-    quantum = np.min(step, axis=0, where=step > 0, initial=np.inf)
+    """Return the chance that the next sample of a channel is the same, at some of the steps between fresh samples."""
+    quantum = np.min(step, where=step > 0, initial=np.inf)
+    if not np.isfinite(quantum):
+        return np.ones(len(places))
     around = np.arange(_CHANGES_AROUND) - _CHANGES_AROUND // 2
-    chance = np.ones(len(places))
-    for column, smallest in zip(step.T, quantum, strict=True):
-        windows = column[np.clip(places[:, None] + around, 0, len(column) - 1)]
-        usual = np.median(windows, axis=1)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            chance *= np.where(usual > 0, np.minimum(1.0, 0.5 * smallest / usual), 1.0)
-    return chance
+    windows = np.nan_to_num(step[np.clip(places[:, None] + around, 0, len(step) - 1)])
+    usual = np.median(windows, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(usual > 0, np.minimum(1.0, 0.5 * quantum / usual), 1.0)
 
 
 def _at_rest(run: RunUnderCleaning, columns: list[str], values: np.ndarray) -> np.ndarray:

@@ -75,7 +75,6 @@ def _height(run: RunUnderCleaning) -> np.ndarray:
 
 
 def _resting(run: RunUnderCleaning) -> np.ndarray:
-    speed = np.linalg.norm(run.channel(*VELOCITY), axis=1)
-    rate = np.linalg.norm(run.channel(*BODY_RATE), axis=1)
+    speed, rate = run.length(VELOCITY), run.length(BODY_RATE)
     with np.errstate(invalid="ignore"):
         return (_height(run) < _RESTING) & (speed < _STILL_SPEED) & (rate < _STILL_RATE)

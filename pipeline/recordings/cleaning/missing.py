@@ -1,5 +1,7 @@
 """Runs without any value of a required channel."""
 
+from collections.abc import Collection
+
 import numpy as np
 import pandas as pd
 
@@ -9,13 +11,19 @@ _FEWEST_SAMPLES = 2  # samples that make a channel
 _USABLE = 0.5  # share of samples from which on a group counts as recorded
 
 
-def lacking(frame: pd.DataFrame, kind: str) -> str:
-    """Return the reason why a run cannot be used; empty if it can."""
+def lacking(frame: pd.DataFrame, kind: str, groups: Collection[str]) -> str:
+    """Return the reason why a run cannot be used; empty if it can.
+
+    Args:
+        frame: the run.
+        kind: quadrotor, swerve or joint.
+        groups: what `needed_groups` tells of it.
+    """
     needed = required_channels(kind, frame.columns)
     empty = [column for column in needed if frame[column].count() < _FEWEST_SAMPLES]
     if empty:
         return f"no values in {', '.join(empty)}"
-    if ANY_OF[kind] and not needed_groups(frame, kind):
+    if ANY_OF[kind] and not groups:
         return f"no values in {' nor '.join(group[0] for group in ANY_OF[kind])}"
     return ""
 
@@ -27,7 +35,7 @@ def needed_groups(frame: pd.DataFrame, kind: str) -> list[str]:
     at least half the samples of the best one.
     """
     shares = {
-        group: float(frame[list(group)].notna().all(axis=1).mean())
+        group: float(np.mean(np.logical_and.reduce([frame[column].notna() for column in group])))
         for group in ANY_OF[kind]
         if set(group) <= set(frame.columns)
     }
@@ -37,11 +45,18 @@ def needed_groups(frame: pd.DataFrame, kind: str) -> list[str]:
     return [column for group, share in shares.items() if share >= _USABLE * best for column in group]
 
 
-def erase_sparse_groups(frame: pd.DataFrame, kind: str) -> tuple[pd.DataFrame, dict[str, int]]:
-    """Empty the any-of groups that do not count; return the frame and how many values each channel lost."""
-    needed = set(needed_groups(frame, kind))
+def erase_sparse_groups(
+    frame: pd.DataFrame, kind: str, groups: Collection[str]
+) -> tuple[pd.DataFrame, dict[str, int]]:
+    """Empty the any-of groups that do not count; return the frame and how many values each channel lost.
+
+    Args:
+        frame: a run.
+        kind: quadrotor, swerve or joint.
+        groups: what `needed_groups` tells of it.
+    """
     sparse = [
-        column for group in ANY_OF[kind] for column in group if column in frame and column not in needed
+        column for group in ANY_OF[kind] for column in group if column in frame and column not in groups
     ]
     lost = {column: int(frame[column].count()) for column in sparse}
     return (frame.assign(**dict.fromkeys(sparse, np.nan)) if sparse else frame), lost

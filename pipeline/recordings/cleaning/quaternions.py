@@ -16,7 +16,7 @@ def mend_quaternions(run: RunUnderCleaning) -> None:
         if run.has(columns):
             places = np.array(run.index(columns))
             name = columns[0].removesuffix("_w")
-            off = np.abs(np.linalg.norm(run.values[:, places], axis=1) - 1.0)
+            off = np.abs(run.length(columns) - 1.0)
             run.erase(off > _NO_ROTATION, columns, "quaternions", "norm too far from 1 for a rotation")
             slight = (off > _EXACT) & (off <= _NO_ROTATION)
             run.values[np.ix_(slight, places)] /= np.linalg.norm(
@@ -31,10 +31,15 @@ def mend_quaternions(run: RunUnderCleaning) -> None:
 
 def _flipped(quaternion: np.ndarray) -> np.ndarray:
     """Return which quaternions must be negated for neighbours to be alike, shape (samples,)."""
-    known = np.flatnonzero(np.isfinite(quaternion).all(axis=1))
-    jump = (quaternion[known[1:]] * quaternion[known[:-1]]).sum(axis=1) < 0
+    known = np.isfinite(quaternion).all(axis=1)
+    present = quaternion if known.all() else quaternion[known]
+    cosine = np.zeros(len(present[1:]))
+    for component in present.T:
+        cosine += component[1:] * component[:-1]
+    other = np.zeros(len(present), dtype=bool)
+    other[1:] = np.cumsum(cosine < 0) % 2 == 1
     flipped = np.zeros(len(quaternion), dtype=bool)
-    flipped[known[1:]] = np.cumsum(jump) % 2 == 1
+    flipped[known] = other
     return flipped
 
 

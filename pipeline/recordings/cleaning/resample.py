@@ -16,6 +16,7 @@ FIFTH_DIFFERENCE = (-1.0, 5.0, -10.0, 10.0, -5.0, 1.0)  # by which white noise i
 _LEAST_KEPT = (
     1.0 / 12.0
 )  # of a mean of two; on a grid finer than the recording there is nothing to tell it by
+_SAME = 1e-6  # of a time step: times this close are the same
 _EQUAL = 1e-4  # of a time step: recorded times this close to the grid are taken as they are
 _ROUNDING_FACTOR = 1.0 + 1e-6
 _NEAR = 0.5 * _ROUNDING_FACTOR  # time steps: a value this close to a measured one is as good as measured
@@ -77,10 +78,11 @@ class _Grid:
         stretch: the stretch of each new time.
         moved: whether recorded times are off the grid.
         complete: whether every new time is a recorded one, and every recorded one is there.
+        last: number of the last recorded time before or at each new one.
+        exact: whether that is at it.
         nearest: the recorded sample nearest to each new time.
         present: whether that is within half a time step.
         ticking: whether recorded times off the grid scatter about the ticks of a clock; else they drift.
-        beside: what lies beside each new time of a channel that is known at all recorded ones, once it is needed.
     """
 
     time: np.ndarray
@@ -88,10 +90,11 @@ class _Grid:
     stretch: np.ndarray
     moved: bool
     complete: bool
+    last: np.ndarray
+    exact: np.ndarray
     nearest: np.ndarray
     present: np.ndarray
     ticking: bool
-    beside: "_Beside | None" = None
 
 
 def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
@@ -100,7 +103,8 @@ def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> Run
     Measurements are interpolated linearly, attitudes by slerp. A command of a swerve drive or joint is held until the
     next: the command that acts for most of the coming step is taken, and in a gap the earlier one. If the recorded
     times follow no clock, the mean of the held commands over the coming step is taken. Samples that are on time stay
-    unchanged. Nothing is extrapolated or interpolated over gaps longer than the limits of `settings`.
+    unchanged. Nothing is extrapolated or interpolated over gaps longer than the limits of `settings`. A run whose times
+    are uniform already is filled in its place.
     """
     grid = _grid(run, time_step, settings.jitter)
     result = RunUnderCleaning(
@@ -108,7 +112,7 @@ def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> Run
         run.kind,
         grid.time,
         run.columns,
-        np.full((len(grid.time), len(run.columns)), np.nan, order="F"),
+        run.values if grid.complete else np.zeros((len(grid.time), len(run.columns)), order="F"),
         grid.stretch,
         run.needed,
         time_step,
@@ -169,13 +173,19 @@ def _grid(run: RunUnderCleaning, time_step: float, jitter: float) -> _Grid:
     recorded = _joined([recorded for _, recorded, _ in pieces])
     moved = any(moved for _, _, moved in pieces)
     complete = not moved and np.array_equal(new, recorded)
-    nearest = np.arange(len(new)) if complete else _nearest(recorded, new)
+    if complete:
+        last = nearest = np.arange(len(new))
+    else:
+        last = np.searchsorted(recorded, new + _SAME * time_step, side="right") - 1
+        nearest = _nearest(recorded, new)
     return _Grid(
         time=new,
         recorded=recorded,
         stretch=np.repeat(np.arange(len(pieces), dtype=np.int32), [len(time) for time, _, _ in pieces]),
         moved=moved,
         complete=complete,
+        last=last,
+        exact=np.abs(recorded[last] - new) <= _SAME * time_step,
         nearest=nearest,
         present=np.abs(recorded[nearest] - new) <= _NEAR * run.time_step,
         ticking=not moved or all(_is_ticking(part, run.time_step) for part in parts),
@@ -236,68 +246,56 @@ def _note_rows(run: RunUnderCleaning, result: RunUnderCleaning, grid: _Grid) -> 
         run.note("resample", "", "samples missing in the recording", difference)
 
 
-@dataclass
-class _Beside:
-    """The recorded samples beside each new time.
-
-    Attributes:
-        left: number of the last one before or at it, among those that are known.
-        right: number of the next one.
-        exact: whether the last one is at it.
-        between: whether both are of its stretch, and neither at it.
-    """
-
-    left: np.ndarray
-    right: np.ndarray
-    exact: np.ndarray
-    between: np.ndarray
-
-
-def _beside(times: np.ndarray, stretch: np.ndarray, grid: _Grid, tolerance: float) -> _Beside:
-    left = np.clip(np.searchsorted(times, grid.time + tolerance, side="right") - 1, 0, None)
-    right = np.clip(left + 1, None, len(times) - 1)
-    exact = np.abs(times[left] - grid.time) <= tolerance
-    between = (times[left] <= grid.time) & (times[right] >= grid.time) & (stretch[left] == stretch[right])
-    return _Beside(left, right, exact, between & (stretch[left] == grid.stretch) & ~exact)
-
-
 def _fill(
     run: RunUnderCleaning, result: RunUnderCleaning, grid: _Grid, columns: list[str], limit: float
 ) -> None:
     places = run.index(columns)
-    values = run.values[:, places]
-    known = np.flatnonzero(np.isfinite(values).all(axis=1))
-    if not len(known):
+    known = np.logical_and.reduce([np.isfinite(run.values[:, place]) for place in places])
+    if not known.any():
+        result.values[:, places] = np.nan
+        result.cause[:, places] = result.number("missing")
         return
-    if grid.complete and len(known) == len(values):
-        result.values[:, places] = values
-        result.cause[:, places] = 0
+    if grid.complete and known.all():
         return
-    times, tolerance = grid.recorded, 1e-6 * result.time_step
-    if len(known) < len(times):
-        times, values = times[known], values[known]
-        beside = _beside(times, run.stretch[known], grid, tolerance)
-    else:
-        grid.beside = beside = grid.beside or _beside(times, run.stretch, grid, tolerance)
-    new = np.full((len(grid.time), len(places)), np.nan)
-    new[beside.exact] = values[beside.left[beside.exact]]
-    rows = np.flatnonzero(beside.between)
-    left, right = beside.left[rows], beside.right[rows]
-    near = times[right] - times[left] <= limit + tolerance
+    times, values, is_input = grid.recorded, run.values[:, places], columns[0] in INPUTS[run.kind]
+    measured = grid.exact & known[grid.last]
+    new = np.where(measured[:, None], values[grid.last], np.nan)
+    rows, left, right = _beside(np.flatnonzero(~measured), known, run.stretch, grid)
+    near = times[right] - times[left] <= limit + _SAME * result.time_step
     rows, left, right = rows[near], left[near], right[near]
     before, ahead = grid.time[rows] - times[left], times[right] - grid.time[rows]
     share = before / (times[right] - times[left])
-    if columns[0] in INPUTS[run.kind]:
+    if is_input:
         share = _next_acts(share, ahead, run.time_step)
     new[rows] = _between(run.kind, columns, values[left], values[right], share)
-    if columns[0] in INPUTS[run.kind] and not grid.ticking:
-        held = beside.exact.copy()
+    if is_input and not grid.ticking:
+        held = measured.copy()
         held[rows] = True
-        new[held] = mean_of_held(times, values, grid.time[held], result.time_step)
+        new[held] = mean_of_held(times[known], values[known], grid.time[held], result.time_step)
     result.values[:, places] = new
     filled = np.zeros(len(new), dtype=bool)
     filled[rows] = np.minimum(before, ahead) > _NEAR * run.time_step
     _note_filled(run, result, grid, columns, filled)
+
+
+def _beside(
+    rows: np.ndarray, known: np.ndarray, stretch: np.ndarray, grid: _Grid
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return which new times lie between two known samples of their stretch, and the numbers of the two.
+
+    Args:
+        rows: of the new times that are looked at.
+        known: whether a recorded sample is known, (samples,).
+        stretch: of the recorded samples, (samples,).
+        grid: the new times.
+    """
+    numbers = np.flatnonzero(known)
+    place = np.cumsum(known)[grid.last[rows]] - 1
+    inside = (place >= 0) & (place < len(numbers) - 1)
+    rows, place = rows[inside], place[inside]
+    left, right = numbers[place], numbers[place + 1]
+    same = (stretch[left] == stretch[right]) & (stretch[left] == grid.stretch[rows])
+    return rows[same], left[same], right[same]
 
 
 def _next_acts(share: np.ndarray, ahead: np.ndarray, own_step: float) -> np.ndarray:

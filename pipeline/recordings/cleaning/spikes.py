@@ -43,32 +43,41 @@ def erase_spikes(run: RunUnderCleaning) -> None:
     speed that the position confirms is true. Inputs and commands may jump and are left, and so are channels
     that are logged less often than the rest.
     """
+    usual: dict[str, float] = {}  # speeds by their channels, until one of them changes
     for column in run.columns:
         if column in COMMANDS | SLOW or column in INPUTS[run.kind]:
             continue
         values = run.channel(column)[:, 0]
-        if np.isfinite(values).sum() < _FEWEST_SAMPLES:
+        if np.count_nonzero(np.isfinite(values)) < _FEWEST_SAMPLES:
             continue
-        rows = find_spikes(values, run.time, _least(run, column), _integral(run, column))
+        rows = find_spikes(values, run.time, _least(run, column, usual), _integral(run, column))
         if rows.any():
             quaternion = next((columns for columns in QUATERNIONS if column in columns), [column])
             worst = values[rows][np.argmax(np.abs(values[rows]))]
             run.erase(rows, quaternion, "spikes", "isolated implausible sample", f"up to {worst:.4g}")
+            usual.clear()
 
 
-def _least(run: RunUnderCleaning, column: str) -> float:
-    """Return the smallest excursion that counts as a spike."""
+def _least(run: RunUnderCleaning, column: str, usual: dict[str, float]) -> float:
+    """Return the smallest excursion that counts as a spike; usual speeds that it takes are kept in `usual`."""
     if column in _SHOCK:
         return _SHOCK[column]
     rates = [rate for rate in _RATE_COLUMNS.get(column, []) if rate in run.columns]
     if rates:
-        speeds = np.abs(run.channel(*rates)).ravel(order="K")
-        known = np.isfinite(speeds)
-        speeds = speeds if known.all() else speeds[known]
-        usual = np.quantile(speeds, 0.99, overwrite_input=True) if len(speeds) else np.inf
-        return float(_OF_SPEED * usual * run.time_step)
+        name = " ".join(rates)
+        if name not in usual:
+            usual[name] = _usual_speed(run.channel(*rates))
+        return _OF_SPEED * usual[name] * run.time_step
     low, high = np.nanquantile(run.channel(column), [0.01, 0.99])
     return float(_OF_RANGE * (high - low))
+
+
+def _usual_speed(values: np.ndarray) -> float:
+    """Return the size that 99 % of the known values do not exceed."""
+    speeds = np.abs(values).ravel(order="K")
+    known = np.isfinite(speeds)
+    speeds = speeds if known.all() else speeds[known]
+    return float(np.quantile(speeds, 0.99, overwrite_input=True)) if len(speeds) else np.inf
 
 
 def _integral(run: RunUnderCleaning, column: str) -> np.ndarray | None:
@@ -88,15 +97,16 @@ def find_spikes(
         integral: the channel of which `values` is the rate of change, to confirm pulses.
     """
     result = np.zeros(len(values), dtype=bool)
-    known = np.flatnonzero(np.isfinite(values))
-    if len(known) < _FEWEST_SAMPLES:
+    finite = np.isfinite(values)
+    present = values if finite.all() else values[finite]
+    if len(present) < _FEWEST_SAMPLES:
         return result
-    present = values if len(known) == len(values) else values[known]
     step = np.abs(np.diff(present))
     floor = max(_QUANTA * np.min(step, where=step > 0, initial=np.inf), least)
     widths = range(1, _WIDEST + 1)
     if not any(len(_excursions(present, step, width, floor)) for width in widths):
         return result  # whatever the noise is, which takes long to find out
+    known = np.flatnonzero(finite)
     roughness = np.abs(present - median_filter(present, size=5, mode="nearest"))
     floor = max(_NOISE * 1.4826 * float(np.median(roughness)), floor)
     for width in widths:

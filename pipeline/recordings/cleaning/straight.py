@@ -26,15 +26,18 @@ def _straight(time: np.ndarray, values: np.ndarray, stretch: np.ndarray, max_gap
     result = np.zeros(len(time), dtype=bool)
     if len(time) < 3:
         return result
-    slope = np.diff(values, axis=0) / np.diff(time)[:, None]
-    with np.errstate(invalid="ignore"):
-        bend = np.abs(np.diff(slope, axis=0)) <= _BEND * np.abs(slope[1:])
-    level = (np.abs(slope) > 0).sum(axis=1) >= 2
-    straight = np.concatenate([[False], bend.all(axis=1) & level[1:], [False]])
-    straight &= (np.roll(stretch, 1) == stretch) & (np.roll(stretch, -1) == stretch)
-    for first, past in stretches_of(straight):
-        first, last = first - 1, past  # the neighbours lie on the line too
-        if time[last] - time[first] > max_gap and _on_chord(time[first : last + 1], values[first : last + 1]):
+    inside = stretch[2:] == stretch[:-2]
+    time_step, moving = np.diff(time), np.zeros(len(inside), dtype=np.int8)
+    for column in values.T:
+        slope = np.diff(column) / time_step
+        size = np.abs(slope[1:])
+        with np.errstate(invalid="ignore"):
+            inside &= np.abs(np.diff(slope)) <= _BEND * size
+            moving += size > 0
+    straight = np.concatenate([[False], inside & (moving >= 2), [False]])
+    lines = stretches_of(straight) - np.array([1, 0])  # the neighbours lie on the line too
+    for first, last in lines[np.diff(time[lines])[:, 0] > max_gap]:
+        if _on_chord(time[first : last + 1], values[first : last + 1]):
             result[first + 1 : last + 1] = True
     return result
 

@@ -89,6 +89,13 @@ class RunUnderCleaning:
         """Return channels as an array of shape (samples, len(columns))."""
         return self.values[:, self.index(list(columns))]
 
+    def length(self, columns: list[str]) -> np.ndarray:
+        """Return the length of the vector that channels are the components of, shape (samples,)."""
+        squared = np.zeros(len(self.time))
+        for place in self.index(columns):
+            squared += self.values[:, place] ** 2
+        return np.sqrt(squared)
+
     def erase(self, rows: np.ndarray, columns: list[str], step: str, reason: str, detail: str = "") -> None:
         """Erase values and record the change, once per channel.
 
@@ -99,12 +106,13 @@ class RunUnderCleaning:
             reason: why, one short sentence.
             detail: what a reader may want to know beyond that.
         """
+        at = np.flatnonzero(rows)
         for column in columns:
             place = self.columns.index(column)
-            wanted = rows & ~np.isnan(self.values[:, place])
+            wanted = at[~np.isnan(self.values[at, place])]
             self.values[wanted, place] = np.nan
             self.cause[wanted, place] = self.number(step)
-            self.note(step, column, reason, int(wanted.sum()), detail)
+            self.note(step, column, reason, len(wanted), detail)
 
     def replace(self, rows: np.ndarray, column: str, values: np.ndarray, step: str, reason: str) -> None:
         """Put other values in the place of recorded ones and record the change.
