@@ -45,12 +45,12 @@ def recording_of(log: Log, mapping: Mapping, platform: AbstractMapping[str, Any]
     sources = {name: source for name, source in mapping.columns.items() if name not in ("t", "run")}
     sliding = _is_sliding(log, sources)
     expected = channel_units(mapping.kind, sliding)
-    columns = {
-        column: _converted(log, source, expected[column], column) for column, source in sources.items()
-    }
-    columns = without_jumps(columns)
+    columns = without_jumps(
+        {column: _converted(log, source, expected[column], column) for column, source in sources.items()}
+    )
     spans = mapping.windows or log.spans or (_whole(columns, log),)
-    found = [(span.name, _run(columns, span, mapping, rate)) for span in spans]
+    found = [(span.name, _run(dict(columns), span, mapping, rate)) for span in spans[:-1]]
+    found.append((spans[-1].name, _run(columns, spans[-1], mapping, rate)))
     runs = [(name, run) for name, run in found if run is not None]
     if not runs:
         raise InputError("no run has samples of all columns", log.path, "correct the mapping, or its runs")
@@ -124,18 +124,20 @@ def _whole(columns: dict[str, Signal], log: Log) -> Span:
 def _run(
     columns: dict[str, Signal], span: Span, mapping: Mapping, rate: float | None
 ) -> dict[str, NDArray[np.float64]] | None:
-    """Return the times and the columns of one run, each (n,); None where it has too few."""
-    within = {name: _within(signal, span) for name, signal in columns.items()}
-    times = base_times(within, mapping.kind, rate)
+    """Return the times and the columns of one run, each (n,); None where it has too few.
+
+    Each column is taken out of `columns` when it is at those times, so that none is held twice.
+    """
+    times = base_times({name: _within(signal, span) for name, signal in columns.items()}, mapping.kind, rate)
     times = times[times >= span.begin]  # a held value may be from before
     if len(times) < _FEWEST:
         return None
-    if mapping.windows:  # the log goes on around them
-        within = {name: _within(signal, span, beside=True) for name, signal in columns.items()}
-    values = {
-        name: commanded_at(signal, times) if signal.held else values_at(signal, times, held=False)
-        for name, signal in within.items()
-    }
+    values = {}
+    for name in list(columns):
+        signal = _within(
+            columns.pop(name), span, beside=bool(mapping.windows)
+        )  # the log goes on around windows
+        values[name] = commanded_at(signal, times) if signal.held else values_at(signal, times, held=False)
     for name, source in mapping.columns.items():
         if source.integrate and np.isfinite(values[name]).any():
             values[name] = values[name] - values[name][np.isfinite(values[name])][0]

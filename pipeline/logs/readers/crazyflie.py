@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
-from simgap.logs.log import Log, Signal
-from simgap.recordings.importers.event_log import read_events
+from simgap.logs.log import Log
+from simgap.logs.records import Records, RecordSignals
+from simgap.recordings.importers.event_log import EventLog, read_events
 
 _MICROSECOND = 1e-6
 _QUATERNION = "stateEstimateZ.quat"
@@ -23,30 +23,31 @@ def read(path: Path) -> Log:
         InputError: when the file is damaged.
     """
     log = read_events(path)
-    signals: dict[str, Signal] = {}
-    for event, frame in log.events.items():
-        for name, signal in _signals(frame):
-            label = name if name not in signals else f"{event}/{name}"
-            signals[label] = Signal(label, signal.time, signal.values)
+    fields: dict[str, tuple[Records, str]] = {}
+    for event in log.events:
+        for name, found in _fields(log, event):
+            fields[name if name not in fields else f"{event}/{name}"] = found
     remarks = (
         ()
         if log.whole
         else ("Its checksum is missing or wrong: it was cut off, and the last event with it.",)
     )
-    facts = {event: f"{len(frame)} events" for event, frame in log.events.items()}
-    return Log("Crazyflie", str(path), signals, facts=facts, remarks=remarks)
+    facts = {event: f"{len(rows)} events" for event, rows in log.events.items()}
+    return Log("Crazyflie", str(path), RecordSignals(fields), facts=facts, remarks=remarks)
 
 
-def _signals(frame: pd.DataFrame) -> Iterator[tuple[str, Signal]]:
-    time = frame["timestamp"].to_numpy(dtype="float64") * _MICROSECOND
-    for name, column in frame.items():
-        if name == "timestamp":
-            continue
+def _fields(log: EventLog, event: str) -> Iterator[tuple[str, tuple[Records, str]]]:
+    """Yield the variables of a type of events, each with its records and its name in them."""
+    rows, time = log.events[event], log.time(event).astype("float64") * _MICROSECOND
+    records = Records(rows, time)
+    for name in log.variables(event):
         if name == _QUATERNION:
-            for axis, values in zip("xyzw", unpacked_quaternion(column.to_numpy()), strict=True):
-                yield f"{name}/{axis}", Signal(f"{name}/{axis}", time, values)
+            elements = np.rec.fromarrays(
+                list(unpacked_quaternion(rows[name])), dtype=np.dtype([(axis, "f8") for axis in "xyzw"])
+            )
+            yield from ((f"{name}/{axis}", (Records(elements, time), axis)) for axis in "xyzw")
         else:
-            yield str(name), Signal(str(name), time, column.to_numpy(dtype="float64"))
+            yield name, (records, name)
 
 
 def unpacked_quaternion(packed: NDArray[np.integer]) -> NDArray[np.float64]:

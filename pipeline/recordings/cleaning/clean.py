@@ -210,7 +210,7 @@ def _cut(run: RunUnderCleaning, settings: Cleaning) -> None:
 
 
 def _frame(runs: list[RunUnderCleaning], recording: Recording) -> pd.DataFrame:
-    kept = [slice(None) if not run.dropped.any() else run.dropped == 0 for run in runs]
+    kept = [_kept(run) for run in runs]
 
     def joined(column: Callable[[RunUnderCleaning], np.ndarray]) -> np.ndarray:
         parts = [column(run)[rows] for run, rows in zip(runs, kept, strict=True)]
@@ -227,6 +227,13 @@ def _frame(runs: list[RunUnderCleaning], recording: Recording) -> pd.DataFrame:
     for place, channel in enumerate(recording.channels):
         columns[channel] = joined(lambda run, place=place: run.values[:, place])  # type: ignore[misc]
     return pd.DataFrame(columns, copy=False)
+
+
+def _kept(run: RunUnderCleaning) -> slice | np.ndarray:
+    """Return the samples that are kept; as a slice, which takes no copy, where they are neighbours."""
+    rows = np.flatnonzero(run.dropped == 0)
+    first, past = int(rows[0]), int(rows[-1]) + 1
+    return slice(first, past) if past - first == len(rows) else rows
 
 
 def _why_nothing(changes: pd.DataFrame) -> str:

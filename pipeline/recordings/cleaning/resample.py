@@ -120,6 +120,8 @@ def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> Run
         remarks=run.remarks,
         reasons=run.reasons,
     )
+    if grid.complete:
+        result.cause = run.cause
     result.noise_kept = noise_kept(grid.recorded, grid.time) if grid.moved else 1.0
     _note_rows(run, result, grid)
     done: set[str] = set()
@@ -256,6 +258,7 @@ def _fill(
         result.cause[:, places] = result.number("missing")
         return
     if grid.complete and known.all():
+        result.cause[:, places] = 0
         return
     times, values, is_input = grid.recorded, run.values[:, places], columns[0] in INPUTS[run.kind]
     measured = grid.exact & known[grid.last]

@@ -6,7 +6,7 @@ Source: tools/usdlog of bitcraze/crazyflie-firmware.
 import struct
 import zlib
 from array import array
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +16,7 @@ import pandas as pd
 from simgap.errors import InputError
 
 _MAGIC = 0xBC
-_TIME = "timestamp"
+_NUMBER, _TIME = "event", "timestamp"
 _CLOCKS = {1: ("<u4", 1000), 2: ("<u8", 1)}  # version to the type of a timestamp, and µs of one step of it
 _TYPES = {
     "b": "<i1",
@@ -40,12 +40,22 @@ class EventLog:
     """The events of a log.
 
     Attributes:
-        events: name of a type of events to its rows: `timestamp` (µs) and the variables.
+        events: name of a type of events to its records, structured: `timestamp` and the variables.
+        step: µs of one step of a timestamp.
         whole: whether the checksum is right; a log that was cut off has none.
     """
 
-    events: Mapping[str, pd.DataFrame]
+    events: Mapping[str, np.ndarray]
+    step: int
     whole: bool
+
+    def time(self, name: str) -> np.ndarray:
+        """Return the times of a type of events, µs."""
+        return self.events[name][_TIME].astype(np.uint64) * np.uint64(self.step)
+
+    def variables(self, name: str) -> list[str]:
+        """Return the names of the variables of a type of events."""
+        return [column for column in self.events[name].dtype.names or () if column not in (_NUMBER, _TIME)]
 
 
 def read_event_log(path: Path) -> pd.DataFrame:
@@ -59,7 +69,8 @@ def read_event_log(path: Path) -> pd.DataFrame:
         raise InputError("its checksum is wrong", str(path), "it was cut off or damaged; copy it again")
     if len(log.events) != 1:
         raise InputError(f"holds {len(log.events)} types of events", str(path), "give a log with one")
-    return next(iter(log.events.values()))
+    name, events = next(iter(log.events.items()))
+    return pd.DataFrame({_TIME: log.time(name)} | {column: events[column] for column in log.variables(name)})
 
 
 def read_events(path: Path) -> EventLog:
@@ -78,12 +89,12 @@ def read_events(path: Path) -> EventLog:
         raise InputError(f"cannot be read ({error.strerror})", where, "check its path") from None
     if not content or content[0] != _MAGIC:
         raise InputError("is not a log of the micro-SD deck", where, "give the file as the deck wrote it")
-    body = content[:-_CHECKSUM]
+    body = memoryview(content)[:-_CHECKSUM]
     whole = zlib.crc32(body) == int.from_bytes(content[-_CHECKSUM:], "little")
     if not whole:
-        body = content
+        body = memoryview(content)
     try:
-        types, step, start = _header(body)
+        types, step, start = _header(content)
     except (struct.error, KeyError, ValueError) as error:
         raise InputError(
             f"its header cannot be read ({error})", where, "give a log of version 1 or 2"
@@ -93,8 +104,12 @@ def read_events(path: Path) -> EventLog:
         raise InputError("its checksum is wrong", where, "it was damaged; copy it again")
     if not any(places.values()) or (whole and end != len(body)):
         raise InputError("does not end with a whole event", where, "it was cut off or damaged; copy it again")
-    frames = {name: _frame(body, places[number], record, step) for number, (name, record) in types.items()}
-    return EventLog({name: frame for name, frame in frames.items() if len(frame)}, whole)
+    events = {
+        name: _gathered(body, places[number], record)
+        for number, (name, record) in types.items()
+        if places[number]
+    }
+    return EventLog(events, step, whole)
 
 
 def _header(body: bytes) -> tuple[dict[int, tuple[str, np.dtype]], int, int]:
@@ -111,7 +126,7 @@ def _header(body: bytes) -> tuple[dict[int, tuple[str, np.dtype]], int, int]:
         name = body[place + 2 : end].decode("ascii")
         (variables,) = struct.unpack_from("<H", body, end + 1)
         place = end + 3
-        fields = [("event", "<u2"), (_TIME, clock)]
+        fields = [(_NUMBER, "<u2"), (_TIME, clock)]
         for _ in range(variables):
             end = body.index(b"\0", place)
             variable, _, kind = body[place:end].decode("ascii").rstrip(")").rpartition("(")
@@ -124,14 +139,14 @@ def _header(body: bytes) -> tuple[dict[int, tuple[str, np.dtype]], int, int]:
 
 
 def _places(
-    body: bytes, types: Mapping[int, tuple[str, np.dtype]], start: int
+    body: memoryview, types: Mapping[int, tuple[str, np.dtype]], start: int
 ) -> tuple[dict[int, array], int]:
     """Return where the events of each type begin, and the end of the last one that is whole."""
     places = {number: array("q") for number in types}
     if len(types) == 1:
         number, (_, record) = next(iter(types.items()))
         rows = (len(body) - start) // record.itemsize
-        numbers = np.frombuffer(body, record, rows, start)["event"]
+        numbers = np.frombuffer(body, record, rows, start)[_NUMBER]
         wrong = np.flatnonzero(numbers != number)
         rows = int(wrong[0]) if len(wrong) else rows
         end = start + rows * record.itemsize
@@ -148,7 +163,7 @@ def _places(
     return places, place
 
 
-def _goes_on(body: bytes, types: Mapping[int, tuple[str, np.dtype]], end: int) -> bool:
+def _goes_on(body: memoryview, types: Mapping[int, tuple[str, np.dtype]], end: int) -> bool:
     """Whether what follows the last whole event is something else than the beginning of one."""
     if len(body) - end < 2:
         return False
@@ -156,18 +171,13 @@ def _goes_on(body: bytes, types: Mapping[int, tuple[str, np.dtype]], end: int) -
     return record is None or len(body) - end >= record[1].itemsize
 
 
-def _frame(body: bytes, places: array, record: np.dtype, step: int) -> pd.DataFrame:
-    """Return the events that begin at some places, a row each."""
+def _gathered(body: memoryview, places: array, record: np.dtype) -> np.ndarray:
+    """Return the events that begin at some places."""
     content = np.frombuffer(body, np.uint8)
-    starts = np.frombuffer(places, np.int64) if places else np.empty(0, np.int64)
+    starts = np.frombuffer(places, np.int64)
     inside = np.arange(record.itemsize)
     events = np.empty(len(starts), record)
     for first in range(0, len(starts), _GATHERED):
         part = starts[first : first + _GATHERED]
         events[first : first + _GATHERED] = content[part[:, None] + inside].view(record)[:, 0]
-    return pd.DataFrame(dict(_columns(events, step)))
-
-
-def _columns(events: np.ndarray, step: int) -> Iterator[tuple[str, np.ndarray]]:
-    for name in (events.dtype.names or ())[1:]:
-        yield name, events[name].astype(np.uint64) * np.uint64(step) if name == _TIME else events[name]
+    return events
