@@ -95,6 +95,12 @@ class _Content:
             self._origin = int(recorded[0])
             self._shift = -self._origin
             self._spans.append((0, 0))
+        moved = recorded + self._shift
+        latest_before = np.maximum.accumulate(np.append(self._latest, moved))
+        if not (moved < latest_before[:-1] - _BACK).any():  # no run begins in between, as almost always
+            self._latest = int(latest_before[-1])
+            self._spans[-1] = (self._spans[-1][0], self._latest)
+            return np.full(len(recorded), self._shift)
         begins, shifts = [0], [self._shift]
         latest, shift = self._latest, self._shift
         for place, time in enumerate(recorded.tolist()):
