@@ -16,9 +16,8 @@ from simgap.simulation.replay import without_sensors
 
 _TOUCHED = 1e-3  # of a window's weight; a lost command at its edge does no harm
 _LEAST_SOUND = 0.5  # least share of windows without lost commands
-_KEPT = (
-    4  # simulators whose signals are kept: parameters of forces are moved one after the other beside the same
-)
+_KEPT = 4
+"""Simulators whose signals are kept: parameters of forces are moved one after the other beside the same ones."""
 
 
 @dataclass(frozen=True)

@@ -134,9 +134,8 @@ def _run(
         return None
     values = {}
     for name in list(columns):
-        signal = _within(
-            columns.pop(name), span, beside=bool(mapping.windows)
-        )  # the log goes on around windows
+        beside = bool(mapping.windows)  # the log goes on around them
+        signal = _within(columns.pop(name), span, beside=beside)
         values[name] = commanded_at(signal, times) if signal.held else values_at(signal, times, held=False)
     for name, source in mapping.columns.items():
         if source.integrate and np.isfinite(values[name]).any():

@@ -87,9 +87,8 @@ def clean_with_coverage(
     runs = [_take_up(recording, name, rows) for name, rows in by_run(recording.frame)]
     steps = [run.time_step for run in runs if run.is_usable]
     time_step = settings.time_step or (float(np.median(steps)) if steps else 0.0)
-    for place, run in enumerate(
-        runs
-    ):  # one after the other, so that no run is held twice but the one at hand
+    # One after the other, so that no run is held twice but the one at hand.
+    for place, run in enumerate(runs):
         if run.is_usable:
             runs[place] = _clean_run(run, time_step, settings)
     changes = changes_table([change for run in runs for change in run.changes])

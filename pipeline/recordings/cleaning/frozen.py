@@ -106,9 +106,8 @@ def _unlikely(values: np.ndarray, repeated: np.ndarray, moving: np.ndarray) -> n
     places = np.flatnonzero(chance)
     for column in values.T:
         chance[places] *= _chances(np.abs(np.diff(column[~repeated])), places)
-    result[judged] = (
-        chance[beside].max(axis=0) < _COINCIDENCE_LEVEL
-    )  # of the likelier of the two steps beside
+    likelier = chance[beside].max(axis=0)  # of the two steps beside
+    result[judged] = likelier < _COINCIDENCE_LEVEL
     return result
 
 
