@@ -135,8 +135,8 @@ def _diagnosed(values: dict[str, Any], folder: Path, commands: tuple[str, ...]) 
     """Run stages on a folder of artifacts.
 
     Returns:
-        The `diagnosis` and the `posterior`, each where there is one. The latter holds the probability of each effect
-        before recalibration, by key.
+        The `diagnosis`, the `posterior` and `missed`, each where there is one. The posterior holds the probability of
+        each effect before recalibration, by key; `missed` is whether the best hypothesis misses a part of the recording.
     """
     from importlib import import_module
 
@@ -150,7 +150,12 @@ def _diagnosed(values: dict[str, Any], folder: Path, commands: tuple[str, ...]) 
         command(typed(command.config_class, values | places), StageRun(output))
     diagnosis = _read(folder / "diagnose" / "diagnosis.json")
     posterior = _read(folder / "diagnose" / "evidence" / "posterior.json")
-    answer = {"diagnosis": diagnosis, "posterior": posterior and posterior["probabilities"]}
+    told = posterior or {}
+    answer = {
+        "diagnosis": diagnosis,
+        "posterior": told.get("probabilities"),
+        "missed": told.get("missed"),
+    }
     return {key: value for key, value in answer.items() if value is not None}
 
 

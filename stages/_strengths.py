@@ -63,8 +63,9 @@ def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
         )
         for effects in (known, without)
     ]
-    mine = (FittedEffect(effect_by_key(case.kind, k), v) for k, v in known.items() if _is_of(k, effect))
-    if any(is_tolerance(fitted, simulators[0], reading) for fitted in mine):
+    mine = tuple(FittedEffect(effect_by_key(case.kind, k), v) for k, v in known.items() if _is_of(k, effect))
+    found = simulators[1].with_effects((*simulators[1].effects, *mine))
+    if any(is_tolerance(fitted, found, reading) for fitted in mine):
         return 0.0
     noise = noise_of_rows(simulators[0], blocks, functions)
     complete, lacking = (

@@ -1,4 +1,7 @@
-"""Recalibration fitted: a logistic regression of "the effect is there" on the log odds that the posterior gives."""
+"""Recalibration fitted: a logistic regression of "the effect is there" on what the posterior says.
+
+That is the log odds of the effect, and whether the best hypothesis misses a part of the recording.
+"""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,7 +27,7 @@ Below it lie hundreds of effects of the catalogue that nobody would name. They w
 _LEAST_STATEMENTS = 40
 """Fewest statements of a fit: with fewer, the prior would decide as much as they do."""
 _WIDTH = 1.0
-"""Standard deviation of the prior of the intercept about 0, and of the slope's logarithm about 0.
+"""Standard deviation of the prior of the intercept and the discrepancy about 0, and of the slope's logarithm about 0.
 
 One unit of log odds, and a factor of e: the posterior is expected to be about right, as far as nothing else is shown.
 """
@@ -39,11 +42,13 @@ class Statement:
     Attributes:
         case: name of the case.
         probability: that the posterior gave it, before recalibration.
+        missed: whether the best hypothesis missed a part of the recording.
         true: whether the effect was concealed in the case.
     """
 
     case: str
     probability: float
+    missed: bool
     true: bool
 
 
@@ -56,7 +61,8 @@ def statements_of(results: Sequence[Mapping[str, Any]], code: str) -> list[State
     """Return every effect that a posterior gave `LEAST_PROBABILITY` or more, and whether it was concealed.
 
     Args:
-        results: of `simgap prove`. `posterior` holds the probability by key of the effect, before recalibration.
+        results: of `simgap prove`. `posterior` holds the probability by key of the effect, before recalibration, and
+            `missed` whether the best hypothesis missed a part of the recording.
         code: hash of the present score (`simgap.gap.calibration.hash_of_score`).
 
     Raises:
@@ -72,7 +78,7 @@ def _statements(result: Mapping[str, Any], code: str) -> Iterator[Statement]:
     for key, probability in (result.get("posterior") or {}).items():
         if probability >= LEAST_PROBABILITY:
             name = key if grouped else key.partition("@")[0]
-            yield Statement(result["name"], probability, name in concealed)
+            yield Statement(result["name"], probability, result["missed"], name in concealed)
 
 
 def _check(result: Mapping[str, Any], code: str) -> None:
@@ -87,10 +93,10 @@ def _check(result: Mapping[str, Any], code: str) -> None:
 
 
 def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
-    """Fit intercept and slope, and measure the calibration on left-out cases.
+    """Fit the recalibration, and measure it on left-out cases.
 
     Returns:
-        `intercept`, `slope`, `statements`, `true`, and, cross-validated over cases, `brier_score` and
+        `intercept`, `slope`, `discrepancy`, `statements`, `true`, and, cross-validated over cases, `brier_score` and
         `expected_calibration_error`.
 
     Raises:
@@ -110,18 +116,20 @@ def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
 
 
 def _fitted(statements: Sequence[Statement]) -> Calibration:
-    """Return the most probable intercept and slope. The slope's logarithm is fitted, so that it stays above zero."""
+    """Return the most probable recalibration. The slope's logarithm is fitted, so that it stays above zero."""
     from scipy.optimize import minimize
 
     odds = np.array([log_odds(statement.probability) for statement in statements])
+    missed = np.array([statement.missed for statement in statements])
     sign = np.array([1.0 if statement.true else -1.0 for statement in statements])
 
     def cost(place: NDArray[np.float64]) -> float:
-        wrongness = np.logaddexp(0.0, -sign * (place[0] + math.exp(place[1]) * odds)).sum()
+        corrected = place[0] + math.exp(place[1]) * odds - place[2] * missed
+        wrongness = np.logaddexp(0.0, -sign * corrected).sum()
         return float(wrongness + 0.5 * (place @ place) / _WIDTH**2)
 
-    found = minimize(cost, np.zeros(2), method="BFGS")
-    return Calibration(float(found.x[0]), math.exp(found.x[1]))
+    intercept, stretch, discrepancy = minimize(cost, np.zeros(3), method="BFGS").x.tolist()
+    return Calibration(intercept, math.exp(stretch), discrepancy)
 
 
 def _cross_validated(statements: Sequence[Statement]) -> list[float]:
@@ -134,5 +142,5 @@ def _cross_validated(statements: Sequence[Statement]) -> list[float]:
     for others, left_out in folds.split(cases, groups=cases):
         fitted = _fitted([statements[place] for place in others])
         for place in left_out:
-            found[place] = fitted(statements[place].probability)
+            found[place] = fitted(statements[place].probability, statements[place].missed)
     return found

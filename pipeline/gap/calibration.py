@@ -1,10 +1,14 @@
-"""Recalibration: the posterior probability of an effect, corrected by how often such probabilities were right."""
+"""Recalibration: the posterior probability of an effect, corrected by how often such probabilities were right.
+
+Where the best hypothesis misses a part of the recording, something else is at work beside it, and the law that comes
+nearest may have its name. Names there are wrong more often than those of hypotheses that leave noise alone.
+"""
 
 import ast
 import hashlib
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,7 +18,7 @@ import yaml
 _FOLDER = Path(__file__).resolve().parent
 
 CALIBRATION = _FOLDER / "calibration.yaml"
-"""The file of the two numbers, and of what they were fitted to."""
+"""The file of the three numbers, and of what they were fitted to."""
 
 MODULES = (
     "command_gain",
@@ -59,26 +63,38 @@ class Calibration:
     Attributes:
         intercept: added to the log odds.
         slope: multiplies the log odds; above zero, so that the order of probabilities is kept.
+        discrepancy: taken off where the best hypothesis misses a part of the recording, see `simgap.gap.missed`.
     """
 
     intercept: float
     slope: float
+    discrepancy: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.slope > 0.0:
             raise ValueError(f"the slope of a calibration must be above zero, not {self.slope}")
 
-    def __call__(self, probability: float) -> float:
-        """Return the corrected probability."""
-        return 1.0 / (1.0 + math.exp(-self.intercept - self.slope * log_odds(probability)))
+    def __call__(self, probability: float, missed: bool = False) -> float:
+        """Return the corrected probability.
+
+        Args:
+            probability: that the posterior gives.
+            missed: whether the best hypothesis misses a part of the recording.
+        """
+        odds = self.intercept + self.slope * log_odds(probability) - self.discrepancy * missed
+        return 1.0 / (1.0 + math.exp(-odds))
 
 
-def calibrated(probability: float) -> float:
+def calibrated(probability: float, missed: bool) -> float:
     """Return the probability to state for an effect, from the one that the posterior gives.
 
     A greater posterior probability never becomes a smaller one. Those within a thousandth of 0 or of 1 become equal.
+
+    Args:
+        probability: that the posterior gives.
+        missed: whether the best hypothesis misses a part of the recording.
     """
-    return _stored()(probability)
+    return _stored()(probability, missed)
 
 
 def log_odds(probability: float) -> float:
@@ -90,7 +106,7 @@ def log_odds(probability: float) -> float:
 @cache
 def _stored() -> Calibration:
     content = yaml.safe_load(CALIBRATION.read_text(encoding="utf-8"))
-    return Calibration(float(content["intercept"]), float(content["slope"]))
+    return Calibration(*(float(content[each.name]) for each in fields(Calibration)))
 
 
 def hash_of_score(folder: Path = _FOLDER) -> str:

@@ -36,7 +36,10 @@ def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     traces(diagnosis).to_parquet(folder / "traces.parquet", index=False)
     residuals(diagnosis).to_parquet(folder / "residuals.parquet", index=False)
-    write_json({"probabilities": diagnosis.naming.posterior.inclusion()}, folder / "posterior.json")
+    naming = diagnosis.naming
+    write_json(
+        {"probabilities": naming.posterior.inclusion(), "missed": naming.missed}, folder / "posterior.json"
+    )
     write_json(hypotheses(diagnosis), folder / "hypotheses.json")
     write_json(candidates(diagnosis), folder / "candidates.json")
     write_json(laws(diagnosis), folder / "laws.json")

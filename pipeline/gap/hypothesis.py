@@ -115,8 +115,21 @@ def is_tolerance(fitted: FittedEffect, simulator: Simulator, reading: Reading) -
     constants = simulator.constants()
     if fitted.effect.stands_for(fitted.values, constants) < _TOLERANCE:
         return True
-    late = fitted.effect.lateness(fitted.values, constants)
-    return is_short(late, reading.problem.blocks.time_step, reading.held)
+    return _is_short(fitted, simulator, reading)
+
+
+def _is_short(fitted: FittedEffect, simulator: Simulator, reading: Reading) -> bool:
+    """Whether an effect delays too little to be told from the timing, together with all others that do."""
+
+    def late(each: FittedEffect) -> float:
+        return each.effect.lateness(each.values, simulator.constants())
+
+    def short(seconds: float) -> bool:
+        return is_short(seconds, reading.problem.blocks.time_step, reading.held)
+
+    group = fitted.effect.key.partition("@")[2]
+    beside = (f for f in simulator.free if f.effect.key.partition("@")[2] == group)
+    return short(late(fitted)) and short(sum(filter(short, map(late, beside))))
 
 
 def _log_prior_odds(fitted: Fit, reading: Reading) -> float:

@@ -97,10 +97,11 @@ class LikelihoodOf:
         explained = (self.base - residual).square().mean(1)
         if self.problem.is_axis:
             explained = torch.minimum(explained, energy)
+        chance = self.temper.by_chance(TOLERATED) * (silenced / noise) * torch.ones_like(explained)
         noise = noise + _INEXACT**2 * explained
         left = torch.maximum(residual.square().mean(1) + silenced, noise)
         mixture = self.temper.mixture(left, noise)
-        value = self.temper.value_of(mixture, left, noise)
+        value = self.temper.value_of(mixture, left, noise) - chance.sum(0)
         value = value + 0.5 * self.temper.lasting * len(left) * energy.log() + self.untouched
         return Likelihood(value, self.temper.weight_of(mixture, left, noise), left, noise)
 
@@ -120,8 +121,8 @@ class LikelihoodOf:
         """Return the mean square of the noise that a simulator passes on, and of what it filters out, (channels,) each.
 
         An effect that filters a noisy input lowers the residual and explains nothing: the noise that it removes is
-        added again. Filters on commands that a program sent are exempt, for such commands hold no noise. Where an
-        effect takes an input away altogether, its noise goes with it.
+        added again, with what it would cost by chance. Filters on commands that a program sent are exempt, for such
+        commands hold no noise. Where an effect takes an input away altogether, its noise goes with it.
         """
         blocks, functions = self.problem.blocks, self.problem.functions
         bare = simulator.with_effects(tuple(f for f in simulator.effects if not _filters(f.effect)))
@@ -146,11 +147,12 @@ class LikelihoodOf:
         """Return the mean square that residuals are measured against, (channels,).
 
         On an axis it is that of the smaller side of its equation: what commands do in the nominal simulator, or what
-        is left of a simulator without commands. Elsewhere it is what the nominal simulator leaves.
+        is left of a simulator without commands. Elsewhere it is that of a row of one unit: what the nominal simulator
+        leaves depends on when commands act, and the worst timing would gain most.
         """
         gain = self.problem.gain
         if gain is None or not self.problem.is_axis:
-            return self.base.square().mean((0, 1)).clamp_min(_NOTHING)
+            return torch.ones_like(self.problem.noise)
         return gain.smaller_side(simulator).clamp_min(_NOTHING)
 
 

@@ -9,6 +9,7 @@ from simgap.effects import Effect
 from simgap.gap.calibration import calibrated
 from simgap.gap.fit import Fit, Problem
 from simgap.gap.hypothesis import Hypothesis
+from simgap.gap.missed import misses
 from simgap.gap.posterior import Posterior, posterior_of
 from simgap.gap.reading import Reading
 from simgap.gap.refit import remove
@@ -65,6 +66,7 @@ class Naming:
         posterior: over all hypotheses that were visited.
         base: fit of the nominal simulator to the rows of the best hypothesis.
         fit: of the best hypothesis.
+        missed: whether the best hypothesis misses a part of the recording.
         named: the named effects, the most probable first.
         rivalries: named effects with rivals.
         complete: whether the search came to its end within its budget.
@@ -73,6 +75,7 @@ class Naming:
     posterior: Posterior
     base: Fit
     fit: Fit
+    missed: bool
     named: tuple[Named, ...]
     rivalries: tuple[Rivalry, ...]
     complete: bool
@@ -85,7 +88,7 @@ class Naming:
     @property
     def probabilities(self) -> dict[str, float]:
         """The probability of each effect that was considered, by key, recalibrated, the most probable first."""
-        return {key: calibrated(raw) for key, raw in self.posterior.inclusion().items()}
+        return {key: calibrated(raw, self.missed) for key, raw in self.posterior.inclusion().items()}
 
 
 def name(readings: Sequence[Reading], settings: Gap) -> Naming:
@@ -100,11 +103,12 @@ def name(readings: Sequence[Reading], settings: Gap) -> Naming:
     posterior = posterior_of(list(search.visited.values()))
     best = posterior.best
     base = search.bases[best.reading.timing]
-    named = _named(posterior, base, settings.least_probability)
-    return Naming(posterior, base, best.fit, named, _rivalries(posterior, named), complete)
+    missed = misses(best)
+    named = _named(posterior, base, missed, settings.least_probability)
+    return Naming(posterior, base, best.fit, missed, named, _rivalries(posterior, named), complete)
 
 
-def _named(posterior: Posterior, base: Fit, least: float) -> tuple[Named, ...]:
+def _named(posterior: Posterior, base: Fit, missed: bool, least: float) -> tuple[Named, ...]:
     """Return the names of the best hypothesis that are probable enough, and others that are more likely than not.
 
     The posterior decides what is named, and recalibration what is said of it: two effects that stand in for each other
@@ -117,7 +121,7 @@ def _named(posterior: Posterior, base: Fit, least: float) -> tuple[Named, ...]:
         hypothesis = posterior.best_with(key)
         fitted = next(f for f in hypothesis.fit.simulator.free if f.effect.key == key)
         channel, share = _share(hypothesis.fit, fitted.effect, base, hypothesis.reading.problem)
-        found.append(Named(fitted, calibrated(raw), channel, share))
+        found.append(Named(fitted, calibrated(raw, missed), channel, share))
     # Of what is equally sure, first what explains more: rounding of a sum of weights decides nothing.
     return tuple(sorted(found, key=lambda n: (-round(n.probability, _DIGITS), -n.share, n.effect.key)))
 

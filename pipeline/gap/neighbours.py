@@ -83,9 +83,9 @@ class Neighbours:
         self.temper = centre.reading.likelihood_of.temper.of_blocks(part)
         self.share = len(centre.fit.residual) / len(part)
         self.noise = centre.likelihood.noise[part]
-        left = centre.likelihood.left[part]
-        self.mixture, self.present = self.temper.mixture(left, self.noise), self._value(left)
-        self.total = np.einsum("bc,bcpq->pq", centre.likelihood.weight[part].numpy(), self.gram)
+        self.left = centre.likelihood.left[part]
+        self.mixture, self.present = self.temper.mixture(self.left, self.noise), self._value(self.left)
+        self.totals = [np.einsum("bc,bcpq->pq", each.numpy(), self.gram) for each in _weights(centre, part)]
         for hypothesis in added:
             self.gain[_last(hypothesis).effect.key] -= self._overstated(hypothesis)
 
@@ -95,7 +95,7 @@ class Neighbours:
         It may promise that a scale makes all rows vanish.
         """
         left = torch.from_numpy(self._left((), (_last(hypothesis).effect.key,)))
-        promised = float(self._value(left) - self.present)
+        promised = float((self._value(left) - self.present).max())
         return max(promised - (hypothesis.likelihood.value - self.centre.likelihood.value), 0.0)
 
     def _note(self, key: str, series: list[Tensor], columns: Tensor) -> None:
@@ -112,9 +112,11 @@ class Neighbours:
             return []
         left = torch.from_numpy(np.stack([self._left(gone, come) for _, gone, come in moves]))
         costs = torch.tensor([self._cost(gone, come) for _, gone, come in moves], dtype=torch.float64)
-        # The mixture of the centre ranks them; of the best, each has its own.
-        likely = (self._value(left, self.mixture) + costs).topk(min(_WEIGHED, len(moves))).indices
-        promises = self.centre.score + self._value(left[likely]) - self.present + costs[likely]
+        # The mixture of the centre ranks them, with what is usual smaller where less is left; the best have their own.
+        likely = (
+            (self._value(left, self._scaled(left)).amax(-1) + costs).topk(min(_WEIGHED, len(moves))).indices
+        )
+        promises = self.centre.score + self._value(left[likely]).amax(-1) - self.present + costs[likely]
         order = promises.argsort(descending=True)[:count].tolist()
         found = [(moves[int(likely[place])][0], float(promises[place])) for place in order]
         return [Proposal(keys, self._starts(keys), promise) for keys, promise in found]
@@ -134,15 +136,22 @@ class Neighbours:
         return sum(self.gain[key] for key in come) + sum(self.relief.get(key, 0.0) for key in gone)
 
     def _left(self, gone: tuple[str, ...], come: tuple[str, ...]) -> NDArray[np.float64]:
-        """Return the mean square that a weighted regression leaves after a move, (blocks, channels)."""
+        """Return the mean squares that regressions under each weighting leave, (weightings, blocks, channels)."""
         present = (*(key for key in self.mine if key not in gone), *come)
         chosen = [column for key in present for column in self.columns[key]]
+        moved = [0, *(self.offset[key] for key in gone)]
+        return np.stack([self._left_by(total, moved, chosen) for total in self.totals])
+
+    def _left_by(
+        self, total: NDArray[np.float64], moved: list[int], chosen: list[int]
+    ) -> NDArray[np.float64]:
+        """Return the mean square that a regression of moved columns on chosen ones leaves, (blocks, channels)."""
         change = np.zeros(self.gram.shape[-1])
-        change[[0, *(self.offset[key] for key in gone)]] = 1.0
+        change[moved] = 1.0
         if chosen:
-            square = self.total[np.ix_(chosen, chosen)]
+            square = total[np.ix_(chosen, chosen)]
             square = square + np.diag(_RIDGE * np.diag(square) + 1e-300)
-            change[chosen] -= np.linalg.solve(square, self.total[chosen] @ change)
+            change[chosen] -= np.linalg.solve(square, total[chosen] @ change)
         used = np.flatnonzero(change)
         part, kept = change[used], self.gram[..., used[:, None], used]
         return (kept @ part) @ part
@@ -152,6 +161,12 @@ class Neighbours:
         floored = torch.maximum(left, self.noise)
         mixture = mixture or self.temper.mixture(floored, self.noise)
         return self.share * self.temper.value_of(mixture, floored, self.noise).sum(-1)
+
+    def _scaled(self, left: Tensor) -> Mixture:
+        """Return the mixture of the centre with a discrepancy as large as what is left, (..., blocks, channels)."""
+        ratio = torch.maximum(left, self.noise).log() - self.left.log()
+        usual = self.mixture.usual * ratio.mean(-2, keepdim=True).exp()
+        return Mixture(self.mixture.share, torch.maximum(usual, self.noise.amin(-2, keepdim=True)))
 
     def _starts(self, keys: frozenset[str]) -> tuple[FittedEffect, ...]:
         every = self.new | self.mine
@@ -176,6 +191,15 @@ def _contribution(hypothesis: Hypothesis, centre: Hypothesis) -> Tensor:
     moved = hypothesis.fit.values[others] - centre.fit.values
     taken = centre.fit.residual - hypothesis.fit.residual - hypothesis.fit.jacobian[..., others] @ moved
     return taken[..., None]
+
+
+def _weights(centre: Hypothesis, part: list[int]) -> tuple[Tensor, Tensor]:
+    """Return what a squared residual counts, (blocks, channels): as now, and all alike.
+
+    Rows that are met weigh far more than those that are missed, and would hide what explains the latter.
+    """
+    left = centre.likelihood.left[part]
+    return centre.likelihood.weight[part], (1.0 / left.mean(0)).expand_as(left)
 
 
 def _gram(series: Tensor) -> NDArray[np.float64]:

@@ -115,7 +115,10 @@ def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) 
         if step > 0 and not linear:
             added = effect_jacobian(simulator, effect, problem, residual)
         jacobian = torch.cat([current.jacobian, added], dim=-1)
-        simulator, residual = _stepped(simulator, residual, jacobian, problem, scale)
+        if step > 0:
+            simulator, residual = _stepped(simulator, residual, jacobian, problem, scale)
+        else:
+            simulator, residual = _first_step(simulator, residual, jacobian, problem, scale)
         scale, cost = problem.weigh(residual, simulator)
         costs.append(cost)
         if costs[-2] - costs[-1] <= _PROGRESS * (costs[0] - costs[-1]):
@@ -192,6 +195,19 @@ def _stepped(
     change, _ = bounded_newton_step(jacobian, residual, scale, values, low, high)
     after, rows = line_search(simulator, problem, values, change, residual, scale)
     return (simulator, residual) if rows is residual else (with_values(simulator, after), rows)
+
+
+def _first_step(
+    simulator: Simulator, residual: Tensor, jacobian: Tensor, problem: Problem, scale: Tensor
+) -> tuple[Simulator, Tensor]:
+    """Take the better one of two steps: with all rows weighed alike, and as they are weighed now.
+
+    Rows that are met weigh far more than rows that are missed, so that those of an axis at rest hide what moves it. The
+    likelihood then has a maximum at which an effect does nothing.
+    """
+    alike = torch.maximum(residual.square().mean((0, 1)).sqrt(), problem.noise).expand_as(scale)
+    steps = [_stepped(simulator, residual, jacobian, problem, each) for each in (scale, alike)]
+    return min(steps, key=lambda step: problem.cost(step[1], step[0]))
 
 
 def _finished(

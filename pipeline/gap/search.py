@@ -24,8 +24,8 @@ _WINDOW = 3.0
 """Of log odds: a hypothesis twenty times less probable than the best is not followed further."""
 _MISSED = 10.0
 """Of log odds that a linearisation may miss: so much less promising sets are fitted, too."""
-_PROPOSALS = 6
-"""Neighbours by two effects that are fitted for each hypothesis."""
+_PROPOSALS, _MOST_PROPOSALS = 6, 18
+"""Neighbours by two effects that are fitted for each hypothesis: that keep their promise, and in all."""
 
 Place = tuple[tuple[bool, str], frozenset[str]]
 
@@ -87,6 +87,8 @@ class Search:
         """
         self.end = time.monotonic() + seconds
         try:
+            for first in list(self.visited.values()):
+                self._expand(first, most_effects)
             while (following := self._next()) is not None:
                 self._expand(following, most_effects)
         except (KeyboardInterrupt, _TimeIsOver):
@@ -118,9 +120,11 @@ class Search:
         near = Neighbours(centre, added, dropped)
         fitted_sets = {keys for timing, keys in self.visited if timing == reading.timing}
         least = self.ranked[0].score - _WINDOW - _MISSED
-        for proposal in near.best(_PROPOSALS, fitted_sets):
-            if len(proposal.keys) <= most_effects and proposal.promise > least:
-                self._visit(fit(_with(reading, proposal.effects), reading.problem), reading)
+        kept = 0
+        for proposal in near.best(_MOST_PROPOSALS, fitted_sets):
+            if len(proposal.keys) <= most_effects and proposal.promise > least and kept < _PROPOSALS:
+                found = self._visit(fit(_with(reading, proposal.effects), reading.problem), reading)
+                kept += found.score > proposal.promise - _MISSED
 
     def _retime(self, centre: Hypothesis) -> None:
         """Visit the same effects under every other timing of the commands, and there those that it does not explain."""

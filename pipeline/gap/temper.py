@@ -114,6 +114,17 @@ class Temper:
             usual = torch.maximum(usual, least)
         return usual
 
+    def by_chance(self, tolerated: float) -> Tensor:
+        """Return what noise alone costs a block on average, in log likelihood: its mean square is too high at times.
+
+        Args:
+            tolerated: mean square over the noise's that costs nothing.
+        """
+        freedom = torch.as_tensor(self.total, dtype=torch.float64)
+        above = torch.special.gammaincc(0.5 * freedom + 1.0, 0.5 * freedom * tolerated)
+        missed = above - tolerated * torch.special.gammaincc(0.5 * freedom, 0.5 * freedom * tolerated)
+        return 0.5 * freedom * missed / tolerated
+
     def without(self, levels: float) -> "Temper":
         """Return what is left where so many levels per block were estimated: each takes a sample of the discrepancy."""
         lasting = max(self.lasting - levels, _LEAST_LASTING * self.lasting)

@@ -31,21 +31,30 @@ SEED = SEEDS.start
 CODE = "the present score"
 
 
-def drawn(count: int, intercept: float, slope: float, seed: int = 0) -> list[Statement]:
-    """Draw statements, two a case, that are as often true as an intercept and a slope make of their log odds."""
+def drawn(
+    count: int, intercept: float, slope: float, discrepancy: float = 0.0, seed: int = 0
+) -> list[Statement]:
+    """Draw statements, two a case, that are as often true as a calibration makes of their log odds."""
     random = np.random.default_rng(seed)
-    truth = Calibration(intercept, slope)
+    truth = Calibration(intercept, slope, discrepancy)
     probabilities = 1.0 / (1.0 + np.exp(-random.uniform(-2.9, 6.0, count)))
-    outcomes = [bool(random.random() < truth(p)) for p in probabilities.tolist()]
-    pairs = zip(probabilities.tolist(), outcomes, strict=True)
-    return [Statement(f"case-{number // 2:05d}", p, true) for number, (p, true) in enumerate(pairs)]
+    missed = random.random(count) < 0.5
+    told = list(zip(probabilities.tolist(), missed.tolist(), strict=True))
+    return [
+        Statement(f"case-{number // 2:05d}", *each, bool(random.random() < truth(*each)))
+        for number, each in enumerate(told)
+    ]
 
 
-@pytest.mark.parametrize(("intercept", "slope"), [(0.0, 1.0), (-1.0, 0.5), (0.5, 1.5), (-0.3, 0.2)])
-def test_known_numbers_are_recovered(intercept: float, slope: float) -> None:
-    found = fit_calibration(drawn(8000, intercept, slope))
-    assert found["intercept"] == pytest.approx(intercept, abs=0.15)
+@pytest.mark.parametrize(
+    ("intercept", "slope", "discrepancy"),
+    [(0.0, 1.0, 0.0), (-1.0, 0.5, 1.5), (0.5, 1.5, 1.0), (-0.3, 0.2, -0.5)],
+)
+def test_known_numbers_are_recovered(intercept: float, slope: float, discrepancy: float) -> None:
+    found = fit_calibration(drawn(8000, intercept, slope, discrepancy))
+    assert found["intercept"] == pytest.approx(intercept, abs=0.2)
     assert found["slope"] == pytest.approx(slope, abs=0.05, rel=0.1)
+    assert found["discrepancy"] == pytest.approx(discrepancy, abs=0.3)
     assert found["expected_calibration_error"] < 0.02
     assert found["statements"] == 8000
 
@@ -65,8 +74,8 @@ def test_few_statements_move_the_probabilities_less() -> None:
 
 
 def test_sure_and_right_stays_finite() -> None:
-    certain = [Statement(f"a-{n}", 1.0, True) for n in range(60)]
-    certain += [Statement(f"b-{n}", 0.05, False) for n in range(60)]
+    certain = [Statement(f"a-{n}", 1.0, False, True) for n in range(60)]
+    certain += [Statement(f"b-{n}", 0.05, False, False) for n in range(60)]
     found = fit_calibration(certain)
     assert 1.0 <= found["slope"] < math.e**2
     assert found["brier_score"] < 0.01
@@ -79,18 +88,21 @@ def test_the_order_is_kept_whatever_the_statements_say(seed: int, intercept: flo
     random = np.random.default_rng(seed)
     statements = [
         Statement(
-            str(n), p, bool(random.random() < 1.0 / (1.0 + math.exp(-intercept - tilt * 4.0 * (p - 0.5))))
+            str(n),
+            p,
+            False,
+            bool(random.random() < 1.0 / (1.0 + math.exp(-intercept - tilt * 4.0 * (p - 0.5)))),
         )
         for n, p in enumerate(random.uniform(0.05, 1.0, 60).tolist())
     ]
-    statements += [Statement("right", 0.5, True), Statement("wrong", 0.5, False)]
+    statements += [Statement("right", 0.5, False, True), Statement("wrong", 0.5, False, False)]
     found = fit_calibration(statements)
     fitted = Calibration(found["intercept"], found["slope"])
     assert fitted(0.1) < fitted(0.5) < fitted(0.9)
 
 
 @pytest.mark.parametrize(
-    "statements", [drawn(10, 0.0, 1.0), [Statement(str(n), 0.9, True) for n in range(200)]]
+    "statements", [drawn(10, 0.0, 1.0), [Statement(str(n), 0.9, False, True) for n in range(200)]]
 )
 def test_too_few_or_one_sided_statements_are_refused(statements: Sequence[Statement]) -> None:
     with pytest.raises(InputError, match="are too few"):
@@ -98,16 +110,16 @@ def test_too_few_or_one_sided_statements_are_refused(statements: Sequence[Statem
 
 
 def result(
-    seed: int = SEED, concealed: Sequence[str] = ("rotor_drag",), **posterior: float
+    seed: int = SEED, concealed: Sequence[str] = ("rotor_drag",), missed: bool = True, **posterior: float
 ) -> dict[str, Any]:
-    key = {"score": {"concealed": list(concealed)}, "posterior": posterior, "code": CODE}
+    key = {"score": {"concealed": list(concealed)}, "posterior": posterior, "missed": missed, "code": CODE}
     return {"name": f"quadrotor-{seed}-0000", "seed": seed, "case": {"kind": "quadrotor"}, **key}
 
 
 def test_statements_are_told_true_by_the_key() -> None:
     found = statements_of([result(rotor_drag=0.9, body_drag=0.2, payload=0.01)], CODE)
     name = f"quadrotor-{SEED}-0000"
-    assert found == [Statement(name, 0.9, True), Statement(name, 0.2, False)]
+    assert found == [Statement(name, 0.9, True, True), Statement(name, 0.2, True, False)]
 
 
 def test_what_nobody_would_name_is_no_statement() -> None:
@@ -143,15 +155,21 @@ def test_a_case_keeps_its_posterior_as_it_was_before_recalibration(tmp_path: Pat
     evidence.mkdir(parents=True)
     (evidence.parent / "diagnosis.json").write_text('{"verdict": "none"}')
     assert _diagnosed({}, tmp_path, ()) == {"diagnosis": {"verdict": "none"}}
-    (evidence / "posterior.json").write_text('{"probabilities": {"rotor_drag": 0.9}, "other": 1}')
-    assert _diagnosed({}, tmp_path, ())["posterior"] == {"rotor_drag": 0.9}
+    (evidence / "posterior.json").write_text('{"probabilities": {"rotor_drag": 0.9}, "missed": false}')
+    found = _diagnosed({}, tmp_path, ())
+    assert (found["posterior"], found["missed"]) == ({"rotor_drag": 0.9}, False)
 
 
 def written(folder: Path, statements: Sequence[Statement], **changes: Any) -> str:
     """Write results in which each statement is a case, and a published recording beside them."""
     code = hash_of_score()
     cases = [
-        result(SEED + number % 2, ("rotor_drag",) if statement.true else (), rotor_drag=statement.probability)
+        result(
+            SEED + number % 2,
+            ("rotor_drag",) if statement.true else (),
+            statement.missed,
+            rotor_drag=statement.probability,
+        )
         | {"name": str(number), "code": code}
         | changes
         for number, statement in enumerate(statements)

@@ -11,7 +11,6 @@ OPEN = {
     "test_real_recordings.py::test_rotor_drag_and_inflow_of_a_real_quadrotor": (
         "both are named, but the drag is 0.38 1/s where the authors have about 0.45"
     ),
-    f"{_CASE}[pad_normal_E9]": "a drag of turning is named at 0.56 beside the spread of the rotors",
 }
 
 

@@ -13,7 +13,7 @@ from simgap.gap.calibration import CALIBRATION, MODULES, Calibration, calibrated
 
 CONTENT = yaml.safe_load(CALIBRATION.read_text(encoding="utf-8"))
 PROBABILITIES = st.floats(0.0, 1.0)
-CALIBRATIONS = st.builds(Calibration, st.floats(-3.0, 3.0), st.floats(0.1, 3.0))
+CALIBRATIONS = st.builds(Calibration, st.floats(-3.0, 3.0), st.floats(0.1, 3.0), st.floats(0.0, 3.0))
 
 STALE = f"""{CALIBRATION.name} was made with another version of the engine's score, so its probabilities may be off.
 Diagnose the cases of calibration seeds again, and fit the recalibration to them:
@@ -29,17 +29,25 @@ def test_the_calibration_was_made_with_the_present_score() -> None:
 
 def test_the_file_says_what_it_was_fitted_to() -> None:
     fitted = ["statements", "true", "brier_score", "expected_calibration_error"]
-    assert list(CONTENT) == ["made_by", "seeds", "kinds", "code", "intercept", "slope", *fitted]
-    assert calibrated(0.3) == Calibration(CONTENT["intercept"], CONTENT["slope"])(0.3)
+    numbers = ["intercept", "slope", "discrepancy"]
+    assert list(CONTENT) == ["made_by", "seeds", "kinds", "code", *numbers, *fitted]
+    stored = Calibration(*(CONTENT[number] for number in numbers))
+    assert (calibrated(0.3, False), calibrated(0.3, True)) == (stored(0.3), stored(0.3, True))
 
 
-@given(CALIBRATIONS, PROBABILITIES, PROBABILITIES)
-@example(Calibration(0.0, 1.0), 0.0, 1.0)
-def test_the_order_of_probabilities_is_kept(calibration: Calibration, first: float, second: float) -> None:
+def test_a_name_is_less_sure_where_a_part_of_the_recording_is_missed() -> None:
+    assert calibrated(0.99, True) < calibrated(0.99, False) - 0.1
+
+
+@given(CALIBRATIONS, PROBABILITIES, PROBABILITIES, st.booleans())
+@example(Calibration(0.0, 1.0), 0.0, 1.0, False)
+def test_the_order_of_probabilities_is_kept(
+    calibration: Calibration, first: float, second: float, missed: bool
+) -> None:
     low, high = sorted((first, second))
-    assert 0.0 < calibration(low) <= calibration(high) < 1.0
+    assert 0.0 < calibration(low, missed) <= calibration(high, missed) < 1.0
     if log_odds(high) - log_odds(low) > 1e-3:  # far above what rounding takes near 1
-        assert calibration(low) < calibration(high)
+        assert calibration(low, missed) < calibration(high, missed)
 
 
 @given(PROBABILITIES)
@@ -104,12 +112,12 @@ def test_the_stored_numbers_are_the_ones_that_are_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = tmp_path / "calibration.yaml"
-    file.write_text("intercept: -1.0\nslope: 0.5\n")
+    file.write_text("intercept: -1.0\nslope: 0.5\ndiscrepancy: 0.4\n")
     monkeypatch.setattr(calibration, "CALIBRATION", file)
     calibration._stored.cache_clear()
     try:
-        assert calibrated(0.9) == Calibration(-1.0, 0.5)(0.9) < 0.9
+        assert calibrated(0.9, True) == Calibration(-1.0, 0.5, 0.4)(0.9, True) < 0.9
         file.unlink()
-        assert calibrated(0.9) < 0.9  # it was read once
+        assert calibrated(0.9, True) < 0.9  # it was read once
     finally:
         calibration._stored.cache_clear()

@@ -157,6 +157,14 @@ def test_rows_of_a_quadrotor_answer_to_recorded_rotor_speeds():
     assert turned == pytest.approx([2.0] * 3, rel=0.05)
 
 
+def test_residuals_of_a_quadrotor_are_measured_against_the_same_energy_under_every_timing():
+    """What the nominal simulator leaves depends on the timing: measured against it, the worst one would gain most."""
+    every = readings_of(flight(("rotor_drag", 0.35)), Simulator(racer()), Gap(effects=[]))
+    energies = [each.likelihood_of.energy(each.nominal) for each in every]
+    assert len(energies) == 2
+    torch.testing.assert_close(*energies)
+
+
 def test_what_is_small_on_one_side_alone_is_no_merit():
     """An axis that drags and is shaken: by the commands, an inertia that does not feel the shaking is nearly right."""
     recording, simulator = shaken()

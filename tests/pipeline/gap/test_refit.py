@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from simgap.effects import effect_by_key
@@ -11,7 +12,17 @@ from simgap.gap.refit import extend
 from simgap.gap.settings import Gap
 from simgap.simulation import Simulator
 from tests.pipeline.gap.problems import FEW, quick
-from tests.pipeline.gap.recordings import Plant, flight, joint_recording, joint_simulator, late, racer
+from tests.pipeline.gap.recordings import (
+    TIME_STEP,
+    Plant,
+    flight,
+    joint_recording,
+    joint_simulator,
+    late,
+    motion,
+    racer,
+    recording_of,
+)
 
 LIMIT = 4.0
 """A: the smaller it is, the less do commands do, and the larger is the noise on their side."""
@@ -39,3 +50,21 @@ def test_a_limit_is_found_beside_a_wrong_constant():
     values = {f.effect.key: f.values for f in found.simulator.effects}
     assert values["current_limit"]["limit"] == pytest.approx(LIMIT, rel=0.03)
     assert values["motor_constant_error"]["ratio"] == pytest.approx(0.88, rel=0.02)
+
+
+@pytest.mark.parametrize("moving", [0.15, 0.4])
+@pytest.mark.parametrize("seed", range(3))
+def test_friction_is_found_though_the_joint_rests_most_of_the_time(moving, seed):
+    """Rows at rest are met without friction, and weigh far more than those in motion."""
+    random, time = np.random.default_rng(seed), np.arange(1600) * TIME_STEP
+    waves = [
+        random.uniform(3.0, 8.0) * np.sin(2.0 * np.pi * random.uniform(0.5, 2.0) * time) for _ in range(6)
+    ]
+    voltage = np.stack(waves) * (time < moving * time[-1])
+    position, velocity = motion(Plant(friction=0.3), voltage)
+    noise = random.standard_normal((2, *position.shape))
+    recording = recording_of(voltage, position + 2e-4 * noise[0], velocity + 0.02 * noise[1])
+    held = readings_of(recording, joint_simulator(), Gap())[1]
+    effect = effect_by_key("joint", "coulomb_friction")
+    found = extend(fit(held.nominal, held.problem), effect, held.problem, held.starts)
+    assert found.simulator.free[0].values["level"] == pytest.approx(0.3, rel=0.03)

@@ -53,6 +53,12 @@ def test_it_comes_to_an_end_with_what_is_there():
     assert search.ranked[0].names == {"coulomb_friction", "viscous_friction"}
 
 
+def test_what_may_be_missing_is_looked_for_under_every_timing():
+    """What one timing explains may be what another one hides."""
+    search, _ = ended()
+    assert {(reading.timing, frozenset()) for reading in readings()} <= search.expanded
+
+
 def test_the_answer_is_never_below_the_best_that_was_visited():
     search, _ = ended()
     best = max(hypothesis.score for hypothesis in search.weighed)

@@ -145,3 +145,16 @@ def test_rows_count_no_more_than_both_sources_and_no_less_than_one():
     assert (
         counts.diff(dim=0)[5:] < 0.0
     ).all()  # once the inexact part is a third of the noise, it lowers the count
+
+
+@pytest.mark.parametrize("independent", [1.5, 4.5, 40.0])
+@pytest.mark.parametrize("tolerated", [1.0, 1.2])
+def test_what_noise_costs_by_chance_is_the_mean_of_what_it_costs(independent, tolerated):
+    """A million drawn blocks; the tolerance is five standard errors."""
+    temper = Temper(rows=9, lasting=0.2, short=independent - 0.2)
+    drawn = torch.distributions.Chi2(torch.tensor(independent, dtype=torch.float64))
+    torch.manual_seed(0)
+    energy = drawn.sample((1_000_000,)) / independent / tolerated
+    costs = 0.5 * independent * (energy - 1.0).clamp_min(0.0)
+    error = 5.0 * float(costs.std()) / 1000.0
+    assert float(temper.by_chance(tolerated)) == pytest.approx(float(costs.mean()), abs=error)
