@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from simgap.errors import InputError
 from simgap.logs.log import Log, Signal, Span
 from simgap.logs.readers.blackbox_header import Header, header_of, settings_of, starts_of
 from simgap.logs.readers.blackbox_units import scale_of
+from simgap.logs.records import RecordSignals
 
 _PAUSE = 1.0  # s put between two logs on the common clock; any time above zero does
 _VALUES_PER_BYTE = 8  # of the densest encoding, which has a bit for each value that is as predicted
@@ -105,7 +107,7 @@ def _decode(data: bytes, header: Header, number: int) -> _Decoded:
     rows = _room(data, intra), _room(data, slow), _room(data, gps)
     stamps = np.empty((2, max(len(rows[1]), len(rows[2]))), dtype=np.int64)
     counts = decode(np.frombuffer(data, dtype=np.uint8), tables, settings_of(header), rows, stamps)
-    main = rows[0][: counts[0]].copy()
+    main = rows[0][: counts[0]]
     clock = main[:, header.frames["I"].names.index("time")].astype(np.int64)
     time, kept = _seconds(clock)
     first = int(clock[kept][0]) if kept.any() else 0
@@ -113,9 +115,9 @@ def _decode(data: bytes, header: Header, number: int) -> _Decoded:
         (_since(stamps[place, : counts[1 + place]], first), rows[1 + place][: counts[1 + place]].copy())
         for place in range(2)
     ]
-    return _Decoded(
-        number, header, time[kept], main[kept], others[0], others[1], int(counts[3]), bool(counts[4])
-    )
+    if not kept.all():
+        time, main = time[kept], main[kept]
+    return _Decoded(number, header, time, main, others[0], others[1], int(counts[3]), bool(counts[4]))
 
 
 def _room(data: bytes, table: NDArray[np.int64]) -> NDArray[np.int32]:
@@ -143,7 +145,7 @@ def _seconds(clock: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.
     return time - (time[kept][0] if kept.any() else 0.0), kept
 
 
-def _signals(logs: Sequence[_Decoded], begins: NDArray[np.float64]) -> dict[str, Signal]:
+def _signals(logs: Sequence[_Decoded], begins: NDArray[np.float64]) -> RecordSignals:
     """Return the fields of all logs, each on the common clock; fields of one kind of frame share their times."""
     parts: dict[str, list[_Part]] = {}
     for log, begin in zip(logs, begins, strict=False):
@@ -153,16 +155,19 @@ def _signals(logs: Sequence[_Decoded], begins: NDArray[np.float64]) -> dict[str,
                     parts.setdefault(part.name, []).append(part)
     clocks = {tuple(id(part.time) for part in each): each for each in parts.values()}
     joined = {key: np.concatenate([part.time for part in each]) for key, each in clocks.items()}
-    return {
-        name: Signal(
-            name,
-            joined[tuple(id(part.time) for part in each)],
-            np.concatenate([part.scale * part.numbers for part in each]),
-            each[0].unit,
-            each[0].held,
-        )
-        for name, each in parts.items()
-    }
+    return RecordSignals(
+        {},
+        {
+            name: partial(_signal, each, joined[tuple(id(part.time) for part in each)])
+            for name, each in parts.items()
+        },
+    )
+
+
+def _signal(parts: Sequence["_Part"], time: NDArray[np.float64]) -> Signal:
+    """Return a field of all logs, at its times."""
+    values = np.concatenate([part.scale * part.numbers for part in parts])
+    return Signal(parts[0].name, time, values, parts[0].unit, parts[0].held)
 
 
 @dataclass(frozen=True)

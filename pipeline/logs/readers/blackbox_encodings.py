@@ -136,10 +136,20 @@ def _eight(data: NDArray[np.uint8], at: int, end: int, out: Integers) -> int:
 
 
 @njit(cache=True)
-def residuals(data: NDArray[np.uint8], at: int, end: int, encodings: Integers, out: Integers) -> int:
-    """Read what the predictors leave of each field; return the place behind the frame, −1 where it is none."""
+def residuals(
+    data: NDArray[np.uint8], at: int, end: int, encodings: Integers, out: Integers, group: Integers
+) -> int:
+    """Read what the predictors leave of each field; return the place behind the frame, −1 where it is none.
+
+    Args:
+        data: bytes.
+        at: of the frame's first field.
+        end: of the data.
+        encodings: by field.
+        out: for the values, by field.
+        group: room for the four values that share a tag, here so that it is made once.
+    """
     field, fields = 0, len(encodings)
-    group = np.zeros(4, dtype=np.int64)
     while field < fields and at >= 0:
         encoding = encodings[field]
         taken = 1

@@ -214,7 +214,7 @@ def decode(
     last, before = np.zeros(fields, dtype=np.int64), np.zeros(fields, dtype=np.int64)
     longest = max(fields, tables[SLOW].shape[1], tables[GPS].shape[1], tables[HOME].shape[1])
     buffer, origin = np.zeros(longest, dtype=np.int64), np.zeros(2, dtype=np.int64)
-    state = np.zeros(_ROWS + 3, dtype=np.int64)
+    group, state = np.zeros(4, dtype=np.int64), np.zeros(_ROWS + 3, dtype=np.int64)
     state[_TIME], state[_IN_STEP] = -1, 1
     at, end = 0, len(data)
     while at < end and state[_CLOSED] == 0:
@@ -224,7 +224,7 @@ def decode(
         if kind == EVENT:
             following = _event(data, at + 1, end, state)
         elif kind == INTRA or (kind < EVENT and state[_IN_STEP] == 1 and len(values) > 0):
-            following = residuals(data, at + 1, end, table[0], values)
+            following = residuals(data, at + 1, end, table[0], values, group)
         if state[_CLOSED] == 0 and 0 <= following < end and _kind_at(data, following) == OTHER:
             following = -1
         if following >= 0 and kind < EVENT and (kind != INTER or state[_KEYED] == 1):
