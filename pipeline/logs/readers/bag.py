@@ -76,13 +76,13 @@ class _Content:
             self._types[channel.topic] = channel.type
             topic = self.topics.setdefault(channel.topic, Topic(channel.topic))
             found = list(channel.columns(block.messages[places]))
-            rows = np.sort(np.concatenate([part.rows for part in found])) if found else places[:0]
+            rows = _ascending([part.rows for part in found]) if found else places[:0]
             topic.damaged += len(places) - len(rows)
             if len(rows):
                 topics.append((topic, places[rows], rows, found))
         if not topics:
             return
-        read = np.sort(np.concatenate([places for _, places, _, _ in topics]))
+        read = _ascending([places for _, places, _, _ in topics])
         shifts = np.zeros(len(block.which), dtype=np.int64)
         shifts[read] = self._shifts(block.times[read])
         for topic, places, rows, found in topics:
@@ -165,3 +165,8 @@ class _Content:
                     "are used."
                 )
         return found
+
+
+def _ascending(parts: list[NDArray[np.int64]]) -> NDArray[np.int64]:
+    """Return ascending numbers of several parts as one."""
+    return parts[0] if len(parts) == 1 else np.sort(np.concatenate(parts))

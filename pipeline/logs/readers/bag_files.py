@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from simgap import compiled
 from simgap.artifacts.plain_yaml import read_yaml
 from simgap.logs.readers import mcap_records as mcap
 from simgap.logs.readers.json_messages import json_columns
@@ -16,6 +17,7 @@ from simgap.logs.readers.packed import Columns, Packed
 from simgap.logs.readers.ros_messages import MessageType
 
 _AT_ONCE = 20_000  # messages
+_FETCHED = 500  # rows of a database at once: so few are still near the processor when they are packed
 _BYTES_AT_ONCE = 1 << 24  # of messages that come one by one, or of a database
 
 
@@ -127,14 +129,28 @@ def _of_database(path: Path) -> Iterator[Block]:
         (count,) = database.execute("SELECT COUNT(*) FROM messages").fetchone()
         at_once = min(1 + _BYTES_AT_ONCE * count // path.stat().st_size, _AT_ONCE)
         rows = database.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp")
-        while found := rows.fetchmany(at_once):
-            topics, times, data = zip(*found, strict=True)
-            which = np.array(topics)
+        for which, times, messages in _in_stretches(rows, at_once):
             known = np.flatnonzero(np.isin(which, list(channels)))
             if len(known):
-                yield Block(
-                    channels, which[known], np.array(times, dtype=np.int64)[known], Packed.of(data)[known]
-                )
+                yield Block(channels, which[known], times[known], messages[known])
+
+
+def _in_stretches(rows: Any, at_once: int) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], Packed]]:
+    """Yield topics, times and messages of a database, many at a time."""
+    fetched = min(_FETCHED, at_once)
+    while found := rows.fetchmany(fetched):
+        which: list[int] = []
+        times: list[int] = []
+        sizes: list[int] = []
+        data: list[bytes] = []
+        while found:
+            some, moments, messages = zip(*found, strict=True)
+            which += some
+            times += moments
+            sizes += map(len, messages)
+            data.append(b"".join(messages))
+            found = rows.fetchmany(fetched) if len(which) < at_once else []
+        yield np.array(which), np.array(times, dtype=np.int64), Packed.joined(data, sizes)
 
 
 def _of_bag1(path: Path) -> Iterator[Block]:
@@ -212,17 +228,18 @@ def _of_mcap(path: Path) -> Iterator[Block]:
     content = np.memmap(path, dtype=np.uint8, mode="r")
     if content[: len(mcap.MAGIC)].tobytes() != mcap.MAGIC:
         raise ValueError("does not begin as MCAP does")
-    yield from _Mcap().blocks(content, len(mcap.MAGIC))
+    yield from _Mcap(len(content)).blocks(content, len(mcap.MAGIC))
     if content[-len(mcap.MAGIC) :].tobytes() != mcap.MAGIC:
         raise ValueError("does not end as MCAP does")
 
 
 class _Mcap:
-    """What has been read of an MCAP file."""
+    """What has been read of an MCAP file of some size in bytes."""
 
-    def __init__(self) -> None:
+    def __init__(self, size: int) -> None:
         self._schemas: dict[int, Any] = {}
         self._channels: dict[int, Channel] = {}
+        self._messages = compiled.for_size(mcap.messages, size)
 
     def blocks(self, content: NDArray[np.uint8], place: int = 0) -> Iterator[Block]:
         """Yield the messages of the file, or of a chunk of it.
@@ -231,26 +248,27 @@ class _Mcap:
             ValueError: when it is damaged, after what was read before.
         """
         view = content.data
-        begins: list[int] = []
-        ends: list[int] = []
+        found, places = 0, np.empty(_AT_ONCE, dtype=np.int64)
         damage: ValueError | None = None
         try:
-            for kind, begin, end in mcap.records(view, place):
-                if kind == mcap.MESSAGE:
-                    begins.append(begin)
-                    ends.append(end)
-                elif kind in (mcap.SCHEMA, mcap.CHANNEL):
-                    self._declare(kind, view[begin:end])
-                elif kind == mcap.CHUNK:
-                    yield from self.blocks(np.frombuffer(mcap.chunk_content(view[begin:end]), dtype=np.uint8))
-                elif kind in (mcap.DATA_END, mcap.FOOTER):
-                    break
-                if len(begins) == _AT_ONCE:
-                    yield from self._block(content, begins, ends)
-                    begins, ends = [], []
+            while place < len(view):
+                found, place = self._messages(view, place, found, places.data)
+                if found == _AT_ONCE:
+                    yield self._block(content, places)
+                    found = 0
+                elif place < len(view):
+                    kind, begin, place = mcap.record(view, place)
+                    if kind in (mcap.SCHEMA, mcap.CHANNEL):
+                        self._declare(kind, view[begin:place])
+                    elif kind == mcap.CHUNK:
+                        chunk = mcap.chunk_content(view[begin:place])
+                        yield from self.blocks(np.frombuffer(chunk, dtype=np.uint8))
+                    elif kind in (mcap.DATA_END, mcap.FOOTER):
+                        break
         except ValueError as error:
             damage = error
-        yield from self._block(content, begins, ends)
+        if found:
+            yield self._block(content, places[:found])
         if damage is not None:
             raise damage
 
@@ -261,17 +279,11 @@ class _Mcap:
         elif entry.id not in self._channels:
             self._channels[entry.id] = _mcap_channel(entry, self._schemas.get(entry.schema_id))
 
-    def _block(self, content: NDArray[np.uint8], begins: list[int], ends: list[int]) -> Iterator[Block]:
-        if not begins:
-            return
-        starts = np.array(begins) + mcap.BEFORE_DATA
-        sizes = np.array(ends) - starts
-        if (sizes < 0).any():
-            raise ValueError("a message is cut off")
-        which, times = mcap.heads(content, np.array(begins))
+    def _block(self, content: NDArray[np.uint8], places: NDArray[np.int64]) -> Block:
+        sizes, which, times = mcap.heads(content, places)
         if not np.isin(which, list(self._channels)).all():
             raise ValueError("a message is of no channel")
-        yield Block(self._channels, which, times, Packed(content, starts, sizes))
+        return Block(self._channels, which, times, Packed(content, places + mcap.DATA, sizes))
 
 
 def _mcap_channel(channel: Any, schema: Any) -> Channel:

@@ -41,9 +41,13 @@ class Packed:
     @classmethod
     def of(cls, messages: Sequence[bytes]) -> "Packed":
         """Return messages that come one by one."""
-        sizes = np.fromiter(map(len, messages), dtype=np.int64, count=len(messages))
-        buffer = np.frombuffer(b"".join(messages), dtype=np.uint8)
-        return cls(buffer, np.cumsum(sizes) - sizes, sizes)
+        return cls.joined(messages, [len(message) for message in messages])
+
+    @classmethod
+    def joined(cls, parts: Sequence[bytes], lengths: Sequence[int]) -> "Packed":
+        """Return messages of some lengths that lie one behind the other in parts of any length."""
+        sizes = np.array(lengths, dtype=np.int64)
+        return cls(np.frombuffer(b"".join(parts), dtype=np.uint8), np.cumsum(sizes) - sizes, sizes)
 
     def __len__(self) -> int:
         return len(self.begins)

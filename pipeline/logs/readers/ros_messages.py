@@ -44,6 +44,9 @@ class MessageType:
 
     def columns(self, messages: Packed) -> Iterator[Columns]:
         """Yield the numbers of messages, those of one layout at once; a message shorter than its type is left out."""
+        if len(messages) and (messages.sizes == messages.sizes[0]).all():
+            yield from self._of_one_size(messages, np.arange(len(messages)), int(messages.sizes[0]))
+            return
         sizes, kinds = np.unique(messages.sizes, return_inverse=True)
         for number, size in enumerate(sizes.tolist()):
             rows = np.flatnonzero(kinds == number)
@@ -56,6 +59,9 @@ class MessageType:
         content = messages[rows].alike()
         for layout in known:
             fitting = layout.fits(content)
+            if fitting.all():
+                yield layout.columns(content, rows)
+                return
             if fitting.any():
                 yield layout.columns(content[fitting], rows[fitting])
                 content, rows = content[~fitting], rows[~fitting]

@@ -13,16 +13,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from simgap import compiled
 from simgap.errors import InputError
 from simgap.logs.log import Log
 from simgap.logs.readers.file_bytes import bytes_of
+from simgap.logs.readers.packed import Packed
 from simgap.logs.readers.ulog_formats import within_bounds
 from simgap.logs.records import Records, RecordSignals
 
 MAGIC = b"ULog\x01\x12\x35"
 _SYNC = b"\x2f\x73\x13\x20\x25\x0c\xbb\x12"
 _HEADER = 16  # bytes before the first message
+_HEAD = struct.Struct("<HBH")  # of a message: size, type, and the message id of a record
+_SHORTEST = 3  # bytes of a message
+_RECORD = ord("D")
 _TYPES = {
     "int8_t": "i1", "uint8_t": "u1", "int16_t": "<i2", "uint16_t": "<u2", "int32_t": "<i4", "uint32_t": "<u4",
     "int64_t": "<i8", "uint64_t": "<u8", "float": "<f4", "double": "<f8", "bool": "i1", "char": "i1",
@@ -33,10 +39,9 @@ _REMEDY = "copy it from the vehicle again"
 
 @dataclass
 class _Parts:
-    """A file's messages: the records by message id, and all others."""
+    """A file's messages: the records by message id, all bytes of one in a row, and all others."""
 
-    records: dict[int, bytearray] = field(default_factory=dict)
-    sizes: dict[int, int] = field(default_factory=dict)
+    records: dict[int, NDArray[np.uint8]] = field(default_factory=dict)
     first: dict[int, bytes] = field(default_factory=dict)
     others: list[tuple[int, bytes]] = field(default_factory=list)
     dropouts: list[int] = field(default_factory=list)
@@ -74,13 +79,19 @@ def read(path: Path) -> Log:
 
 
 def _split(data: bytes, path: Path) -> _Parts:
-    """Walk through the messages of a file, and of what was appended to it after a crash."""
+    """Sort the messages of a file, and of what was appended to it after a crash."""
     if len(data) < _HEADER or not data.startswith(MAGIC):
         raise InputError("is no ULog", str(path), _REMEDY)
-    offsets = [at for at in _appended(data) if _HEADER < at < len(data)]
     parts = _Parts()
-    for begin, end in zip([_HEADER, *offsets], [*offsets, len(data)], strict=True):
-        _walk(data, begin, end, parts)
+    places = _places(data, parts)
+    are_records = np.frombuffer(data, np.uint8)[places + 2] == _RECORD
+    _sort_records(data, places[are_records], parts)
+    for at in places[~are_records].tolist():
+        size, kind, number = _HEAD.unpack_from(data, at)
+        if kind == ord("O") and size >= 2:
+            parts.dropouts.append(number)
+        elif kind != ord("S"):
+            parts.others.append((kind, data[at : at + 3 + size]))
     return parts
 
 
@@ -91,33 +102,52 @@ def _appended(data: bytes) -> list[int]:
     return sorted(set(struct.unpack_from("<3Q", data, _HEADER + 19)))
 
 
-def _walk(data: bytes, at: int, end: int, parts: _Parts) -> None:
-    """Sort the messages between two places; after damage go on at the next mark of synchronisation."""
-    head = struct.Struct("<HBH").unpack_from  # size, type, and the message id of a record
-    records, sizes = parts.records, parts.sizes
+def _places(data: bytes, parts: _Parts) -> NDArray[np.int64]:
+    """Return where messages begin; after damage it goes on at the next mark of synchronisation."""
+    walk = compiled.for_size(_walk, len(data))
+    offsets = [at for at in _appended(data) if _HEADER < at < len(data)]
+    found, places = 0, np.empty(len(data) // _SHORTEST + 1, dtype=np.int64)
+    for at, end in zip([_HEADER, *offsets], [*offsets, len(data)], strict=True):
+        while at + 5 <= end:
+            found, at = walk(memoryview(data), at, end, places.data, found)
+            if at + 5 <= end:
+                stop = at + 3 + int.from_bytes(data[at : at + 2], "little")
+                parts.damaged += stop < len(data)  # a file that ends in a message was cut, which is no damage
+                mark = data.find(_SYNC, at + 1, end)
+                at = mark + len(_SYNC) if mark >= 0 else end
+    return places[:found]
+
+
+def _walk(data: memoryview, at: int, end: int, places: memoryview, found: int) -> tuple[int, int]:
+    """Put down where messages begin, behind those found before; return how many, and the place where none is."""
     while at + 5 <= end:
-        size, kind, number = head(data, at)
-        stop = at + 3 + size
-        if kind == 68 and stop <= end:  # D: a record
-            if sizes.get(number) == size:
-                records[number] += data[at + 5 : stop]
-            elif number not in sizes and size > 2:
-                sizes[number] = size
-                records[number] = bytearray(data[at + 5 : stop])
-                parts.first[number] = data[at:stop]
-            else:
-                parts.damaged += 1
-            at = stop
-        elif not 65 <= kind <= 90 or not size or stop > end:  # every type is a capital letter
-            found = data.find(_SYNC, at + 1, end)
-            parts.damaged += stop < len(data)  # a file that ends in a message was cut, which is no damage
-            at = found + len(_SYNC) if found >= 0 else end
-        else:
-            if kind == ord("O") and size >= 2:
-                parts.dropouts.append(number)
-            elif kind != ord("S"):
-                parts.others.append((kind, data[at:stop]))
-            at = stop
+        size, kind = data[at] + 256 * data[at + 1], data[at + 2]
+        is_message = 65 <= kind <= 90 and (
+            size > 0 or kind == 68
+        )  # every type is a capital letter; D: a record
+        if not is_message or at + 3 + size > end:
+            break
+        places[found] = at
+        found += 1
+        at += 3 + size
+    return found, at
+
+
+def _sort_records(data: bytes, places: NDArray[np.int64], parts: _Parts) -> None:
+    """Sort the records that begin at some places by their message ids; those of another size than the first are
+    damaged."""
+    raw = np.frombuffer(data, np.uint8)
+    words = np.ndarray((len(data) - 1,), dtype="<u2", buffer=data, strides=(1,))
+    sizes, numbers = words[places], words[places + 3]
+    order = np.argsort(numbers, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(numbers[order])) + 1) if len(order) else []
+    for rows in sorted((rows[sizes[rows] > 2] for rows in groups), key=lambda rows: rows[:1].tolist()):
+        if len(rows):
+            size, number, begin = int(sizes[rows[0]]), int(numbers[rows[0]]), int(places[rows[0]])
+            begins = places[rows[sizes[rows] == size]] + 5
+            parts.records[number] = Packed(raw, begins, np.full(len(begins), size - 2)).alike()
+            parts.first[number] = data[begin : begin + 3 + size]
+    parts.damaged += len(places) - sum(len(rows) for rows in parts.records.values())
 
 
 def _parsed(header: bytes, parts: _Parts, path: Path) -> Any:
@@ -146,7 +176,8 @@ def _plain(kind: int, message: bytes) -> bytes:
 
 def _records(topic: Any, parts: _Parts, start: int) -> Records | None:
     """Return the records of a topic; None where they do not fit its format."""
-    size = parts.sizes[topic.msg_id] - 2
+    content = parts.records[topic.msg_id]
+    size = content.shape[1]
     types = [_TYPES[entry.type_str] for entry in topic.field_data]
     names = [entry.field_name for entry in topic.field_data]
     widths = [np.dtype(kind).itemsize for kind in types]
@@ -154,7 +185,7 @@ def _records(topic: Any, parts: _Parts, start: int) -> Records | None:
         return None
     offsets = np.cumsum([0, *widths[:-1]]).tolist()
     layout = np.dtype({"names": names, "formats": types, "offsets": offsets, "itemsize": size})  # type: ignore[call-overload]
-    rows = np.frombuffer(parts.records[topic.msg_id], dtype=layout)
+    rows = content.view(layout)[:, 0]
     stamp = rows["timestamp"]
     time = 1e-6 * (stamp - np.uint64(start)).astype("int64") if stamp.dtype == "<u8" else 1e-6 * stamp
     flags = frozenset(entry.field_name for entry in topic.field_data if entry.type_str == "bool")

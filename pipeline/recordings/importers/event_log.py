@@ -5,7 +5,6 @@ Source: tools/usdlog of bitcraze/crazyflie-firmware.
 
 import struct
 import zlib
-from array import array
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from simgap import compiled
 from simgap.errors import InputError
 
 _MAGIC = 0xBC
@@ -31,8 +31,8 @@ _TYPES = {
     "f": "<f4",
     "d": "<f8",
 }
+_NUMBERS = 1 << 16  # that a type of events may have
 _CHECKSUM = 4  # bytes at the end
-_GATHERED = 1 << 16  # events that are gathered at once, to bound memory
 
 
 @dataclass(frozen=True)
@@ -102,12 +102,12 @@ def read_events(path: Path) -> EventLog:
     places, end = _places(body, types, start)
     if not whole and _goes_on(body, types, end):
         raise InputError("its checksum is wrong", where, "it was damaged; copy it again")
-    if not any(places.values()) or (whole and end != len(body)):
+    if not any(len(starts) for starts in places.values()) or (whole and end != len(body)):
         raise InputError("does not end with a whole event", where, "it was cut off or damaged; copy it again")
     events = {
         name: _gathered(body, places[number], record)
         for number, (name, record) in types.items()
-        if places[number]
+        if len(places[number])
     }
     return EventLog(events, step, whole)
 
@@ -140,9 +140,8 @@ def _header(body: bytes) -> tuple[dict[int, tuple[str, np.dtype]], int, int]:
 
 def _places(
     body: memoryview, types: Mapping[int, tuple[str, np.dtype]], start: int
-) -> tuple[dict[int, array], int]:
+) -> tuple[dict[int, np.ndarray], int]:
     """Return where the events of each type begin, and the end of the last one that is whole."""
-    places = {number: array("q") for number in types}
     if len(types) == 1:
         number, (_, record) = next(iter(types.items()))
         rows = (len(body) - start) // record.itemsize
@@ -150,17 +149,31 @@ def _places(
         wrong = np.flatnonzero(numbers != number)
         rows = int(wrong[0]) if len(wrong) else rows
         end = start + rows * record.itemsize
-        places[number] = array("q", np.arange(start, end, record.itemsize).tobytes())
-        return places, end
-    kinds = {number: (record.itemsize, places[number].append) for number, (_, record) in types.items()}
-    place, last = start, len(body)
-    while place + 2 <= last:
-        found = kinds.get(body[place] | body[place + 1] << 8)
-        if found is None or place + found[0] > last:
+        return {number: np.arange(start, end, record.itemsize)}, end
+    sizes = np.zeros(_NUMBERS, dtype=np.int64)
+    for number, (_, record) in types.items():
+        sizes[number] = record.itemsize
+    found = np.empty(
+        1 + (len(body) - start) // min(record.itemsize for _, record in types.values()), np.int64
+    )
+    walk = compiled.for_size(_walk, len(body))
+    count, end = walk(body, start, sizes.data, found.data)
+    found = found[:count]
+    numbers = np.ndarray((len(body) - 1,), "<u2", buffer=body, strides=(1,))[found]
+    return {number: found[numbers == number] for number in types}, end
+
+
+def _walk(body: memoryview, place: int, sizes: memoryview, found: memoryview) -> tuple[int, int]:
+    """Put down where events begin; return how many, and the end of the last one that is whole. It can be compiled."""
+    count, end = 0, len(body)
+    while place + 2 <= end:
+        size = sizes[body[place] + 256 * body[place + 1]]
+        if size == 0 or place + size > end:
             break
-        found[1](place)
-        place += found[0]
-    return places, place
+        found[count] = place
+        count += 1
+        place += size
+    return count, place
 
 
 def _goes_on(body: memoryview, types: Mapping[int, tuple[str, np.dtype]], end: int) -> bool:
@@ -171,13 +184,8 @@ def _goes_on(body: memoryview, types: Mapping[int, tuple[str, np.dtype]], end: i
     return record is None or len(body) - end >= record[1].itemsize
 
 
-def _gathered(body: memoryview, places: array, record: np.dtype) -> np.ndarray:
+def _gathered(body: memoryview, starts: np.ndarray, record: np.dtype) -> np.ndarray:
     """Return the events that begin at some places."""
-    content = np.frombuffer(body, np.uint8)
-    starts = np.frombuffer(places, np.int64)
-    inside = np.arange(record.itemsize)
-    events = np.empty(len(starts), record)
-    for first in range(0, len(starts), _GATHERED):
-        part = starts[first : first + _GATHERED]
-        events[first : first + _GATHERED] = content[part[:, None] + inside].view(record)[:, 0]
-    return events
+    size = record.itemsize  # at every byte an event could begin
+    everywhere = np.ndarray((len(body) - size + 1,), f"V{size}", buffer=body, strides=(1,))
+    return everywhere[starts].view(record)
