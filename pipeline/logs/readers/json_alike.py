@@ -25,25 +25,30 @@ class _UnlikeError(ValueError):
 
 def columns_alike(messages: Packed) -> Columns | None:
     """Return the numbers of messages with the same names in the same order; None where some differ, or are damaged."""
-    texts = [messages.message(row) for row in range(len(messages))]
-    if any(b"\n" in text or text.count(b"[") + text.count(b"{") > _DEEPEST for text in texts):
+    longest = np.flatnonzero(messages.sizes > _DEEPEST)  # only these can be that deep
+    if messages.sizes.sum() > _LONGEST or any(_is_deep(messages.message(row)) for row in longest.tolist()):
         return None
-    joined = b"\n".join(texts)
-    if len(joined) > _LONGEST:
+    joined = b"\n".join(messages.texts())
+    if joined.count(b"\n") != len(messages) - 1:  # one has lines
         return None
     options = arrow_json.ReadOptions(use_threads=False, block_size=len(joined) + 1)
     try:
         table = arrow_json.read_json(io.BytesIO(joined), read_options=options)
-        if table.num_rows != len(texts):
+        if table.num_rows != len(messages):
             return None
         content = {name: table.column(name).combine_chunks() for name in table.column_names}
         long: set[str] = set()
         found = dict(_flat(content, "", _names(content), long))
-        values = np.stack(list(found.values()), axis=1) if found else np.empty((len(texts), 0))
-        rows = np.arange(len(texts))
+        values = np.stack(list(found.values()), axis=1) if found else np.empty((len(messages), 0))
+        rows = np.arange(len(messages))
         return Columns(rows, [(tuple(found), values)], _stamps(content), frozenset(long))
     except (pa.ArrowException, _UnlikeError):
         return None
+
+
+def _is_deep(text: bytes) -> bool:
+    """Whether lists and objects may be nested too deeply."""
+    return text.count(b"[") + text.count(b"{") > _DEEPEST
 
 
 def _flat(

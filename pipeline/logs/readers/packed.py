@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+_SPARSE = 8  # bytes of a buffer for one of the messages in it, from which on they lie far apart
+
 
 class Columns(NamedTuple):
     """The numbers of some messages that hold the same fields.
@@ -59,6 +61,18 @@ class Packed:
         """Return one message."""
         begin = int(self.begins[row])
         return self.buffer[begin : begin + int(self.sizes[row])].tobytes()
+
+    def texts(self) -> list[bytes]:
+        """Return all messages; those that lie close together are cut out of one copy, which is faster."""
+        if not len(self):
+            return []
+        ends = self.begins + self.sizes
+        first, past = int(self.begins.min()), int(ends.max())
+        if past - first > _SPARSE * int(self.sizes.sum()):
+            return [self.message(row) for row in range(len(self))]
+        content = self.buffer[first:past].tobytes()
+        places = zip((self.begins - first).tolist(), (ends - first).tolist(), strict=True)
+        return [content[begin:end] for begin, end in places]
 
     def alike(self) -> NDArray[np.uint8]:
         """Return messages of one size, (n, size)."""

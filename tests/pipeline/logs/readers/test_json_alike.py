@@ -70,6 +70,7 @@ def test_both_parsers_tell_the_same(more: dict[str, Any], monkeypatch: pytest.Mo
         b'{"a":' * 5000,
         b"",
         b"[1, 2]",
+        b'{"name": ["elbow", "wrist"],\n"position": [0.1, 2.0]}',
     ],
 )
 def test_messages_that_are_not_alike_are_left_to_the_slower_reader(other: Any) -> None:
@@ -87,3 +88,14 @@ def test_every_number_survives(values: list[float]) -> None:
     found = columns_alike(packed({"values": [float(value) for value in values]}))
     assert found is not None
     np.testing.assert_array_equal(found.blocks[0][1][0], [float(value) for value in values])
+
+
+@given(sizes=st.lists(st.integers(0, 30), max_size=20), gap=st.sampled_from([0, 3, 500]), order=st.randoms())
+def test_messages_are_cut_out_wherever_they_lie(sizes: list[int], gap: int, order: Any) -> None:
+    buffer = np.random.default_rng(0).integers(0, 256, sum(sizes) + gap * len(sizes) + 1, dtype=np.uint8)
+    begins = [sum(sizes[:place]) + gap * place for place in range(len(sizes))]
+    chosen = list(zip(begins, sizes, strict=True))
+    order.shuffle(chosen)
+    at, long = (np.array([each[part] for each in chosen], dtype=np.int64) for part in (0, 1))
+    found = Packed(buffer, at, long).texts()
+    assert found == [buffer[begin : begin + size].tobytes() for begin, size in chosen]
