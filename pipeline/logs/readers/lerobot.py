@@ -116,12 +116,17 @@ def _of_file(path: Path, most: int) -> tuple[dict[str, NDArray[np.float64]], int
         count = file.metadata.num_rows * widths
         if count > most:
             raise InputError("holds too many frames", str(path), "give one file of the data set")
-        table = file.read(columns=names)
-        found = {name: _array(table.column(name).combine_chunks()) for name in names}
+        found = {
+            name: _array(_column(file, name)) for name in names
+        }  # one by one, so that none is held twice
     except (pa.ArrowException, OSError, ValueError, OverflowError) as error:
         reason = (str(error).splitlines() or ["damaged"])[0]
         raise InputError(f"cannot be read ({reason})", str(path), "copy the data set again") from None
     return {name: values for name, values in found.items() if values is not None}, count
+
+
+def _column(file: Any, name: str) -> Any:
+    return file.read(columns=[name], use_threads=False).column(name).combine_chunks()
 
 
 def _is_numeric(kind: Any) -> bool:
