@@ -56,7 +56,7 @@ def _changes(times: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
 
 def in_order(signal: Signal) -> Signal:
     """Return a signal with increasing times; of samples at the same time, the first."""
-    if bool(np.all(np.diff(signal.time) > 0)):
+    if (signal.time[1:] > signal.time[:-1]).all():
         return signal
     _, kept = np.unique(signal.time, return_index=True)
     return replace(signal, time=signal.time[kept], values=signal.values[kept])
@@ -134,7 +134,8 @@ def _last(
 
 
 def _known(signal: Signal) -> NDArray[np.float64]:
-    return signal.time[np.isfinite(signal.values)]
+    known = np.isfinite(signal.values)
+    return signal.time if known.all() else signal.time[known]
 
 
 def _averaged(

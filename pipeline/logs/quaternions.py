@@ -23,11 +23,11 @@ def without_jumps(columns: Mapping[str, Signal]) -> dict[str, Signal]:
         parts = [columns[name] for name in group]
         if any(not np.array_equal(part.time, parts[0].time) for part in parts[1:]):
             continue
-        values = np.stack([part.values for part in parts])
-        opposite = np.sum(values[:, 1:] * values[:, :-1], axis=0) < 0
-        signs = np.cumprod(np.concatenate([[1.0], np.where(opposite, -1.0, 1.0)]))
-        changed |= {
-            name: replace(part, values=row)
-            for name, part, row in zip(group, parts, values * signs, strict=True)
-        }
+        opposite = np.asarray(sum(part.values[1:] * part.values[:-1] for part in parts)) < 0
+        if opposite.any():
+            signs = np.cumprod(np.concatenate([[1.0], np.where(opposite, -1.0, 1.0)]))
+            changed |= {
+                name: replace(part, values=part.values * signs)
+                for name, part in zip(group, parts, strict=True)
+            }
     return changed

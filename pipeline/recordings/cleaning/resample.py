@@ -261,8 +261,8 @@ def _fill(
         result.cause[:, places] = 0
         return
     times, values, is_input = grid.recorded, run.values[:, places], columns[0] in INPUTS[run.kind]
-    measured = grid.exact & known[grid.last]
-    new = np.where(measured[:, None], values[grid.last], np.nan)
+    measured = known if grid.complete else grid.exact & known[grid.last]
+    new = np.where(measured[:, None], values if grid.complete else values[grid.last], np.nan)
     rows, left, right = _beside(np.flatnonzero(~measured), known, run.stretch, grid)
     near = times[right] - times[left] <= limit + _SAME * result.time_step
     rows, left, right = rows[near], left[near], right[near]
