@@ -24,7 +24,7 @@ PLACES = {"name", "artifacts", "output", "tracking", "results"}
 # Parts of the project that cannot change what a stage writes; a branch names its platform, and reads no robot's file.
 SILENT = {
     f"simgap.{name}"
-    for name in ("checks", "comparison", "errors", "extras", "lazy", "robot_files", "tracking")
+    for name in ("checks", "comparison", "compiled", "errors", "extras", "lazy", "robot_files", "tracking")
 }
 
 PIPELINE = yaml.safe_load((PROJECT_ROOT / "dvc.yaml").read_text())

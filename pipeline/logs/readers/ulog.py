@@ -119,13 +119,14 @@ def _places(data: bytes, parts: _Parts) -> NDArray[np.int64]:
 
 
 def _walk(data: memoryview, at: int, end: int, places: memoryview, found: int) -> tuple[int, int]:
-    """Put down where messages begin, behind those found before; return how many, and the place where none is."""
+    """Put down where messages begin, behind those found before; return how many, and the place where none is.
+
+    It can be compiled: `simgap.compiled`.
+    """
     while at + 5 <= end:
         size, kind = data[at] + 256 * data[at + 1], data[at + 2]
-        is_message = 65 <= kind <= 90 and (
-            size > 0 or kind == 68
-        )  # every type is a capital letter; D: a record
-        if not is_message or at + 3 + size > end:
+        # Every type is a capital letter; a record, D, may be empty.
+        if not 65 <= kind <= 90 or (size == 0 and kind != 68) or at + 3 + size > end:
             break
         places[found] = at
         found += 1

@@ -153,9 +153,8 @@ def _places(
     sizes = np.zeros(_NUMBERS, dtype=np.int64)
     for number, (_, record) in types.items():
         sizes[number] = record.itemsize
-    found = np.empty(
-        1 + (len(body) - start) // min(record.itemsize for _, record in types.values()), np.int64
-    )
+    shortest = min((record.itemsize for _, record in types.values()), default=1)
+    found = np.empty(1 + max(0, len(body) - start) // shortest, np.int64)
     walk = compiled.for_size(_walk, len(body))
     count, end = walk(body, start, sizes.data, found.data)
     found = found[:count]
@@ -164,7 +163,10 @@ def _places(
 
 
 def _walk(body: memoryview, place: int, sizes: memoryview, found: memoryview) -> tuple[int, int]:
-    """Put down where events begin; return how many, and the end of the last one that is whole. It can be compiled."""
+    """Put down where events begin; return how many, and the end of the last one that is whole.
+
+    It can be compiled: `simgap.compiled`.
+    """
     count, end = 0, len(body)
     while place + 2 <= end:
         size = sizes[body[place] + 256 * body[place + 1]]

@@ -76,6 +76,11 @@ def test_a_log_that_goes_on_with_nonsense_is_refused(tmp_path: Path) -> None:
         read(written(tmp_path, encoded(TWO, checksum=False) + b"\xff" * 40))
 
 
+def test_a_log_without_types_of_events_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="whole event"):
+        read(written(tmp_path, encoded({})))
+
+
 @settings(max_examples=40)
 @given(content=damaged(encoded(TWO)))
 def test_damage_gives_a_log_or_one_line(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
