@@ -136,7 +136,8 @@ def _diagnosed(values: dict[str, Any], folder: Path, commands: tuple[str, ...]) 
 
     Returns:
         The `diagnosis`, the `posterior` and `missed`, each where there is one. The posterior holds the probability of
-        each effect before recalibration, by key; `missed` is whether the best hypothesis misses a part of the recording.
+        each effect before recalibration, by key; `missed` is whether the best hypothesis misses a part of what was
+        recorded.
     """
     from importlib import import_module
 
