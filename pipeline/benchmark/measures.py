@@ -8,6 +8,7 @@ from typing import Any
 
 from simgap.benchmark.intervals import Share, quantile, share_of
 from simgap.benchmark.reliability import brier_score, calibration_error, calibration_error_by_chance
+from simgap.benchmark.score import BELIEVED
 
 Result = Mapping[str, Any]
 
@@ -73,6 +74,25 @@ def false_alarms(results: Iterable[Result]) -> Share:
     return share_of(result["score"]["outcome"] == "wrong" for result in scored(of(results, "nothing")))
 
 
+def false_names(results: Sequence[Result]) -> float:
+    """Return how many wrong names stand at the level of belief or above it, per case."""
+    cases = scored(results)
+    wrong = sum(p >= BELIEVED and not true for case in cases for p, true in case["score"]["stated"])
+    return wrong / len(cases) if cases else math.nan
+
+
+def ambiguous_or_right(results: Iterable[Result]) -> Share:
+    """Return the share of ambiguous recordings whose right name comes first, or is listed as ambiguous."""
+    outcomes = (r["score"]["outcome"] for r in scored(of(results, "ambiguous")))
+    return share_of(outcome in ("right", "ambiguous") for outcome in outcomes)
+
+
+def all_found(results: Iterable[Result]) -> Share:
+    """Return the share of published recordings of which every known effect is believed."""
+    scores = (result["score"] for result in results)
+    return share_of(not score["missed"] and not score["undecided"] for score in scores)
+
+
 def parameter_error(results: Iterable[Result]) -> float:
     """Return the median relative error of the first parameter of every concealed effect that was named."""
     return quantile(first_errors(results), 0.5)
@@ -112,10 +132,14 @@ def longest(results: Iterable[Result]) -> float:
 
 
 BARS = (
-    Bar("clear effects named first", 0.95, True, lambda r: named_first(of(r, "clear"))),
-    Bar("faint effects named first", 0.75, True, lambda r: named_first(of(r, "faint"))),
-    Bar("effects of pairs found", 0.85, True, lambda r: recall(of(r, "pair"))),
+    Bar("clear effects named first", 0.97, True, lambda r: named_first(of(r, "clear"))),
+    Bar("faint effects named first", 0.85, True, lambda r: named_first(of(r, "faint"))),
+    Bar("effects of pairs found", 0.90, True, lambda r: recall(of(r, "pair"))),
     Bar("nulls in which something is named", 0.02, False, false_alarms),
+    Bar("false names at 0.5 or more, per case", 0.03, False, false_names, percent=False),
+    Bar("with physics outside the catalogue: effects found", 0.70, True, lambda r: recall(of(r, "mixed"))),
+    Bar("driver not recorded: effect named first", 0.75, True, lambda r: named_first(of(r, "hidden"))),
+    Bar("ambiguous excitation: named first, or listed as ambiguous", 0.90, True, ambiguous_or_right),
     Bar("parameter error, median", 0.10, False, parameter_error),
     Bar("gap closed, median", 0.90, True, lambda r: quantile(gaps_closed(r), 0.5)),
     Bar(
@@ -125,10 +149,14 @@ BARS = (
         greatest_wrong,
         percent=False,
     ),
-    Bar("expected calibration error", 0.05, False, lambda r: calibration_error(stated(r)), percent=False),
+    Bar("expected calibration error", 0.03, False, lambda r: calibration_error(stated(r)), percent=False),
+    Bar("Brier score", 0.06, False, lambda r: brier_score(stated(r)), percent=False),
     Bar("seconds per case, nine of ten within", 60.0, False, longest, percent=False),
 )
-"""The targets of the diagnosis."""
+"""The targets of the diagnosis on concealed cases."""
+
+PUBLISHED_BARS = (Bar("published recordings of which every known effect is found", 15 / 18, True, all_found),)
+"""Those on published recordings."""
 
 
 def is_met(bar: Bar, value: Share | float) -> bool | None:
@@ -163,11 +191,6 @@ def overall(results: Sequence[Result]) -> dict[str, Share | float | int]:
             r["score"]["verdict_right"] for r in scored(of(results, "decoy"))
         ),
         "decoys named first": named_first(of(results, "decoy")),
-        "driver not recorded: effect named first": named_first(of(results, "hidden")),
-        "with physics outside the catalogue: effects found": recall(of(results, "mixed")),
-        "ambiguous excitation: named first, or listed as ambiguous": share_of(
-            r["score"]["outcome"] in ("right", "ambiguous") for r in scored(of(results, "ambiguous"))
-        ),
         "nulls with verdict none": share_of(
             r["score"]["verdict_right"] for r in scored(of(results, "nothing"))
         ),
@@ -181,7 +204,6 @@ def overall(results: Sequence[Result]) -> dict[str, Share | float | int]:
         "expected calibration error of perfectly calibrated probabilities (chance)": calibration_error_by_chance(
             stated(results)
         ),
-        "Brier score": brier_score(stated(results)),
         "stated probabilities": len(stated(results)),
         "cases that failed": share_of("failed" in result for result in results),
     }

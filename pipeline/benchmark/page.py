@@ -37,7 +37,11 @@ def results_text(results: Sequence[measures.Result], command: str) -> str:
         parts += _concealed(concealed)
     if published:
         head = ["recording", "known", "named", "gap closed", "removed and named first again", "seconds"]
-        parts += ["Published recordings with known effects:", markdown_table(head, published_rows(published))]
+        parts += [
+            "Published recordings with known effects:",
+            markdown_table(["measured", "bar", ""], _bar_rows(measures.PUBLISHED_BARS, published)),
+            markdown_table(head, published_rows(published)),
+        ]
     return "\n\n".join(parts) + "\n"
 
 
@@ -47,7 +51,7 @@ def _concealed(results: Sequence[measures.Result]) -> list[str]:
     return [
         f"{len(results)} concealed cases. {drawn - len(results)} more were drawn, but no realistic effect size reaches "
         "what their category demands.",
-        markdown_table(["measured", "bar", "", *kinds], _bar_rows(results, kinds)),
+        markdown_table(["measured", "bar", "", *kinds], _bar_rows(measures.BARS, results, kinds)),
         markdown_table(["also", "", *kinds], _other_rows(results, kinds)),
         "Per effect: how often it is named first, median error of its first parameter, median of the gap closed.",
         markdown_table(["kind", "effect", "clear", "faint", "error", "gap closed"], _effect_rows(results)),
@@ -85,9 +89,11 @@ def _write_page(results: str) -> None:
     (DOCS / "proof.md").write_text(f"{text}\n", encoding="utf-8")
 
 
-def _bar_rows(results: Sequence[measures.Result], kinds: Sequence[str]) -> list[list[str]]:
+def _bar_rows(
+    bars: Sequence[measures.Bar], results: Sequence[measures.Result], kinds: Sequence[str] = ()
+) -> list[list[str]]:
     rows = []
-    for bar in measures.BARS:
+    for bar in bars:
         value = bar.measured(results)
         met = {True: "met", False: "**not met**", None: "no cases"}[measures.is_met(bar, value)]
         sign = "≥" if bar.at_least else "≤"
