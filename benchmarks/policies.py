@@ -19,13 +19,13 @@ from benchmarks.bare_ppo import BarePPO
 from benchmarks.laps import Laps, in_turns
 from benchmarks.ours import RACING, flight
 from benchmarks.page import machine, table
-from simgap.policies.captured import Captured
 from simgap.policies.racing.entry import race_in
 from simgap.policies.racing.racing import Racing
 from simgap.policies.settings import Learning
 from simgap.policies.training import Training, collector_for, learner_for
 from simgap.runner.compose import compose, typed
 from simgap.simulation import Simulator
+from simgap.simulation.captured import Captured
 from simgap.stages.train_policy import TrainPolicyStage
 
 OURS, BARE = "simgap", "bare loop"

@@ -58,6 +58,7 @@ def train(config: TrainStage, run: StageRun) -> None:
 
 def _train(config: TrainStage, run: StageRun) -> None:
     """Fit a model to the recording, write it and score it."""
+    from simgap.models.accelerator import accelerated
     from simgap.models.contract import FitContext, Provenance
     from simgap.models.layouts import layout_of
     from simgap.models.registry import model_class, model_settings
@@ -96,14 +97,18 @@ def _train(config: TrainStage, run: StageRun) -> None:
     )
     machines = _machines(recording, layout) | {"": held}
     history = config.train.evaluation_history
-    before = next_values(model, machines, history) if config.train.bias_correction else {}
+    before: dict[str, NextValues] = {}
     if config.train.bias_correction:
-        model.correct(chosen)
+        with accelerated(model):
+            before = next_values(model, machines, history)
+            model.correct(chosen)
     save_model(model, run.output / "model")
     run.log_metrics({"best_validation_loss": loss})
-    after = next_values(model, machines, history)
+    with accelerated(model):
+        after = next_values(model, machines, history)
+        scores = _scores(model, held, config.train, run, FitContext(config.seed))
     _write_residuals(after, before, _units(recording, layout, after), run)
-    scores = _scores(model, held, config.train, run, FitContext(config.seed)) | _step_scores(after, before)
+    scores |= _step_scores(after, before)
     _write_metrics(_finite(scores), run)
     run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
     remove_checkpoint(checkpoint)

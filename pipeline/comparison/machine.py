@@ -2,6 +2,7 @@
 
 import os
 import platform
+import sys
 from importlib import metadata
 from pathlib import Path
 
@@ -15,8 +16,15 @@ def processor() -> str:
 
 
 def machine() -> str:
-    """Return processor and versions."""
-    return f"{processor()}, Python {platform.python_version()}, PyTorch {metadata.version('torch')}"
+    """Return processor, the GPU that PyTorch sees, if any, and versions."""
+    parts = [processor(), *graphics(), f"Python {platform.python_version()}"]
+    return ", ".join([*parts, f"PyTorch {metadata.version('torch')}"])
+
+
+def graphics() -> list[str]:
+    """Return the name of the GPU; nothing where there is none, or where PyTorch is not loaded and so uses none."""
+    torch = sys.modules.get("torch")
+    return [torch.cuda.get_device_name()] if torch and torch.cuda.is_available() else []
 
 
 def _cores() -> int:

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from simgap.errors import InputError
 from simgap.models.bias_correction import BiasCorrection
 from simgap.models.examples import Examples, Physics
 from simgap.models.layout import Layout
+from simgap.models.scaling import Scaler
 from simgap.models.settings import ModelSettings, Training
 from simgap.models.windows import Series
 
@@ -69,6 +70,10 @@ class Teacher(NamedTuple):
     forced: Tensor
 
 
+Advance = Callable[[Tensor, Any, Tensor], tuple[Tensor, Any]]
+"""From states, what is remembered before them, and inputs to the next states and what is remembered then."""
+
+
 class DynamicsModel(ABC):
     """Predicts the next state of a machine from a window of states and inputs.
 
@@ -76,6 +81,7 @@ class DynamicsModel(ABC):
     a model may remember more than a window: see `begin`, `follow` and `read`.
 
     Attributes:
+        device: on which it predicts; the CPU, unless it was moved.
         layout: what is seen and predicted.
         settings: of the model.
         time_step: s.
@@ -108,6 +114,7 @@ class DynamicsModel(ABC):
         self.residual = False
         self.physics: Physics | None = None
         self.size: dict[str, float] = {}
+        self.device = torch.device("cpu")
 
     @abstractmethod
     def fit(
@@ -137,6 +144,12 @@ class DynamicsModel(ABC):
         Raises:
             InputError: when names or shapes differ from the settings'.
         """
+
+    def to(self, device: torch.device) -> None:
+        """Move all that predictions touch; a residual that a simulator explains stays where its simulator is."""
+        if self.physics is None:
+            vars(self).update({name: _moved(own, device) for name, own in vars(self).items()})
+            self.device = device
 
     def examples(self, series: Series, what: str) -> Examples:
         """Return the windows of a series, as long as the settings say; see `Examples.of_series`."""
@@ -169,16 +182,23 @@ class DynamicsModel(ABC):
 
     @torch.no_grad()
     def rollout(self, states: Tensor, actions: Tensor) -> Tensor:
-        """Return what `unroll` does, without its derivatives."""
-        return self.unroll(states, actions)
+        """Return what `unroll` does, without its derivatives; states and inputs need not be on the model's device."""
+        return self.unroll(states.to(self.device), actions.to(self.device)).to(states.device)
 
-    def unroll(self, states: Tensor, actions: Tensor, teacher: Teacher | None = None) -> Tensor:
+    def unroll(
+        self,
+        states: Tensor,
+        actions: Tensor,
+        teacher: Teacher | None = None,
+        advance: Advance | None = None,
+    ) -> Tensor:
         """Return the states of many steps, each fed back as the next window's last sample.
 
         Args:
             states: known to begin with, (batch, length, states).
             actions: inputs, (batch, length − 1 + steps, inputs); the first belong to the known states.
             teacher: says what is fed back in place of what was predicted; None: nothing.
+            advance: does what `advance` does; None: that itself.
 
         Returns:
             (batch, steps, states).
@@ -188,16 +208,26 @@ class DynamicsModel(ABC):
             raise InputError("predicts what a simulator leaves, not the motion", "model", remedy)
         length = states.shape[1]
         memory = self.begin(self.layout.encode(states, actions[:, :length]))
-        state, reached = states[:, -1], []
-        for step in range(actions.shape[1] - length + 1):
-            action = actions[:, length - 1 + step]
-            if step:
-                memory = self.follow(memory, self.layout.encode(state, action))
-            state = self.following(state, memory, self.physics and self.physics(state, action))
-            if teacher is not None:
-                state = torch.where(teacher.forced, teacher.states[:, step], state)
-            reached.append(state)
+        state, action = states[:, -1], actions[:, length - 1]
+        state = self.following(state, memory, self.physics and self.physics(state, action))
+        reached = [_given(state, teacher, 0)]
+        for step in range(1, actions.shape[1] - length + 1):
+            # Laid out the same whatever the number of steps, for which it would be compiled anew.
+            action = actions[:, length - 1 + step].contiguous()
+            state, memory = (advance or self.advance)(reached[-1], memory, action)
+            reached.append(_given(state, teacher, step))
         return torch.stack(reached, dim=1)
+
+    def advance(self, state: Tensor, memory: Any, action: Tensor) -> tuple[Tensor, Any]:
+        """Return the next states (batch, states), and what is remembered before them, of one more step.
+
+        Args:
+            state: (batch, states).
+            memory: before this state's sample was seen.
+            action: inputs, (batch, inputs).
+        """
+        memory = self.follow(memory, self.layout.encode(state, action))
+        return self.following(state, memory, self.physics and self.physics(state, action)), memory
 
     def parts(self) -> dict[str, "DynamicsModel"]:
         """Return by name what of the model is scored beside it; most have no such part."""
@@ -244,7 +274,10 @@ class DynamicsModel(ABC):
             InputError: when the series has no window.
         """
         examples = self.examples(series, "validation")
-        pieces = [(self.increments(windows).double(), targets) for windows, targets in examples.chunks()]
+        pieces = [
+            (self.increments(windows.to(self.device)).to(targets), targets)
+            for windows, targets in examples.chunks()
+        ]
         predicted, true = (torch.cat(part) for part in zip(*pieces, strict=True))
         self.correction = BiasCorrection.fit(predicted, true)
 
@@ -261,3 +294,19 @@ class DynamicsModel(ABC):
             "correction": self.correction and self.correction.as_mapping(),
             "residual": self.residual,
         }
+
+
+def _given(state: Tensor, teacher: Teacher | None, step: int) -> Tensor:
+    """Return the predicted states (batch, states), where a teacher gives none."""
+    return state if teacher is None else torch.where(teacher.forced, teacher.states[:, step], state)
+
+
+def _moved(value: Any, device: torch.device) -> Any:
+    """Return tensors, networks and models on a device, alone or in a list; anything else as it is."""
+    if isinstance(value, DynamicsModel):
+        value.to(device)
+    elif isinstance(value, Tensor | nn.Module | Scaler):
+        return value.to(device)
+    elif isinstance(value, list):
+        return [_moved(entry, device) for entry in value]
+    return value

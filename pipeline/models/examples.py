@@ -69,6 +69,11 @@ class Examples:
             length=length,
         )
 
+    def to(self, device: torch.device) -> "Examples":
+        """Return the same windows on a device."""
+        features, targets, starts = (part.to(device) for part in (self.features, self.targets, self.starts))
+        return replace(self, features=features, targets=targets, starts=starts)
+
     def at_most(self, windows: int | None) -> "Examples":
         """Return so many of the validation windows at most, spread evenly; all where there is no limit.
 
@@ -89,7 +94,7 @@ class Examples:
 
     def take(self, index: Tensor) -> tuple[Tensor, Tensor]:
         """Return windows (batch, length, features) and targets (batch, targets)."""
-        starts = self.starts[index]
+        starts = self.starts[index.to(self.starts.device)]
         return gather(self.features, starts, self.length), self.targets[starts + self.length - 1]
 
     def chunks(self) -> Iterator[tuple[Tensor, Tensor]]:

@@ -42,7 +42,7 @@ class QuadrotorLayout(Layout):
         """Thrust and drag depend on the body frame only: position and heading are left out."""
         _, attitude, velocity, rate = _parts(state)
         down = torch.zeros_like(velocity)
-        down[..., 2] = -1.0
+        down[..., 2].fill_(-1.0)
         body_velocity = rotations.rotate_inverse(attitude, velocity)
         return torch.cat([body_velocity, rotations.rotate_inverse(attitude, down), rate, action**2], dim=-1)
 

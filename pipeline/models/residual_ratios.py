@@ -32,7 +32,10 @@ def residual_ratios(model: DynamicsModel, series: Series) -> dict[str, dict[str,
         InputError: when the series has no window.
     """
     chunks = model.examples(series, "held-out").chunks()
-    pairs = [(targets, targets - model.increments(windows)) for windows, targets in chunks]
+    pairs = [
+        (targets, targets - model.increments(windows.to(model.device)).to(targets))
+        for windows, targets in chunks
+    ]
     measured, residual = (torch.cat(part) for part in zip(*pairs, strict=True))
     found = {
         name: ratios(measured[:, index], residual[:, index])

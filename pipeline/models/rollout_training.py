@@ -4,20 +4,22 @@ Source: Mohajerin, Mozifian & Waslander 2018, "Deep learning a quadrotor dynamic
 """
 
 import math
+import os
+import shutil
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
-import pytorch_lightning as lightning
 import torch
 from pytorch_lightning.utilities.types import OptimizerLRSchedulerConfig
 from torch import Tensor, nn
 
 from simgap.errors import InputError
-from simgap.models.contract import FitContext, Teacher
+from simgap.models.accelerator import accelerator
+from simgap.models.contract import Advance, FitContext, Teacher
 from simgap.models.layout import Layout
 from simgap.models.settings import TrainedSettings, Training
-from simgap.models.training import VALIDATION_LOSS, train_module
+from simgap.models.training import Descent, train_module
 from simgap.models.windows import Series, evenly, gather
 
 _VALIDATION_WINDOWS = 2048  # evenly over the validation runs
@@ -41,7 +43,19 @@ class Unrolled(Protocol):
     def settings(self) -> TrainedSettings:
         """Of the model."""
 
-    def unroll(self, states: Tensor, actions: Tensor, teacher: Teacher | None = None) -> Tensor:
+    @property
+    def device(self) -> torch.device:
+        """On which it predicts."""
+
+    def to(self, device: torch.device) -> None:
+        """Move all that its predictions touch."""
+
+    def advance(self, state: Tensor, memory: Any, action: Tensor) -> tuple[Tensor, Any]:
+        """Return what `DynamicsModel.advance` does."""
+
+    def unroll(
+        self, states: Tensor, actions: Tensor, teacher: Teacher | None = None, advance: Advance | None = None
+    ) -> Tensor:
         """Return what `DynamicsModel.unroll` does, with its derivatives."""
 
 
@@ -63,7 +77,7 @@ class Stretches:
             )
 
 
-class RolloutRegression(lightning.LightningModule):
+class RolloutRegression(Descent):
     """Mean error of open-loop predictions, each quantity and step over its usual change until then.
 
     The error is not squared, because a few diverging windows would dominate a squared error.
@@ -77,14 +91,16 @@ class RolloutRegression(lightning.LightningModule):
     def __init__(
         self, model: Unrolled, train: Series, validation: Series, training: Training, seed: int
     ) -> None:
-        super().__init__()
-        self.model, self.network = model, model.network
+        super().__init__(model.network, model.settings, clip=1.0)
+        self.model = model
         self.train_series, self.validation_series = _single(train), _single(validation)
         self.steps, self.size, self.seed = training.steps, training.batch_size, seed
         self.epochs, self.growing = training.max_epochs, round(training.growth * training.max_epochs)
         self.known = model.settings.sequence_length
         self.lessons = lessons(model.layout) if training.teacher_forcing else []
         self.usual = usual_changes(model.layout, self.train_series, training.steps)
+        self.predicted = 0  # steps in the epoch before
+        self.advance: Advance | None = None
 
     def train_dataloader(self) -> Stretches:
         """Shuffle anew by seed and epoch, so that a resumed epoch is the one that was interrupted."""
@@ -93,6 +109,8 @@ class RolloutRegression(lightning.LightningModule):
         generator = torch.Generator().manual_seed((self.seed * 100_003 + self.current_epoch) % 2**63)
         order = torch.randperm(len(starts), generator=generator)
         kept = max(len(order) // _THINNING, self.size)
+        if self.device.type == "cuda":
+            kept -= kept % self.size  # what is compiled is so for one size of batch
         return Stretches(self.train_series, starts[order[:kept]], length, self.size)
 
     def val_dataloader(self) -> Stretches:
@@ -108,37 +126,55 @@ class RolloutRegression(lightning.LightningModule):
         return math.ceil(self.steps * min((self.current_epoch + 1) / (self.growing + 1), 1.0))
 
     def on_train_epoch_start(self) -> None:
-        """Keep the network as it is in prediction."""
+        """Keep the network as it is in prediction, and no graph of a shorter horizon."""
         self.network.eval()
+        if self.predicted != (steps := self.horizon()):
+            self.forget()
+            self.predicted = steps
 
-    def training_step(self, batch: tuple[Tensor, Tensor], index: int) -> Tensor:
-        """Return the loss of a batch."""
-        loss = self._taught(batch) if self.lessons else self._loss(batch)
-        self.log("train_loss", loss, on_step=False, on_epoch=True, batch_size=len(batch[0]))
-        return loss
-
-    def validation_step(self, batch: tuple[Tensor, Tensor], index: int) -> None:
-        """Log the loss of a batch."""
-        self.log(VALIDATION_LOSS, self._loss(batch), on_epoch=True, batch_size=len(batch[0]), prog_bar=True)
+    def on_train_batch_end(self, *_: Any) -> None:
+        """Let the learning rate fall at the end of an epoch."""
+        if self.trainer.is_last_batch:
+            self.lr_schedulers().step()
 
     def configure_optimizers(self) -> OptimizerLRSchedulerConfig:
         """Return Adam with L2 penalty, and a learning rate that falls to zero along half a cosine."""
-        settings = self.model.settings
-        optimizer = torch.optim.Adam(
-            self.network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
-        )
+        optimizer = super().configure_optimizers()
         schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, T_max=self.epochs)
         return {"optimizer": optimizer, "lr_scheduler": {"scheduler": schedule}}
 
-    def _taught(self, batch: tuple[Tensor, Tensor]) -> Tensor:
-        """Return the loss of all lessons: what is given has no error in it."""
-        return torch.stack([self._loss(batch, forced.to(self.device)) for forced in self.lessons]).sum()
+    def place(self) -> None:
+        """Move the samples and what errors are measured by; the model is there. Compile a step of it."""
+        if self.device.type == "cuda":
+            self.advance = _compiled(self.model.advance)
+        self.train_series, self.validation_series = (
+            series.to(self.device) for series in (self.train_series, self.validation_series)
+        )
+        self.lessons = [forced.to(self.device) for forced in self.lessons]
+        self.usual = {name: usual.to(self.device) for name, usual in self.usual.items()}
 
-    def _loss(self, batch: tuple[Tensor, Tensor], forced: Tensor | None = None) -> Tensor:
-        states, actions = batch
+    def taught(self, *batch: Tensor) -> Tensor:
+        """Return the loss of all lessons, where there are some: what is given has no error in it."""
+        if not self.lessons:
+            return self._loss(*batch, advance=self.advance)
+        return torch.stack([self._loss(*batch, forced, self.advance) for forced in self.lessons]).sum()
+
+    def loss(self, *batch: Tensor) -> Tensor:
+        """Return the loss of states and inputs."""
+        return self._loss(*batch)
+
+    def _loss(
+        self,
+        states: Tensor,
+        actions: Tensor,
+        forced: Tensor | None = None,
+        advance: Advance | None = None,
+    ) -> Tensor:
         true = states[:, self.known :]
         teacher = None if forced is None else Teacher(true, forced)
-        predicted = self.model.unroll(states[:, : self.known], actions, teacher)
+        # The library of NVIDIA has no derivatives of recurrent layers that run as in prediction.
+        with torch.backends.cudnn.flags(enabled=False):
+            predicted = self.model.unroll(states[:, : self.known], actions, teacher, advance)
         errors = self.model.layout.errors(predicted, true)
         steps = predicted.shape[1]
         relative = [(errors[name] / usual[:steps]).mean() for name, usual in self.usual.items()]
@@ -172,7 +208,18 @@ def train_rollouts(
     if context.checkpoint is not None:
         context = replace(context, checkpoint=context.checkpoint / "rollouts")
     module = RolloutRegression(model, train, validation, training, context.seed)
-    return train_module(module, model.network, training, context, clip=1.0)
+    model.to(accelerator())
+    loss = train_module(module, model.network, training, context, model.device)
+    model.to(torch.device("cpu"))
+    return loss
+
+
+def _compiled(advance: Advance) -> Advance:
+    """Return a step as fewer and larger kernels, which takes a minute; the step itself where nothing compiles."""
+    if shutil.which(os.environ.get("CC", "cc")) is None:
+        return advance
+    torch._dynamo.reset()  # so many compiled steps of earlier models are kept, and no more
+    return torch.compile(advance, dynamic=False)
 
 
 def usual_changes(layout: Layout, series: Series, steps: int) -> dict[str, Tensor]:

@@ -49,6 +49,10 @@ class Scaler:
         floor = 1e-9 * (1.0 + centre.abs())
         return cls(centre, torch.where(spread > floor, spread, torch.ones_like(spread)))
 
+    def to(self, device: torch.device) -> "Scaler":
+        """Return the same scaler on a device."""
+        return Scaler(self.centre.to(device), self.spread.to(device))
+
     def apply(self, values: Tensor) -> Tensor:
         """Return scaled values."""
         return (values - self.centre) / self.spread

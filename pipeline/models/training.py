@@ -1,18 +1,26 @@
-"""Training of a network with PyTorch Lightning: early stopping, best weights, resumption after a kill."""
+"""Training of a network with PyTorch Lightning: early stopping, best weights, resumption after a kill.
+
+On a GPU the samples lie on it from the beginning, and a step of the optimiser is one CUDA graph: launching the many
+small kernels of these networks takes longer than the kernels themselves.
+"""
 
 import logging
 import sys
-from collections.abc import Iterator
+from abc import abstractmethod
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytorch_lightning as lightning
 import torch
 from torch import Tensor, nn
 
 from simgap.errors import InputError
+from simgap.models.accelerator import accelerator
 from simgap.models.callbacks import KeepBest, ResumePoint, Tell
 from simgap.models.contract import FitContext
 from simgap.models.examples import Examples
 from simgap.models.settings import TrainedSettings, Training
+from simgap.simulation.captured import CapturedFunction
 
 VALIDATION_LOSS = "validation_loss"
 _VALIDATION_BATCH = 8192
@@ -33,7 +41,103 @@ class Batches:
         return map(self.examples.take, self.parts)
 
 
-class Regression(lightning.LightningModule):
+class Descent(lightning.LightningModule):
+    """Adam on the loss of batches; each step is a CUDA graph where the device has them.
+
+    Subclasses yield batches of tensors on the module's device.
+
+    Attributes:
+        improve: a step of the optimiser; returns the loss of the batch before it.
+        judge: the loss of a batch of validation.
+    """
+
+    improve: Callable[..., Tensor]
+    judge: Callable[..., Tensor]
+
+    def __init__(self, network: nn.Module, settings: TrainedSettings, clip: float | None = None) -> None:
+        """Note what is trained.
+
+        Args:
+            network: whose weights are learned.
+            settings: learning rate and penalty.
+            clip: greatest norm of a step's gradient; None: any.
+        """
+        super().__init__()
+        self.automatic_optimization = False  # a graph holds the whole step
+        self.network, self.settings, self.clip = network, settings, clip
+
+    @abstractmethod
+    def loss(self, *batch: Tensor) -> Tensor:
+        """Return the loss of a batch."""
+
+    def taught(self, *batch: Tensor) -> Tensor:
+        """Return the loss of a batch in training, where it is another one."""
+        return self.loss(*batch)
+
+    @abstractmethod
+    def place(self) -> None:
+        """Move the samples to the module's device."""
+
+    def on_fit_start(self) -> None:
+        """Move everything to the device at once."""
+        self.place()
+        self.improve, self.judge = (
+            self.captured() if self.device.type == "cuda" else (self._improve, self.loss)
+        )
+
+    def captured(self) -> tuple[CapturedFunction, CapturedFunction]:
+        """Return a step of the optimiser, and the loss, as functions that a GPU replays."""
+        return CapturedFunction(self._improve, self.device), CapturedFunction(self.loss, self.device)
+
+    def forget(self) -> None:
+        """Free the graphs of steps so far, where batches of other shapes follow."""
+        if isinstance(self.improve, CapturedFunction):
+            self.improve.forget()
+
+    def on_train_start(self) -> None:
+        """Keep the learning rate where a graph reads it, also that of a training taken up again."""
+        if self.device.type == "cuda":
+            for group in self._optimizer().param_groups:
+                group["lr"] = torch.as_tensor(group["lr"], device=self.device)
+
+    def training_step(self, batch: tuple[Tensor, ...], index: int) -> None:
+        """Improve the weights by a batch."""
+        loss = self.improve(*batch)
+        self.log("train_loss", loss, on_step=False, on_epoch=True, batch_size=len(batch[0]))
+
+    def validation_step(self, batch: tuple[Tensor, ...], index: int) -> None:
+        """Log the loss of a batch."""
+        loss = self.judge(*batch)
+        self.log(VALIDATION_LOSS, loss, on_epoch=True, batch_size=len(batch[0]), prog_bar=True)
+
+    def configure_optimizers(self) -> Any:
+        """Return Adam with L2 penalty."""
+        settings, on_gpu = self.settings, self.device.type == "cuda"
+        return torch.optim.Adam(
+            self.network.parameters(),
+            lr=settings.learning_rate,
+            weight_decay=settings.weight_decay,
+            fused=on_gpu or None,
+            capturable=on_gpu,
+        )
+
+    def _improve(self, *batch: Tensor) -> Tensor:
+        optimizer = self._optimizer()
+        optimizer.zero_grad()
+        loss = self.taught(*batch)
+        loss.backward()
+        if self.clip is not None:
+            nn.utils.clip_grad_norm_(self.network.parameters(), self.clip)
+        optimizer.step()
+        return loss.detach()
+
+    def _optimizer(self) -> torch.optim.Optimizer:
+        optimizer = self.optimizers(use_pl_optimizer=False)
+        assert isinstance(optimizer, torch.optim.Optimizer)
+        return optimizer
+
+
+class Regression(Descent):
     """One-step mean squared error of a network on scaled windows."""
 
     def __init__(
@@ -45,11 +149,9 @@ class Regression(lightning.LightningModule):
         size: int,
         seed: int,
     ) -> None:
-        super().__init__()
-        self.network = network
+        super().__init__(network, settings)
         self.train_examples = train
         self.validation_examples = validation
-        self.settings = settings
         self.size = size
         self.seed = seed
 
@@ -71,24 +173,14 @@ class Regression(lightning.LightningModule):
         """Let dropout depend on seed and epoch only."""
         torch.manual_seed(self._epoch_seed())
 
-    def training_step(self, batch: tuple[Tensor, Tensor], index: int) -> Tensor:
-        """Return the loss of a batch."""
-        loss = self._loss(batch)
-        self.log("train_loss", loss, on_step=False, on_epoch=True, batch_size=len(batch[0]))
-        return loss
-
-    def validation_step(self, batch: tuple[Tensor, Tensor], index: int) -> None:
-        """Log the loss of a batch."""
-        self.log(VALIDATION_LOSS, self._loss(batch), on_epoch=True, batch_size=len(batch[0]), prog_bar=True)
-
-    def configure_optimizers(self) -> torch.optim.Optimizer:
-        """Return Adam with L2 penalty."""
-        settings = self.settings
-        return torch.optim.Adam(
-            self.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
+    def place(self) -> None:
+        """Move the windows."""
+        self.train_examples, self.validation_examples = (
+            examples.to(self.device) for examples in (self.train_examples, self.validation_examples)
         )
 
-    def _loss(self, batch: tuple[Tensor, Tensor]) -> Tensor:
+    def loss(self, *batch: Tensor) -> Tensor:
+        """Return the mean squared error of windows and targets."""
         windows, targets = batch
         return nn.functional.mse_loss(self.network(windows), targets)
 
@@ -118,15 +210,11 @@ def train_network(
         InputError: when the loss is not finite from the beginning.
     """
     module = Regression(network, train, validation, settings, training.batch_size, context.seed)
-    return train_module(module, network, training, context)
+    return train_module(module, network, training, context, accelerator())
 
 
 def train_module(
-    module: lightning.LightningModule,
-    network: nn.Module,
-    training: Training,
-    context: FitContext,
-    clip: float | None = None,
+    module: Descent, network: nn.Module, training: Training, context: FitContext, device: torch.device
 ) -> float:
     """Train what `train_network` and `train_rollouts` do: early stopping, best weights, resumption after a kill.
 
@@ -135,12 +223,13 @@ def train_module(
         network: that it trains, left with the weights of the lowest loss.
         training: epochs and patience.
         context: checkpoint folder, listener.
-        clip: greatest norm of a step's gradient; None: any.
+        device: of the training; the network comes back to the CPU.
 
     Raises:
         InputError: when the loss is not finite from the beginning.
     """
     _silence_lightning()
+    torch.utils.deterministic.fill_uninitialized_memory = False  # kernels that change no result
     best = KeepBest(network, VALIDATION_LOSS)
     # Decided right after validation, so that at the end of the epoch it is known whether to write a resume point.
     stopping = lightning.callbacks.EarlyStopping(
@@ -159,10 +248,10 @@ def train_module(
         enable_checkpointing=False,
         enable_model_summary=False,
         enable_progress_bar=sys.stderr.isatty(),
-        gradient_clip_val=clip,
         num_sanity_val_steps=0,
         reload_dataloaders_every_n_epochs=1,
         deterministic=True,
+        accelerator=device.type,
         devices=1,
     )
     trainer.fit(module, ckpt_path=resume, weights_only=True)

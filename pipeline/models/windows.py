@@ -32,6 +32,10 @@ class Series:
     def __len__(self) -> int:
         return len(self.states)
 
+    def to(self, device: torch.device) -> "Series":
+        """Return the same samples on a device."""
+        return replace(self, states=self.states.to(device), actions=self.actions.to(device))
+
     def starts(self, length: int) -> Tensor:
         """Return the first sample of every window of `length` samples that stays inside one segment."""
         pieces = [torch.arange(first, max(last - length + 1, first)) for first, last in self.bounds.tolist()]
@@ -120,7 +124,8 @@ def _in_step(samples: np.ndarray, width: int, lead: int) -> np.ndarray:
 
 
 def gather(series: Tensor, starts: Tensor, length: int) -> Tensor:
-    """Return windows (starts, length, ...) of a series (samples, ...)."""
+    """Return windows (starts, length, ...) of a series (samples, ...), on its device."""
+    starts = starts.to(series.device)
     return series[starts[:, None] + torch.arange(length, device=starts.device)]
 
 

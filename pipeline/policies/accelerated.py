@@ -6,12 +6,12 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor
 
-from simgap.policies.captured import Captured
 from simgap.policies.collector import Collector, room
 from simgap.policies.environment import Environment
 from simgap.policies.networks import Critic, Gaussian
 from simgap.policies.ppo import Learner
 from simgap.policies.settings import Learning
+from simgap.simulation.captured import Captured
 
 
 class CapturedCollector(Collector):

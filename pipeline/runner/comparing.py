@@ -58,17 +58,16 @@ def write_comparison(stage: "Stage[Any]", outcomes: Sequence[Done | Failed], com
         command: that made them.
     """
     from simgap.comparison.figure import FIGURE, draw
-    from simgap.comparison.machine import machine
     from simgap.comparison.page import tables_text
 
     done = [outcome for outcome in outcomes if isinstance(outcome, Done)]
-    jobs, references = _read(stage, done)
+    jobs, references, machines = _read(stage, done)
     if not any(job.metrics for job in jobs):
         return None
     first = done[0]
     failed = [outcome.mistake for outcome in outcomes if isinstance(outcome, Failed)]
     comparison = Comparison(
-        first.place.folder, command, machine(), jobs, references, failed, first.config.results
+        first.place.folder, command, "; ".join(machines), jobs, references, failed, first.config.results
     )
     target = first.folder.parent / FOLDER
     with staged_directory(target, owned=True) as output:
@@ -81,10 +80,11 @@ def write_comparison(stage: "Stage[Any]", outcomes: Sequence[Done | Failed], com
     return target
 
 
-def _read(stage: "Stage[Any]", done: Sequence[Done]) -> tuple[list[Job], dict[str, Metrics]]:
-    """Return the jobs, and what all of them are held against."""
+def _read(stage: "Stage[Any]", done: Sequence[Done]) -> tuple[list[Job], dict[str, Metrics], dict[str, None]]:
+    """Return the jobs, what all of them are held against, and the machines that ran them."""
     jobs: list[Job] = []
     references: dict[str, Metrics] = {}
+    machines: dict[str, None] = {}  # in their order, each once
     for outcome in done:
         note = Note.read(outcome.folder)
         assert note is not None
@@ -92,4 +92,5 @@ def _read(stage: "Stage[Any]", done: Sequence[Done]) -> tuple[list[Job], dict[st
         values = {key: value for key, value in outcome.place.values.items() if key != "seed"}
         jobs.append(Job(values, note.seed, compared.pop("", {}), note.seconds))
         references |= compared
-    return jobs, references
+        machines |= {note.machine: None}
+    return jobs, references, machines

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from simgap.artifacts import PACKAGE, hash_path
+from simgap.comparison.machine import machine
 from simgap.errors import InputError
 
 FILE = "job.json"
@@ -25,6 +26,7 @@ class Note:
         seed: of every random draw.
         seconds: that the job took.
         inputs: SHA-256 of every input, by path.
+        machine: that ran the job.
         code: SHA-256 of every file of the project that was loaded, by its path beside the package.
     """
 
@@ -33,6 +35,7 @@ class Note:
     seed: int
     seconds: float
     inputs: dict[str, str]
+    machine: str = field(default_factory=lambda: machine())
     code: dict[str, str] = field(default_factory=lambda: loaded_code())
 
     def write(self, folder: Path) -> None:

@@ -77,7 +77,7 @@ def test_a_teacher_gives_some_states_and_leaves_the_others_to_the_model():
 def test_a_lesson_on_one_quantity_teaches_its_own_network_alone(lesson, taught):
     model, module = flying(teacher_forcing=True)
     model.network.zero_grad()
-    module._loss(next(iter(module.train_dataloader())), module.lessons[lesson]).backward()
+    module._loss(*next(iter(module.train_dataloader())), module.lessons[lesson]).backward()
     for number, network in enumerate(model.network.networks):
         learned = any(p.grad is not None and bool(p.grad.any()) for p in network.parameters())
         assert learned == (number == taught)

@@ -1,10 +1,7 @@
 """What a GPU does as CUDA graphs, run here operation by operation: the same work in the same places."""
 
-from typing import Any
-
 import pytest
 import torch
-from torch.utils._python_dispatch import TorchDispatchMode
 
 from simgap.policies.accelerated import CapturedCollector, CapturedLearner
 from simgap.policies.collector import Collector
@@ -14,22 +11,11 @@ from simgap.policies.racing.randomisation import drawn_episode, drawn_wrench
 from simgap.policies.racing.settings import Randomisation
 from simgap.policies.settings import Learning
 from simgap.policies.training import Training
+from tests.pipeline.asking import Asking
 from tests.pipeline.policies.environment_contract import check_contract
 from tests.pipeline.policies.racing.machines import racing
 
-aten = torch.ops.aten
 LEARNING = Learning(interactions=3 * 64 * 8, machines=64, horizon=8, minibatch=200, epochs=2, hidden=[16])
-
-
-class Asking(TorchDispatchMode):
-    """Refuses what waits for a device, or brings numbers to it."""
-
-    def __torch_dispatch__(self, func: Any, types: Any, args: Any = (), kwargs: Any = None) -> Any:
-        masks = func is aten.index.Tensor and any(i is not None and i.dtype == torch.bool for i in args[1])
-        waiting = (aten.nonzero.default, aten._local_scalar_dense.default, aten.lift_fresh.default)
-        assert not masks, "a mask asks how many it chooses"
-        assert func not in waiting, f"{func} asks something of the device"
-        return func(*args, **(kwargs or {}))
 
 
 def captured(batch: int) -> Racing:
