@@ -18,6 +18,7 @@ from torch import nn
 
 from benchmarks.laps import Laps, in_turns
 from benchmarks.page import machine, table
+from simgap.models.accelerator import accelerator
 from simgap.models.contract import FitContext
 from simgap.models.examples import Examples
 from simgap.models.settings import Training
@@ -86,7 +87,8 @@ def ours(network: nn.Module, problem: Problem) -> None:
 def bare(network: nn.Module, problem: Problem) -> None:
     """Train for an epoch with nothing but PyTorch."""
     size = problem.training.batch_size
-    batches = Regression(network, problem.train, problem.validation, SETTINGS, size, seed=0)
+    batches = Regression(network, problem.train, problem.validation, SETTINGS, size, seed=0).to(accelerator())
+    batches.place()
     optimizer = torch.optim.Adam(network.parameters(), lr=SETTINGS.learning_rate)
     batches.on_train_epoch_start()
     network.train()
@@ -138,7 +140,7 @@ def written(laps: dict[int, dict[str, Laps]], windows: int, rounds: int, load_be
     return _PAGE.format(
         command="make bench-training",
         day=date.today().isoformat(),
-        machine=machine("cpu", load_before),
+        machine=machine(accelerator().type, load_before),
         parameters=sum(weights.numel() for weights in new_network().parameters()),
         length=SETTINGS.sequence_length,
         features=len(_layout().features),

@@ -145,11 +145,12 @@ class DynamicsModel(ABC):
             InputError: when names or shapes differ from the settings'.
         """
 
-    def to(self, device: torch.device) -> None:
+    def to(self, device: torch.device) -> "DynamicsModel":
         """Move all that predictions touch; a residual that a simulator explains stays where its simulator is."""
         if self.physics is None:
             vars(self).update({name: _moved(own, device) for name, own in vars(self).items()})
             self.device = device
+        return self
 
     def examples(self, series: Series, what: str) -> Examples:
         """Return the windows of a series, as long as the settings say; see `Examples.of_series`."""
@@ -303,10 +304,6 @@ def _given(state: Tensor, teacher: Teacher | None, step: int) -> Tensor:
 
 def _moved(value: Any, device: torch.device) -> Any:
     """Return tensors, networks and models on a device, alone or in a list; anything else as it is."""
-    if isinstance(value, DynamicsModel):
-        value.to(device)
-    elif isinstance(value, Tensor | nn.Module | Scaler):
-        return value.to(device)
-    elif isinstance(value, list):
+    if isinstance(value, list):
         return [_moved(entry, device) for entry in value]
-    return value
+    return value.to(device) if isinstance(value, Tensor | nn.Module | Scaler | DynamicsModel) else value

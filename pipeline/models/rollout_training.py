@@ -17,9 +17,10 @@ from torch import Tensor, nn
 from simgap.errors import InputError
 from simgap.models.accelerator import accelerator
 from simgap.models.contract import Advance, FitContext, Teacher
+from simgap.models.descent import Descent
 from simgap.models.layout import Layout
 from simgap.models.settings import TrainedSettings, Training
-from simgap.models.training import Descent, train_module
+from simgap.models.training import train_module
 from simgap.models.windows import Series, evenly, gather
 
 _VALIDATION_WINDOWS = 2048  # evenly over the validation runs
@@ -47,7 +48,7 @@ class Unrolled(Protocol):
     def device(self) -> torch.device:
         """On which it predicts."""
 
-    def to(self, device: torch.device) -> None:
+    def to(self, device: torch.device) -> object:
         """Move all that its predictions touch."""
 
     def advance(self, state: Tensor, memory: Any, action: Tensor) -> tuple[Tensor, Any]:

@@ -174,6 +174,16 @@ def test_what_is_done_is_not_run_again(tiny: ModuleType, monkeypatch: pytest.Mon
     assert repeated("drawing.scale=3.0") == both[:1]
 
 
+def test_a_comparison_names_the_machines_that_ran_the_jobs(tiny: ModuleType) -> None:
+    sweep = ["-m", "drawing.amount=1,2", UNTRACKED, "output=out"]
+    assert run_command(tiny.tiny_stage, sweep) == 0
+    own = Comparison.read(Path("out/comparison")).machine
+    path = Path("out/drawing.amount=1/job.json")
+    path.write_text(path.read_text().replace(f'"{own}"', '"another machine"'))
+    assert run_command(tiny.tiny_stage, sweep) == 0
+    assert Comparison.read(Path("out/comparison")).machine == f"another machine; {own}"
+
+
 def test_the_name_of_a_job_is_the_name_of_a_directory() -> None:
     assert job_name(["++model.length=5", "recording=/a b/c.csv"]) == "model.length=5,recording=_a_b_c.csv"
     first, second = (job_name([f"x={'1' * 300}{end}"]) for end in "ab")
