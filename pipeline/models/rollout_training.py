@@ -136,13 +136,13 @@ class RolloutRegression(Descent):
     def on_train_batch_end(self, *_: Any) -> None:
         """Let the learning rate fall at the end of an epoch."""
         if self.trainer.is_last_batch:
-            self.lr_schedulers().step()
+            self.schedule.step()
 
     def configure_optimizers(self) -> OptimizerLRSchedulerConfig:
         """Return Adam with L2 penalty, and a learning rate that falls to zero along half a cosine."""
         optimizer = super().configure_optimizers()
-        schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, T_max=self.epochs)
-        return {"optimizer": optimizer, "lr_scheduler": {"scheduler": schedule}}
+        self.schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, T_max=self.epochs)
+        return {"optimizer": optimizer, "lr_scheduler": {"scheduler": self.schedule}}
 
     def place(self) -> None:
         """Move the samples and what errors are measured by; the model is there. Compile a step of it."""
@@ -156,13 +156,17 @@ class RolloutRegression(Descent):
 
     def taught(self, *batch: Tensor) -> Tensor:
         """Return the loss of all lessons, where there are some: what is given has no error in it."""
+        states, actions = batch
         if not self.lessons:
-            return self._loss(*batch, advance=self.advance)
-        return torch.stack([self._loss(*batch, forced, self.advance) for forced in self.lessons]).sum()
+            return self._loss(states, actions, None, self.advance)
+        return torch.stack(
+            [self._loss(states, actions, forced, self.advance) for forced in self.lessons]
+        ).sum()
 
     def loss(self, *batch: Tensor) -> Tensor:
         """Return the loss of states and inputs."""
-        return self._loss(*batch)
+        states, actions = batch
+        return self._loss(states, actions)
 
     def _loss(
         self,

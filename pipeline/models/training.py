@@ -107,26 +107,31 @@ def train_network(
         InputError: when the loss is not finite from the beginning.
     """
     module = Regression(network, train, validation, settings, training.batch_size, context.seed)
-    return train_module(module, network, training, context, accelerator())
+    return train_module(module, network, training, context)
 
 
 def train_module(
-    module: Descent, network: nn.Module, training: Training, context: FitContext, device: torch.device
+    module: lightning.LightningModule,
+    network: nn.Module,
+    training: Training,
+    context: FitContext,
+    device: torch.device | None = None,
 ) -> float:
-    """Train what `train_network` and `train_rollouts` do: early stopping, best weights, resumption after a kill.
+    """Train with early stopping, best weights and resumption after a kill.
 
     Args:
         module: logs `VALIDATION_LOSS`.
         network: that it trains, left with the weights of the lowest loss.
         training: epochs and patience.
         context: checkpoint folder, listener.
-        device: of the training; the network comes back to the CPU.
+        device: of the training; None: the accelerator. The network comes back to the CPU.
 
     Raises:
         InputError: when the loss is not finite from the beginning.
     """
     _silence_lightning()
-    torch.utils.deterministic.fill_uninitialized_memory = False  # kernels that change no result
+    # It would take more kernels, and change no result.
+    torch.utils.deterministic.fill_uninitialized_memory = False  # type: ignore[attr-defined]
     best = KeepBest(network, VALIDATION_LOSS)
     # Decided right after validation, so that at the end of the epoch it is known whether to write a resume point.
     stopping = lightning.callbacks.EarlyStopping(
@@ -148,7 +153,7 @@ def train_module(
         num_sanity_val_steps=0,
         reload_dataloaders_every_n_epochs=1,
         deterministic=True,
-        accelerator=device.type,
+        accelerator=(device or accelerator()).type,
         devices=1,
     )
     trainer.fit(module, ckpt_path=resume, weights_only=True)
