@@ -36,9 +36,9 @@ from simgap.gates.track import Track, track_from
 from simgap.perception.camera import camera_from
 from simgap.perception.corners import gates_in
 from simgap.perception.detector import Detector, Maps
+from simgap.perception.eye import Eye
 from simgap.perception.learning import Learning
-from simgap.perception.render import Motion, Renderer, unhidden
-from simgap.perception.scene import scene_around
+from simgap.perception.render import Motion, unhidden
 from simgap.perception.settings import PerceptionSettings
 from simgap.perception.storage import load_detector
 from simgap.perception.view import upright, view
@@ -74,37 +74,25 @@ class Shot:
     corners: Array
 
 
-class Eye:
-    """A camera with a detector behind it."""
-
-    def __init__(self, network: Detector, settings: PerceptionSettings, device: str) -> None:
-        """Bring both to a device."""
-        self.settings, self.device = settings, device
-        self.maps = Maps(network).eval().to(device)
-        self.renderer = Renderer(camera_from(settings.camera), settings.images, device)
-
-    @torch.no_grad()
-    def shots(self, track: Track, flight: Flight, every: int, seed: int) -> Iterator[Shot]:
-        """Yield what is found along a flight."""
-        random = torch.Generator(self.device).manual_seed(seed)
-        motion = moving(flight, every, self.device)
-        steps = np.arange(0, len(flight.position), every)
-        camera, together = self.renderer.camera, TOGETHER[self.device]
-        parts = zip(*(part.split(together) for part in vars(motion).values()), strict=True)
-        for number, part in enumerate(parts):
-            now = Motion(*part)
-            ground = torch.full((len(now.position),), float(track.box[0, 2]), device=self.device)
-            scene = scene_around(track, now.position, ground, self.settings.images, random)
-            seen = view(camera, track.to(self.device), now.position, now.attitude)
-            shown = unhidden(scene, now, camera, seen).all(-1).cpu().numpy()
-            images = self.renderer.images(scene, now, random)
-            found = gates_in(self.maps(images), camera, self.settings.detector)
-            corners = seen.corners.double().cpu().numpy()
-            for row, gates in enumerate(found):
-                gates = upright(camera, torch.from_numpy(gates), now.attitude[row].double().cpu()).numpy()
-                which = np.flatnonzero(shown[row])
-                step = int(steps[number * together + row])
-                yield Shot(step, images[row, 0].cpu().numpy(), gates, which, corners[row, which])
+def shots(eye: Eye, track: Track, flight: Flight, every: int, seed: int) -> Iterator[Shot]:
+    """Yield what is found along a flight, in a new world for each image."""
+    random = torch.Generator(eye.device).manual_seed(seed)
+    motion = moving(flight, every, eye.device)
+    steps = np.arange(0, len(flight.position), every)
+    camera, together = eye.camera, TOGETHER[eye.device]
+    parts = zip(*(part.split(together) for part in vars(motion).values()), strict=True)
+    for number, part in enumerate(parts):
+        now = Motion(*part)
+        scene = eye.scene(track, now.position, random)
+        seen = view(camera, track.to(eye.device), now.position, now.attitude)
+        shown = unhidden(scene, now, camera, seen).all(-1).cpu().numpy()
+        images = eye.renderer.images(scene, now, random)
+        corners = seen.corners.double().cpu().numpy()
+        for row, gates in enumerate(eye.found(images)):
+            gates = upright(camera, torch.from_numpy(gates), now.attitude[row].double().cpu()).numpy()
+            which = np.flatnonzero(shown[row])
+            step = int(steps[number * together + row])
+            yield Shot(step, images[row, 0].cpu().numpy(), gates, which, corners[row, which])
 
 
 def moving(flight: Flight, every: int, device: str) -> Motion:
@@ -134,7 +122,7 @@ def matched(shot: Shot) -> tuple[Array, int]:
 def scored(eye: Eye, track: Track, flight: Flight, seed: int) -> tuple[pd.DataFrame, int, int]:
     """Return a row for every gate that an image shows, the number of images and that of false gates."""
     rows, images, false = [], 0, 0
-    for shot in eye.shots(track, flight, APART, seed):
+    for shot in shots(eye, track, flight, APART, seed):
         errors, wrong = matched(shot)
         images, false = images + 1, false + wrong
         sight = track.centres.numpy()[shot.shown] - flight.position[shot.step]
@@ -188,7 +176,7 @@ def _drift_table(eye: Eye, track: Track) -> str:
     """Say what is left of the drift with corners of the detector, beside exact corners with noise."""
     flight = flown(track)
     found = {
-        seed: {shot.step: shot.found for shot in eye.shots(track, flight, EVERY, 100 + seed)}
+        seed: {shot.step: shot.found for shot in shots(eye, track, flight, EVERY, 100 + seed)}
         for seed in SEEDS
     }
     rows = []
@@ -268,7 +256,7 @@ def main() -> None:
     if given.picture:
         from benchmarks.detector_picture import draw
 
-        draw(list(eye.shots(tracks["split_s"], flown(tracks["split_s"], laps=1), 60, 0)), given.picture)
+        draw(list(shots(eye, tracks["split_s"], flown(tracks["split_s"], laps=1), 60, 0)), given.picture)
     print(_finding_table(eye, tracks), flush=True)
     print(_drift_table(eye, tracks["split_s"]), flush=True)
     print(_speed_table(network, settings, device), flush=True)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from simgap.plants.gates_seen import Look
+    from simgap.plants.estimator import Aid
     from simgap.plants.swerve.open_loop import Trial
     from simgap.policies.profile.motion import Motion
 
@@ -72,8 +72,8 @@ def race(config: DeployStage, run: StageRun) -> None:
     flying = entry.settings.flying
     loop = RateLoop(platform, flying.time_constant, RacedMachines.step)
     logged = min(config.deploy.most_flights, chosen.starts)
-    look = _look(config.perception, entry.track) if config.deploy.gates else None
-    machines = RacedMachines(case, platform, loop, chosen.starts, chosen.seconds, config.seed, logged, look)
+    aid = _aid(config, entry.track, case.estimates > 0, run)
+    machines = RacedMachines(case, platform, loop, chosen.starts, chosen.seconds, config.seed, logged, aid)
     deployed = Deployed(lambda state, reference: machines.fly(state, reference, flying.period))
     race = race_deployed(deployed, platform, entry.track, entry.settings, chosen.starts)
     laps = fly_laps(race, entry.pilot, config.seed, chosen.laps, chosen.seconds)
@@ -85,21 +85,16 @@ def race(config: DeployStage, run: StageRun) -> None:
     write_recording(recording, run.output / "recording.parquet")
 
 
-def _look(perception: PerceptionSettings, settings: TrackSettings) -> "Look":
-    """Return what the camera of a machine sees of a track."""
-    import torch
+def _aid(config: DeployStage, track: TrackSettings, estimated: bool, run: StageRun) -> "Aid":
+    """Return what takes the drift off the estimates of machines, if they have any."""
+    from simgap.plants.estimator import STEP, Aid
+    from simgap.stages._sights import chain_through, detector_folder, distances_seen
 
-    from simgap.gates.track import track_from
-    from simgap.perception.camera import camera_from
-    from simgap.perception.view import distances
-
-    camera, track = camera_from(perception.camera), track_from(settings).to(torch.float64)
-
-    def look(states: "NDArray[np.float64]") -> "NDArray[np.float64]":
-        position, _, attitude, _ = torch.from_numpy(states).split([3, 3, 4, 3], dim=1)
-        return distances(camera, track, position, attitude).numpy()
-
-    return look
+    settings, perception = config.deploy, config.perception
+    folder = detector_folder(settings, config)
+    if folder and estimated:
+        return Aid(sight=chain_through(folder, perception, track, config.evaluate.starts, STEP, config, run))
+    return Aid(distances_seen(perception, track) if settings.gates else None, forgets=settings.forgets)
 
 
 def _whole_flights(lengths: "NDArray[np.float64]", chosen: Deployment) -> "NDArray[np.float64]":

@@ -1,9 +1,9 @@
-"""The command that trains a gate detector on images that it draws; not a stage of the pipeline."""
+"""The stage that trains a gate detector on images that it draws."""
 
 from dataclasses import asdict, dataclass, field
 
 from simgap.perception.settings import PerceptionSettings
-from simgap.runner import StageConfig, StageRun, stage
+from simgap.runner import StageConfig, StageRun, in_pipeline, stage
 
 
 @dataclass
@@ -16,6 +16,11 @@ class TrainDetectorStage(StageConfig):
 @stage(TrainDetectorStage)
 def train_detector(config: TrainDetectorStage, run: StageRun) -> None:
     """Train a gate detector on rendered images, and write it with its ONNX export."""
+    settings, learning = config.perception, config.perception.detector.learning
+    if in_pipeline() and not settings.detector.enabled:
+        run.leave_out("train_detector: no detector is trained, because perception.detector.enabled is false")
+        return
+
     import torch
 
     from simgap.artifacts import checkpoint_folder, remove_checkpoint
@@ -26,7 +31,6 @@ def train_detector(config: TrainDetectorStage, run: StageRun) -> None:
     from simgap.perception.learning import Learning
     from simgap.perception.storage import export_detector, save_detector
 
-    settings, learning = config.perception, config.perception.detector.learning
     network = Detector(settings.detector)
     module = Learning(network, settings, config.seed)
     checkpoint = checkpoint_folder(config.artifacts, [asdict(settings), config.seed])

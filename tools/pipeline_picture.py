@@ -14,12 +14,13 @@ PLACES = {
     "configure": (0, 0, "config.yaml"),
     "record": (0, 1, "recording"),
     "clean": (0, 2, "recording"),
-    "sysid": (1, 0, "parameters"),
-    "train": (1, 1, "learned model"),
-    "build_sim": (1, 2, "simulator"),
-    "diagnose": (1, 3, "diagnosis, simulator"),
-    "profile": (2, 0, "planned motions"),
-    "train_policy": (2, 1, "policy"),
+    "sysid": (1, 1, "parameters"),
+    "train": (1, 2, "learned model"),
+    "build_sim": (1, 3, "simulator"),
+    "diagnose": (1, 4, "diagnosis, simulator"),
+    "train_detector": (2, 0, "gate detector"),
+    "profile": (2, 1, "planned motions"),
+    "train_policy": (2, 2, "policy"),
     "evaluate": (2, 4, "laps in simulation"),
     "deploy": (3, 0, "flights in reality"),
     "identify_residual": (3, 1, "residuals"),
@@ -106,6 +107,8 @@ def _arrow(source: str, target: str) -> str:
     right, apart = x + _WIDTH, PLACES[target][0] - PLACES[source][0]
     if apart == 0:
         line = f"M{x + _WIDTH // 2} {y + _HEIGHT}V{to_y}"
+    elif level == to_level:
+        line = f"M{right} {level}H{to_x}"
     elif apart == 1:
         line = f"M{right} {level}H{right + (_COLUMN - _WIDTH) // 2}V{to_level}H{to_x}"
     else:  # below the boxes in between, and up from there

@@ -1,6 +1,7 @@
 """Training of a gate detector with PyTorch Lightning, on images that are drawn as they are needed."""
 
 import math
+from functools import partial
 from typing import Any
 
 import pytorch_lightning as lightning
@@ -65,13 +66,9 @@ class Learning(lightning.LightningModule):
     def configure_optimizers(self) -> Any:
         """Return Adam, whose rate rises in the first twentieth and falls along a cosine."""
         optimizer = torch.optim.Adam(self.parameters(), lr=self.learning.learning_rate)
-        schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, self._rate)
+        rate = partial(_rate, steps=self.learning.epochs * self.learning.steps)
+        schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, rate)
         return {"optimizer": optimizer, "lr_scheduler": {"scheduler": schedule, "interval": "step"}}
-
-    def _rate(self, step: int) -> float:
-        """Return the share of the greatest learning rate."""
-        share = (step + 1) / (self.learning.epochs * self.learning.steps + 1)
-        return min(1.0, share / _RISING) * 0.5 * (1.0 + math.cos(math.pi * share))
 
     def loss(self, images: Tensor, wanted: Tensor) -> Tensor:
         """Return the loss of images; on a GPU, the network's products are in half precision."""
@@ -90,6 +87,12 @@ class Learning(lightning.LightningModule):
         seen = view(self.camera, track, motion.position, motion.attitude)
         shown = unhidden(scene, motion, self.camera, seen)
         return self.renderer.images(scene, motion, random), targets(self.camera, seen, shown, detector)
+
+
+def _rate(step: int, steps: int) -> float:
+    """Return the share of the greatest learning rate."""
+    share = (step + 1) / (steps + 1)
+    return min(1.0, share / _RISING) * 0.5 * (1.0 + math.cos(math.pi * share))
 
 
 def loss_of(found: Tensor, wanted: Tensor, settings: DetectorSettings) -> Tensor:

@@ -42,6 +42,7 @@ class DriftSettings:
 class ImageSettings:
     """How images are taken, and of what but gates. Two numbers are the ends of a range from which each image draws."""
 
+    period: float = 0.04  # s, from image to image
     exposures: int = (
         6  # instants within the shutter whose light is averaged; each looks at another part of a pixel
     )
@@ -102,6 +103,8 @@ class DetectorSettings:
     peaks: int = 20  # of a map, at most
     least_peak: float = 0.45  # of a map
     least_edge: float = 0.45  # mean of the field along an edge
+    delay: float = 0.0  # s, from an image to what is found in it, in the loop of a flight
+    enabled: bool = False  # whether a branch trains one, and flies with it
     views: ViewSettings = field(default_factory=ViewSettings)
     learning: LearningSettings = field(default_factory=LearningSettings)
 

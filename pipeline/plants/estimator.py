@@ -3,10 +3,12 @@
 The errors follow from what is flown, as on a real machine (Kaufmann et al. 2023, Nature 620: odometry drifts at high
 speed and rate). A camera misjudges speed by a share of it, and more so while turning; sideways acceleration is taken
 for a tilt; what velocity is wrong adds up in position until a gate is seen. Where there are no gates to look for, what
-else is seen on the way is not modelled, and position forgets its drift within 2 s.
+else is seen on the way is not modelled, and position forgets its drift within 2 s, if it forgets.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +48,43 @@ class Errors:
     body_rate: Array
 
 
+@runtime_checkable
+class Sight(Protocol):
+    """What cameras of machines take off the drift of their odometry, asked a `STEP` apart.
+
+    Attributes:
+        in_view: whether the last image showed a gate, (runs,) bool.
+        counts: what was seen so far, by name, (runs,) each.
+    """
+
+    in_view: NDArray[np.bool_]
+    counts: Mapping[str, NDArray[np.int_]]
+
+    def corrected(self, states: Array, believed: Array) -> Array:
+        """Return what is believed of true states (runs, 13) instead of what odometry believes of them."""
+        ...
+
+
+@dataclass(frozen=True)
+class Aid:
+    """What takes the drift off the odometry of machines.
+
+    Attributes:
+        look: for gates, whose distances say how well they do; None: gates are not looked for so.
+        sight: of cameras whose images do it instead.
+        forgets: whether drift goes by itself where there is neither.
+    """
+
+    look: Look | None = None
+    sight: Sight | None = None
+    forgets: bool = True
+
+    @property
+    def fades(self) -> float:
+        """Share of the drift of position that goes by itself, 1/s."""
+        return 1.0 / _FORGETS if self.forgets and not self.look and not self.sight else 0.0
+
+
 class Odometry:
     """The errors of an on-board estimator along flights, all runs at once."""
 
@@ -56,7 +95,7 @@ class Odometry:
         steps: int,
         step: float,
         random: np.random.Generator,
-        look: Look | None = None,
+        aid: Aid | None = None,
     ) -> None:
         """Draw what is random.
 
@@ -66,19 +105,27 @@ class Odometry:
             steps: for which they are asked at most.
             step: from one to the next, s.
             random: of the errors.
-            look: for gates, which take the drift off; None: it is forgotten by itself.
+            aid: against the drift; None: it is forgotten by itself.
         """
         noise = first_order_noise((steps, runs, 9), step / _FORGETS, random)
         self._noise = dict(zip(_RANDOM, np.split(noise, 3, axis=-1), strict=True))
         self._share = _SPEED_SHARE + _SPEED_SPREAD * random.standard_normal((runs, 1))
         self._scale, self._step, self._index = scale, step, 0
+        aid = aid or Aid()
+        self._fades, self._sight = aid.fades, aid.sight
         self._drift = np.zeros((runs, 3))
-        self._gates = GatesSeen(look, runs, random) if look else None
+        self._gates = GatesSeen(aid.look, runs, random) if aid.look else None
 
     @property
     def in_view(self) -> NDArray[np.bool_]:
         """Whether each machine sees a gate, (runs,) bool."""
-        return self._gates.in_view if self._gates else np.zeros(len(self._drift), dtype=bool)
+        eyes = self._sight or self._gates
+        return eyes.in_view.copy() if eyes else np.zeros(len(self._drift), dtype=bool)
+
+    @property
+    def counts(self) -> dict[str, NDArray[np.int_]]:
+        """What the cameras of the machines have seen so far, by name, (runs,) each; nothing where none are read."""
+        return {name: count.copy() for name, count in self._sight.counts.items()} if self._sight else {}
 
     def advance(self, state: Array, force: Array) -> Errors:
         """Return the errors a step later.
@@ -98,16 +145,14 @@ class Odometry:
             _feigned_tilt(state[:, 6:10], force) + noise["attitude"],
             noise["body_rate"],
         )
-        return Errors(*(self._scale * error for error in errors))
+        scaled = Errors(*(self._scale * error for error in errors))
+        return _corrected(self._sight, state, scaled) if self._sight else scaled
 
     def _go_on(self, wrong: Array, state: Array) -> None:
         """Add up in position what velocity is wrong, (runs, 3) m/s, and take off what is found out."""
-        if self._gates is None:
-            self._drift += self._step * (wrong - self._drift / _FORGETS)
-        else:
-            self._drift += self._step * wrong
-            if self._index % round(IMAGE / self._step) == 0:
-                self._drift = self._gates.corrected(self._drift, state)
+        self._drift += self._step * (wrong - self._fades * self._drift)
+        if self._gates and self._index % round(IMAGE / self._step) == 0:
+            self._drift = self._gates.corrected(self._drift, state)
         self._index += 1
 
 
@@ -124,6 +169,12 @@ def believed_state(state: Array, errors: Errors) -> Array:
     attitude /= np.linalg.norm(attitude, axis=-1, keepdims=True)
     moved = (state[:, :3] + errors.position, state[:, 3:6] + errors.velocity, attitude)
     return np.concatenate((*moved, state[:, 10:] + errors.body_rate), axis=-1)
+
+
+def _corrected(sight: Sight, state: Array, errors: Errors) -> Errors:
+    """Return errors after a camera has corrected position and velocity of true states (runs, 13)."""
+    wrong = sight.corrected(state, believed_state(state, errors)) - state
+    return replace(errors, position=wrong[:, :3], velocity=wrong[:, 3:6])
 
 
 def errors_along(log: Log, case: PlantCase, random: np.random.Generator) -> Errors:

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from simgap.plants.battery import Battery
 from simgap.plants.case import PlantCase
 from simgap.plants.design import design
-from simgap.plants.estimator import DELAY, Errors, Odometry, believed, believed_state, joined
+from simgap.plants.estimator import DELAY, Aid, Errors, Odometry, believed, believed_state, joined
 from simgap.plants.estimator import STEP as ESTIMATED_EVERY
 from simgap.plants.flight import STEP, Log, Machines, log_of
-from simgap.plants.gates_seen import Look
 from simgap.plants.rotation import Array
 from simgap.plants.sampling import held_at
 from simgap.plants.sensing import record
@@ -50,7 +49,7 @@ class RacedMachines:
         seconds: float,
         seed: int,
         logged: int = 0,
-        look: Look | None = None,
+        aid: Aid | None = None,
     ) -> None:
         """Put them together.
 
@@ -62,7 +61,7 @@ class RacedMachines:
             seconds: for which they fly at most.
             seed: of every random draw.
             logged: how many of the runs, the first ones, can be recorded.
-            look: for gates, which take the drift off the estimators; None: there are none, and it is forgotten.
+            aid: against the drift of the estimators; None: it is forgotten by itself.
 
         Raises:
             InputError: when the case cannot be flown.
@@ -79,9 +78,10 @@ class RacedMachines:
         flown = replace(case, runs=runs)
         self._machines = Machines(design(platform, case), platform, flown, battery, for_plant, steps)
         self._odometry = Odometry(
-            case.estimates, runs, steps // _ESTIMATE_STEPS + 1, ESTIMATED_EVERY, for_belief, look
+            case.estimates, runs, steps // _ESTIMATE_STEPS + 1, ESTIMATED_EVERY, for_belief, aid
         )
-        self._looks, self._estimates = look is not None, list[tuple[Mask, Array]]()
+        self._looks = aid is not None and (aid.look or aid.sight) is not None
+        self._estimates = list[tuple[Mask, Array, dict[str, NDArray[np.int_]]]]()
         self._log = _Logbook(logged)
 
     def fly(self, state: Array, reference: Array, period: float) -> tuple[Array, Array]:
@@ -100,7 +100,8 @@ class RacedMachines:
             happened = machines.advance(self._regulate(machines.felt_rate(), reference))
             passed.append(happened[0])
             self._note(happened, reference)
-        self._estimates.append((self._odometry.in_view, np.linalg.norm(self._errors.position, axis=-1)))
+        error = np.linalg.norm(self._errors.position, axis=-1)
+        self._estimates.append((self._odometry.in_view, error, self._odometry.counts))
         late = [*passed, machines.state][-1 - _DELAY_STEPS :][0]
         belief = believed_state(late, self._errors) if self._case.estimates > 0 else machines.state
         return machines.state, belief
@@ -115,12 +116,20 @@ class RacedMachines:
     def estimates(self, flying: Mask) -> dict[str, float]:
         """Return the RMS error of the estimated position, m, and if they look for gates, the share of time with one.
 
+        Of cameras whose images are read, there is also what was counted in flight.
+
         Args:
             flying: which runs were in flight at each call of `fly`, (calls, runs) bool.
         """
-        in_view, error = (np.stack(part)[flying] for part in zip(*self._estimates, strict=True))
+        views, errors, counts = zip(*self._estimates, strict=True)
+        in_view, error = np.stack(views)[flying], np.stack(errors)[flying]
         measures = {"position_error": float(np.sqrt((error**2).mean()))}
-        return measures | ({"gate_in_view": float(in_view.mean())} if self._looks else {})
+        seen = {"gate_in_view": float(in_view.mean())} if self._looks else {}
+        grown = {name: np.stack([each[name] for each in counts]) for name in counts[0]}
+        counted = {
+            name: float(np.diff(each, axis=0, prepend=0)[flying].sum()) for name, each in grown.items()
+        }
+        return measures | seen | counted
 
     def recording(self, seconds: Array) -> Recording:
         """Return what the sensors of the logged runs recorded.

@@ -120,8 +120,10 @@ class Deployment:
         0.05  # by which the strength of what is concealed differs between trials, as a share of it
     )
     within: float = 0.03  # m, that a trial may end off the target
-    gates: bool = (
-        True  # an estimator takes its drift off by the gates in view; else it is forgotten within 2 s
+    gates: bool = True  # an estimator takes its drift off by the gates in view
+    forgets: bool = True  # where gates are not looked for, drift is forgotten within 2 s; else it stays
+    detector: str | None = (
+        None  # folder; null: what the branch trained, if it did, else gates by their distance
     )
     flights: int = 3  # races that are recorded at least
     recorded_seconds: float = 50.0  # of races that are recorded together, where enough are flown

@@ -19,7 +19,14 @@ _SAID: dict[str, tuple[str, Callable[[Any], str]]] = {
     "mean_lap": ("mean lap, s", number),
     "mean_margin": ("mean distance to the edge of a gate, m", number),
     "least_margin": ("least, m", number),
+    "position_error": ("error of the estimated position, RMS, m", number),
+    "gate_in_view": ("share of the time with a gate in view", percent),
+    "images": ("images that a gate detector read", number),
+    "gates_found": ("gates that it found", number),
+    "gates_believed": ("of them, taken for gates of the track", number),
 }
+
+_ALWAYS = tuple(_SAID)[:6]  # the others say what the machines knew of where they were, if anybody asked
 
 
 def flown_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
@@ -36,6 +43,7 @@ def flown_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     rows = [
         [said, *(write(metrics[name]) if name in metrics else "–" for metrics in races.values())]
         for name, (said, write) in _SAID.items()
+        if name in _ALWAYS or any(name in metrics for metrics in races.values())
     ]
     content = {
         "table": Table("", ["", *races], rows),

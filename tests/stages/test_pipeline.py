@@ -61,7 +61,6 @@ def test_every_stage_is_in_it_for_every_branch() -> None:
         "effects",
         "motors",
         "stages",
-        "train_detector",
     }
     assert set(STAGES) == set(commands()) - beside
     assert {entry["foreach"] for entry in PIPELINE["stages"].values()} == {"${branches}"}

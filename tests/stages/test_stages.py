@@ -84,6 +84,7 @@ def test_the_steps_of_the_project_stand_behind_what_they_read() -> None:
         "diagnose",
         "train_policy",
         "profile",
+        "train_detector",
     )
 
 

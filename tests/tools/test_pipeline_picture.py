@@ -29,6 +29,8 @@ def test_no_line_runs_through_a_box() -> None:
             passed = {(column, between) for between in range(row + 1, to_row)}
         elif to_column == column + 1:
             passed = set()
+        elif to_row == row:
+            passed = {(between, row) for between in range(column + 1, to_column)}
         else:
             assert row > to_row
             passed = {(between, row) for between in range(column + 1, to_column + 1)}

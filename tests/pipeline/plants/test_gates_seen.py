@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.perception import fixes_along, flown
-from simgap.plants.estimator import STEP, Odometry
+from simgap.plants.estimator import STEP, Aid, Odometry
 from simgap.plants.gates_seen import IMAGE, SHARE, GatesSeen
 from tests.pipeline.gates.tracks import track_named
 from tests.pipeline.perception.eyes import perception
@@ -64,13 +64,50 @@ def test_each_machine_has_the_gates_that_it_sees():
 
 @pytest.mark.parametrize(("looks", "least", "most"), [((np.inf,), 0.9, 1.5), ((4.0,), 0.0, 0.2)])
 def test_odometry_drifts_while_no_gate_is_in_view(looks, least, most):
-    odometry = Odometry(1.0, RUNS, 1000, STEP, np.random.default_rng(0), at(*looks))
+    odometry = Odometry(1.0, RUNS, 1000, STEP, np.random.default_rng(0), Aid(at(*looks)))
     state = STILL.copy()
     state[:, 3], state[:, 6] = 10.0, 1.0
     for _ in range(1000):
         errors = odometry.advance(state, np.tile([0.0, 0.0, 9.81], (RUNS, 1)))
     assert least < rms(errors.position[:, 0]) < most
     assert rms(errors.velocity[:, 0]) > 0.1
+
+
+class Omniscient:
+    """Cameras that show where machines truly are."""
+
+    in_view = np.ones(RUNS, dtype=bool)
+    counts = {"images": np.full(RUNS, 3)}  # noqa: RUF012
+
+    def corrected(self, states, believed):
+        return np.concatenate((states[:, :6], believed[:, 6:]), axis=-1)
+
+
+def test_cameras_correct_position_and_velocity_and_leave_the_rest_to_odometry():
+    errors = {}
+    for name, aid in (("seen", Aid(sight=Omniscient())), ("alone", Aid(forgets=False))):
+        odometry = Odometry(1.0, RUNS, 10, STEP, np.random.default_rng(0), aid)
+        state = STILL.copy()
+        state[:, 3], state[:, 6] = 10.0, 1.0
+        errors[name] = odometry.advance(state, np.tile([0.0, 0.0, 9.81], (RUNS, 1)))
+        assert bool(odometry.in_view.all()) == (name == "seen")
+        assert set(odometry.counts) == ({"images"} if name == "seen" else set())
+    assert rms(errors["seen"].position) == rms(errors["seen"].velocity) == 0.0
+    assert rms(errors["alone"].position) > 0.0
+    np.testing.assert_array_equal(errors["seen"].attitude, errors["alone"].attitude)
+    np.testing.assert_array_equal(errors["seen"].body_rate, errors["alone"].body_rate)
+
+
+def test_drift_that_is_not_forgotten_adds_up():
+    left = {}
+    for forgets in (True, False):
+        odometry = Odometry(1.0, RUNS, 1000, STEP, np.random.default_rng(0), Aid(forgets=forgets))
+        state = STILL.copy()
+        state[:, 3], state[:, 6] = 10.0, 1.0
+        for _ in range(1000):
+            errors = odometry.advance(state, np.tile([0.0, 0.0, 9.81], (RUNS, 1)))
+        left[forgets] = rms(errors.position[:, 0])
+    assert left[True] < 0.3 < 0.9 < left[False] < 1.5  # 1.2 % of 100 m
 
 
 def test_a_position_from_a_gate_is_as_good_as_perception_makes_it():

@@ -5,6 +5,7 @@ import pytest
 import torch
 
 from simgap.plants.case import PlantCase, Sensors
+from simgap.plants.estimator import Aid
 from simgap.plants.race import RacedMachines
 from simgap.policies.racing.deployed import Deployed, RateLoop
 from simgap.policies.racing.flying import PARTS, Fleet, flight_in, state_of
@@ -18,9 +19,9 @@ MACHINES = 3
 QUIET = Sensors(scale=0.0)
 
 
-def raced(seed=0, look=None, **case):
+def raced(seed=0, aid=None, **case):
     loop = RateLoop(RACER, FLYING.time_constant, RacedMachines.step)
-    return RacedMachines(PlantCase(**case), RACER, loop, MACHINES, seconds=2.0, seed=seed, look=look)
+    return RacedMachines(PlantCase(**case), RACER, loop, MACHINES, seconds=2.0, seed=seed, aid=aid)
 
 
 def deployed(seed=0, **case):
@@ -78,9 +79,9 @@ def test_machines_without_an_estimator_know_where_they_are_and_others_believe_so
         assert bool((wrong > 0.0).all()) == (estimates > 0.0)
 
 
-def estimates_of(look, calls=60):
+def estimates_of(aid, calls=60):
     """Return what the machines know of where they are on their way straight ahead, one by one."""
-    machines = raced(look=look, estimates=1.0)
+    machines = raced(aid=aid, estimates=1.0)
     state = np.tile([0.0, 0.0, 2.0, 8.0, 0.0, 0.0, 1.0, *[0.0] * 6], (MACHINES, 1))
     for _ in range(calls):
         state, _ = machines.fly(state, np.tile([RACER.gravity, 0.0, 0.0, 0.0], (MACHINES, 1)), FLYING.period)
@@ -89,7 +90,8 @@ def estimates_of(look, calls=60):
 
 def test_machines_that_see_a_gate_know_better_where_they_are():
     sights = iter(range(1000))
-    seen = estimates_of(lambda _: np.array([[2.0], [2.0 if next(sights) % 2 else np.inf], [np.inf]]))
+    look = lambda _: np.array([[2.0], [2.0 if next(sights) % 2 else np.inf], [np.inf]])  # noqa: E731
+    seen = estimates_of(Aid(look))
     assert [each["gate_in_view"] for each in seen] == pytest.approx([1.0, 0.5, 0.0], abs=0.1)
     assert max(each["position_error"] for each in seen[:2]) < seen[2]["position_error"]
 
