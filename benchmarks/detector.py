@@ -1,4 +1,4 @@
-"""What a gate detector finds on tracks that it has not learned: python -m benchmarks.detector FOLDER [--picture FILE]
+"""What a gate detector finds on tracks that it has not learned: python -m benchmarks.detector FOLDER
 
 FOLDER is that of a detector (simgap train_detector). A machine flies smooth lines through the gates of two tracks, and
 its camera's images are rendered. The tables are those of docs/perception.md. A GPU is used where there is one.
@@ -20,7 +20,6 @@ from benchmarks.page import table
 from benchmarks.perception import (
     DRIFTS,
     EVERY,
-    PERIOD,
     SEEDS,
     Array,
     Flight,
@@ -29,6 +28,7 @@ from benchmarks.perception import (
     flown,
     noisy_corners,
     odometry_of,
+    states_of,
 )
 from simgap.api.inputs import settings_of
 from simgap.gates.settings import TrackSettings
@@ -36,13 +36,12 @@ from simgap.gates.track import Track, track_from
 from simgap.perception.camera import camera_from
 from simgap.perception.corners import gates_in
 from simgap.perception.detector import Detector, Maps
-from simgap.perception.eye import Eye
+from simgap.perception.eye import Eye, motion_of
 from simgap.perception.learning import Learning
 from simgap.perception.render import Motion, unhidden
 from simgap.perception.settings import PerceptionSettings
 from simgap.perception.storage import load_detector
 from simgap.perception.view import upright, view
-from simgap.physics import rotations
 from simgap.runner.compose import compose
 
 TRACKS = ("split_s", "figure_eight")
@@ -97,11 +96,7 @@ def shots(eye: Eye, track: Track, flight: Flight, every: int, seed: int) -> Iter
 
 def moving(flight: Flight, every: int, device: str) -> Motion:
     """Return how a machine moves at some steps of a flight."""
-    attitude = torch.from_numpy(flight.attitude)
-    turn = rotations.multiply(rotations.conjugate(attitude[:-1]), attitude[1:])
-    rate = rotations.to_rotation_vector(turn) / PERIOD
-    parts = torch.from_numpy(flight.position), attitude, torch.from_numpy(flight.velocity), rate
-    return Motion(*(part[: len(rate)][::every].float().to(device) for part in parts))
+    return motion_of(states_of(flight)[:-1][::every], device)
 
 
 def matched(shot: Shot) -> tuple[Array, int]:
@@ -245,6 +240,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.detector", description=__doc__)
     parser.add_argument("folder", type=Path, help="of a detector")
     parser.add_argument("--picture", type=Path, help="PNG of images with the corners that were found")
+    parser.add_argument("--only", choices=("finding", "drift", "speed"), help="one of the tables")
     given = parser.parse_args()
     network, settings = load_detector(given.folder)
     device = "cuda" if torch.cuda.is_available() else "cpu"
@@ -257,9 +253,13 @@ def main() -> None:
         from benchmarks.detector_picture import draw
 
         draw(list(shots(eye, tracks["split_s"], flown(tracks["split_s"], laps=1), 60, 0)), given.picture)
-    print(_finding_table(eye, tracks), flush=True)
-    print(_drift_table(eye, tracks["split_s"]), flush=True)
-    print(_speed_table(network, settings, device), flush=True)
+    tables = {
+        "finding": lambda: _finding_table(eye, tracks),
+        "drift": lambda: _drift_table(eye, tracks["split_s"]),
+        "speed": lambda: _speed_table(network, settings, device),
+    }
+    for name in [given.only] if given.only else tables:
+        print(tables[name](), flush=True)
 
 
 if __name__ == "__main__":

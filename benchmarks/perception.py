@@ -79,6 +79,14 @@ def flown(track: Track, laps: int = LAPS, speed: float = SPEED) -> Flight:
     return Flight(position, line(now, 1), rotations.from_matrix(torch.from_numpy(turn)).numpy())
 
 
+def states_of(flight: Flight) -> Array:
+    """Return position, velocity (world), attitude, body rate, (steps, 13)."""
+    attitude = torch.from_numpy(flight.attitude)
+    turn = rotations.multiply(rotations.conjugate(attitude[:-1]), attitude[1:])
+    rate = torch.nn.functional.pad(rotations.to_rotation_vector(turn) / PERIOD, (0, 0, 0, 1))
+    return np.concatenate((flight.position, flight.velocity, flight.attitude, rate.numpy()), axis=-1)
+
+
 def odometry_of(flight: Flight, misjudged: float, random: np.random.Generator) -> Flight:
     """Return what an odometry believes: velocity is off by first-order noise, and position by its integral.
 

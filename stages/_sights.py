@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from simgap.perception.chain import Chain
 
 
-def detector_folder(chosen: Deployment, config: StageConfig) -> Path | None:
-    """Return the folder of the detector to fly with: one that is named, or that the branch trained, if any.
+def detector_folder(chosen: Deployment, perception: PerceptionSettings, config: StageConfig) -> Path | None:
+    """Return the folder of the detector to fly with: one that is named, or that of the branch where it asks for one.
 
     Raises:
         InputError: when one is named, although gates are not to be looked for.
@@ -28,8 +28,8 @@ def detector_folder(chosen: Deployment, config: StageConfig) -> Path | None:
         raise InputError("is given, but deploy.gates is false", "deploy.detector", "leave one of them out")
     if chosen.detector:
         return Path(chosen.detector)
-    trained = config.artifact("train_detector", "detector")
-    return trained if chosen.gates and trained.exists() else None
+    asked = chosen.gates and perception.detector.enabled
+    return config.artifact("train_detector", "detector") if asked else None
 
 
 def distances_seen(

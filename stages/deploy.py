@@ -91,7 +91,7 @@ def _aid(config: DeployStage, track: TrackSettings, estimated: bool, run: StageR
     from simgap.stages._sights import chain_through, detector_folder, distances_seen
 
     settings, perception = config.deploy, config.perception
-    folder = detector_folder(settings, config)
+    folder = detector_folder(settings, perception, config)
     if folder and estimated:
         return Aid(sight=chain_through(folder, perception, track, config.evaluate.starts, STEP, config, run))
     return Aid(distances_seen(perception, track) if settings.gates else None, forgets=settings.forgets)

@@ -74,14 +74,15 @@ class Eyes:
         Args:
             states: position, velocity (world), attitude, body rate, (machines, 13).
         """
-        motion = _motion(states, self._eye.device)
+        motion = motion_of(states, self._eye.device)
         if self._scene is None:
             self._scene = self._eye.scene(self._track, motion.position, self._random)
         self.images = self._eye.renderer.images(self._scene, motion, self._random)
         return self._eye.found(self.images)
 
 
-def _motion(states: Array, device: str) -> Motion:
+def motion_of(states: Array, device: str) -> Motion:
+    """Return how machines move whose states (machines, 13) are position, velocity, attitude and body rate."""
     position, velocity, attitude, rate = (
         torch.from_numpy(np.ascontiguousarray(part)).float().to(device)
         for part in np.split(states, [3, 6, 10], axis=1)

@@ -123,7 +123,7 @@ class Deployment:
     gates: bool = True  # an estimator takes its drift off by the gates in view
     forgets: bool = True  # where gates are not looked for, drift is forgotten within 2 s; else it stays
     detector: str | None = (
-        None  # folder; null: what the branch trained, if it did, else gates by their distance
+        None  # folder; null: the branch's, if it asks for one, else gates by their distance
     )
     flights: int = 3  # races that are recorded at least
     recorded_seconds: float = 50.0  # of races that are recorded together, where enough are flown

@@ -44,9 +44,10 @@ def test_a_branch_that_asks_for_no_detector_trains_none(tmp_path, monkeypatch):
 def test_a_branch_that_asks_for_a_detector_flies_with_it(trained, tmp_path, monkeypatch):
     monkeypatch.setenv("DVC_STAGE", "train_detector@embedded")
     places = (f"artifacts={tmp_path}", f"evaluate.policy={trained / 'train_policy' / 'policy'}")
-    ran(train_detector, *places, *SMALL, *LEARNED, "perception.detector.enabled=true", *SHORT)
-    ran(deploy, *places, *SMALL, *SHORT)
-    ran(deploy, *places, *SMALL, *SHORT, "deploy.gates=false", f"output={tmp_path / 'without'}")
+    asked = (*places, *SMALL, "perception.detector.enabled=true")
+    ran(train_detector, *asked, *LEARNED, "tracking.enabled=false")
+    ran(deploy, *asked, *SHORT)
+    ran(deploy, *places, *SHORT, "deploy=odometry", f"output={tmp_path / 'without'}")
     seen, without = metrics(tmp_path / "deploy"), metrics(tmp_path / "without")
     assert seen["images"] == 2 * 5  # of two machines in a fifth of a second
     assert {"gates_found", "gates_believed", "gate_in_view", "position_error"} <= set(seen)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from benchmarks.perception import Flight, flown
+from benchmarks.perception import Flight, flown, states_of
 from simgap.perception.camera import camera_from
 from simgap.perception.chain import Chain
 from simgap.perception.view import view
@@ -31,10 +31,9 @@ def exact(track, settings):
     return see
 
 
-def states_of(flight: Flight, machines: int) -> np.ndarray:
+def states_behind(flight: Flight, machines: int) -> np.ndarray:
     """Return states of machines that fly the same line, each a second behind the next, (steps, machines, 13)."""
-    parts = (flight.position, flight.velocity, flight.attitude, np.zeros_like(flight.velocity))
-    states, late = np.concatenate(parts, axis=-1), round(1.0 / STEP)
+    states, late = states_of(flight), round(1.0 / STEP)
     steps = len(states) - machines * late
     return np.stack([states[late * number :][:steps] for number in range(machines)], axis=1)
 
@@ -56,7 +55,7 @@ def chained(settings, steps=200, machines=2, drift=0.5, seed=0, every=EVERY):
     """Return true states, what the chain makes of the odometry, and the chain."""
     track = course()
     settings = replace(settings, images=replace(settings.images, period=every * STEP))
-    states = states_of(flown(track, laps=1), machines)[:steps]
+    states = states_behind(flown(track, laps=1), machines)[:steps]
     chain = Chain(exact(track, settings), settings, track, machines, STEP, seed)
     return states, flown_by(chain, states, drifting(states, drift)), chain
 
@@ -76,7 +75,7 @@ def test_a_drift_that_grows_evenly_is_known_between_images_too_where_no_other_is
 
 def test_without_gates_odometry_stands():
     settings, track = perception(), course()
-    states = states_of(flown(track, laps=1), 2)[:50]
+    states = states_behind(flown(track, laps=1), 2)[:50]
     believed = drifting(states, 0.5)
     chain = Chain(lambda now: [np.zeros((0, 4, 2))] * len(now), settings, track, 2, STEP, seed=0)
     np.testing.assert_array_equal(flown_by(chain, states, believed), believed)
