@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from simgap.errors import InputError
 from simgap.gates.settings import TrackSettings
 from simgap.perception.settings import PerceptionSettings
 from simgap.policies.profile.settings import Profile
@@ -86,13 +87,20 @@ def race(config: DeployStage, run: StageRun) -> None:
 
 
 def _aid(config: DeployStage, track: TrackSettings, estimated: bool, run: StageRun) -> "Aid":
-    """Return what takes the drift off the estimates of machines, if they have any."""
+    """Return what takes the drift off the estimates of machines.
+
+    Raises:
+        InputError: on a detector that cannot be flown with.
+    """
     from simgap.plants.estimator import STEP, Aid
     from simgap.stages._sights import chain_through, detector_folder, distances_seen
 
     settings, perception = config.deploy, config.perception
     folder = detector_folder(settings, perception, config)
-    if folder and estimated:
+    if folder and not estimated:
+        remedy = "give record.estimates=1.0, or leave the detector out"
+        raise InputError("leaves no error of an estimate to correct", "record.estimates", remedy)
+    if folder:
         return Aid(sight=chain_through(folder, perception, track, config.evaluate.starts, STEP, config, run))
     return Aid(distances_seen(perception, track) if settings.gates else None, forgets=settings.forgets)
 
@@ -152,7 +160,6 @@ def _plan(config: DeployStage) -> Path:
 
 
 def _chosen(motions: "Mapping[str, Motion]", name: str) -> "Motion":
-    from simgap.errors import InputError
     from simgap.runner.project import nearest
 
     if name not in motions:

@@ -31,7 +31,7 @@ def metrics(folder):
 
 def refused(*overrides):
     with pytest.raises(SystemExit) as ended:
-        main(deploy, [*overrides, *SHORT])
+        main(deploy, [*overrides])
     return ended.value.code
 
 
@@ -76,6 +76,7 @@ def test_a_detector_gives_the_same_race_again(trained, tmp_path):
             ["deploy.detector={folder}", "deploy.gates=false"],
             "deploy.detector: is given, but deploy.gates is",
         ),
+        (["deploy.detector={folder}/eye", "record.estimates=0"], "record.estimates: leaves no error"),
         (["deploy.detector={folder}/eye", *SMALL], "eye: was trained with another camera"),
         (
             ["deploy.detector={folder}/eye", "evaluate.pilot=time_optimal", "track.gates=[]"],
@@ -86,7 +87,7 @@ def test_a_detector_gives_the_same_race_again(trained, tmp_path):
 def test_what_cannot_be_flown_with_is_said_in_one_line(trained, tmp_path, capsys, overrides, message):
     save_detector(Detector(perception().detector), perception(), {}, tmp_path / "eye")
     given = [each.format(folder=tmp_path) for each in overrides]
-    assert refused(f"artifacts={trained}", *given, f"output={tmp_path / 'out'}") == 2
+    assert refused(*SHORT, f"artifacts={trained}", *given, f"output={tmp_path / 'out'}") == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
     assert message in line
     assert not (tmp_path / "out").exists()
