@@ -19,14 +19,14 @@ _SAID: dict[str, tuple[str, Callable[[Any], str]]] = {
     "mean_lap": ("mean lap, s", number),
     "mean_margin": ("mean distance to the edge of a gate, m", number),
     "least_margin": ("least, m", number),
+}
+_KNEW: dict[str, tuple[str, Callable[[Any], str]]] = {  # of where the machines were, where it was measured
     "position_error": ("error of the estimated position, RMS, m", number),
     "gate_in_view": ("share of the time with a gate in view", percent),
     "images": ("images that a gate detector read", number),
     "gates_found": ("gates that it found", number),
     "gates_believed": ("of them, taken for gates of the track", number),
 }
-
-_ALWAYS = tuple(_SAID)[:6]  # the others say what the machines knew of where they were, if anybody asked
 
 
 def flown_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
@@ -40,10 +40,11 @@ def flown_section(inputs: ReportInputs, drawing: Drawing) -> Section | None:
     races = {where: metrics for where, metrics in races.items() if metrics and "laps_completed" in metrics}
     if not races:
         return None
+    measured = {name for metrics in races.values() for name in metrics}
+    shown = _SAID | {name: said for name, said in _KNEW.items() if name in measured}
     rows = [
         [said, *(write(metrics[name]) if name in metrics else "–" for metrics in races.values())]
-        for name, (said, write) in _SAID.items()
-        if name in _ALWAYS or any(name in metrics for metrics in races.values())
+        for name, (said, write) in shown.items()
     ]
     content = {
         "table": Table("", ["", *races], rows),

@@ -54,6 +54,21 @@ def test_what_was_flown_on_the_machine_stands_beside(tmp_path):
     assert "\u2013" in table.rows[2]  # nobody flew a fastest lap
 
 
+def test_what_the_machines_knew_of_where_they_were_is_said_where_it_was_measured(tmp_path):
+    read = {"position_error": 0.27, "images": 904, "gates_found": 2119, "gates_believed": 1265}
+    for stage, more in (("evaluate", {}), ("deploy", read)):
+        (tmp_path / stage).mkdir()
+        metrics = {"laps_completed": 1.0, "completed": 1.0} | more
+        (tmp_path / stage / "metrics.json").write_text(json.dumps(metrics))
+    section = flown_section(ReportInputs.of_branch(tmp_path), Drawing())
+    assert section is not None
+    rows = {row[0]: row[1:] for row in section.content["table"].rows}
+    assert rows["error of the estimated position, RMS, m"] == ["–", "0.270"]
+    assert rows["images that a gate detector read"] == ["–", "904"]
+    assert rows["gates that it found"] == ["–", "2119"]
+    assert not any("in view" in said for said in rows)  # nobody asked for it
+
+
 def test_where_nobody_raced_there_is_no_section(tmp_path):
     folder = tmp_path / "evaluate"
     folder.mkdir()
