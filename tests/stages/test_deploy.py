@@ -41,6 +41,7 @@ def test_a_branch_that_asks_for_no_detector_trains_none(tmp_path, monkeypatch):
     assert [path.name for path in (tmp_path / "train_detector").iterdir()] == ["metrics.json"]
 
 
+@pytest.mark.slow
 def test_a_branch_that_asks_for_a_detector_flies_with_it(trained, tmp_path, monkeypatch):
     monkeypatch.setenv("DVC_STAGE", "train_detector@embedded")
     places = (f"artifacts={tmp_path}", f"evaluate.policy={trained / 'train_policy' / 'policy'}")
