@@ -39,6 +39,7 @@ class Reading:
         catalogue: effects that may be missing.
         odds: prior odds of this reading.
         driver: the signal that was estimated from the motion; empty where none was.
+        alike: another reading in whose rows scans of effects show the same; None: there is none.
     """
 
     held: bool
@@ -46,6 +47,7 @@ class Reading:
     catalogue: tuple[Effect, ...]
     odds: float = 1.0
     driver: str = ""
+    alike: "Reading | None" = None
 
     @property
     def timing(self) -> tuple[bool, str]:
@@ -70,7 +72,7 @@ class Reading:
     @cached_property
     def starts(self) -> Starts:
         """Where fits of the effects begin."""
-        return Starts(self.nominal, self.problem)
+        return Starts(self.nominal, self.problem) if self.alike is None else self.alike.starts
 
     @cached_property
     def likelihood_of(self) -> LikelihoodOf:
@@ -92,7 +94,9 @@ def readings_of(recording: Recording, nominal: Simulator, settings: Gap) -> list
     measured = _reading(recording, nominal, settings, held=False)
     if COMMANDS.isdisjoint(measured.problem.blocks.signals):
         return _alike([measured])
-    return _alike([measured, _reading(recording, nominal, settings, held=True)])
+    first, second = _alike([measured, _reading(recording, nominal, settings, held=True)])
+    rows = [len(each.problem.functions.centres) for each in (first, second)]
+    return [first, replace(second, alike=first) if rows[0] == rows[1] else second]
 
 
 def likeliest_reading(recording: Recording, simulator: Simulator, settings: Gap) -> Reading:
