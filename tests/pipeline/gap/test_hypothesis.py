@@ -46,3 +46,7 @@ def test_two_short_times_that_make_a_long_one_are_both_named():
 
 def test_a_short_time_beside_a_long_one_stays_without_a_name():
     assert timed(command_delay=0.4, motor_lag=3.0).names == {"motor_lag"}
+
+
+def test_two_short_times_that_cancel_stay_without_a_name():
+    assert timed(command_delay=0.4, motor_lag=-0.4).names == frozenset()
