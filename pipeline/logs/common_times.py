@@ -15,6 +15,7 @@ _GAP = (
 _AVERAGED = (
     2.0  # times the common rate; of faster signals, linear interpolation would alias what lies between
 )
+_BLOCK = 1 << 16  # times that are looked up at once, so that what is between takes little memory
 _CYCLE = (
     0.25  # of a step, up to which values count as of one cycle: a program writes them one after the other
 )
@@ -108,19 +109,25 @@ def commanded_at(signal: Signal, times: NDArray[np.float64]) -> NDArray[np.float
         signal: with increasing times.
         times: (n,), s, increasing.
     """
-    from simgap.recordings.cleaning.resample import mean_of_held
+    from simgap.recordings.cleaning.filling import mean_of_held
 
     known = np.isfinite(signal.values)
-    time, values = signal.time[known], signal.values[known]
+    time, values = signal.time, signal.values
+    if not known.all():
+        time, values = time[known], values[known]
     step = step_of(times)
     if not len(time) or not np.isfinite(step):
         return values_at(signal, times, held=True)
     margin = _CYCLE * step
-    kept = _last(time, values, times + margin)
-    changes = np.searchsorted(time, times + step - margin) > np.searchsorted(
-        time, times + margin, side="right"
-    )
+    kept, changes = np.empty(len(times)), np.empty(len(times), dtype=bool)
+    for first in range(0, len(times), _BLOCK):
+        part = slice(first, first + _BLOCK)
+        begun = np.searchsorted(time, times[part] + margin, side="right")
+        kept[part] = _before(values, begun)
+        changes[part] = np.searchsorted(time, times[part] + step - margin) > begun
     changes &= np.isfinite(kept) & (time[0] <= times)
+    if not changes.any():
+        return kept
     kept[changes] = mean_of_held(time, values[:, None], times[changes], step)[:, 0]
     return kept
 
@@ -129,8 +136,12 @@ def _last(
     time: NDArray[np.float64], values: NDArray[np.float64], times: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return the last value before or at each time, NaN before the first."""
-    place = np.searchsorted(time, times, side="right") - 1
-    return np.where(place >= 0, values[np.maximum(place, 0)], np.nan)
+    return _before(values, np.searchsorted(time, times, side="right"))
+
+
+def _before(values: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the value before each place, NaN before the first."""
+    return np.where(places > 0, values[np.maximum(places - 1, 0)], np.nan)
 
 
 def _known(signal: Signal) -> NDArray[np.float64]:

@@ -35,5 +35,8 @@ def by_run(frame: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
 
 
 def column_of_runs(names: list[str], lengths: list[int], like: pd.Series) -> pd.Series:
-    """Return the column of so many rows of each run, of the type of another one."""
+    """Return the column of so many rows of each run, of the type of another one, which it shares if both are alike."""
+    there, edges = stretches_of_runs(like)
+    if there == names and np.diff(edges).tolist() == lengths:
+        return like.reset_index(drop=True)
     return pd.Series(names, dtype=like.dtype, name="run").repeat(lengths).reset_index(drop=True)

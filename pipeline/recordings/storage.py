@@ -101,6 +101,7 @@ def _read_parquet(path: Path) -> Table:
         names = [name for name in schema.names if not _ROW_NUMBERS.fullmatch(name)]
         # One after the other, so that one column only is held twice.
         frame = pd.DataFrame({name: _column(file, name) for name in names}, copy=False)
+        pa.default_memory_pool().release_unused()
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0]
         raise InputError(f"is a damaged Parquet file ({reason})", str(path), "write it again") from None
@@ -161,6 +162,7 @@ def write_table(
     try:
         # Measured numbers hardly repeat: a dictionary of them is built in vain.
         pq.write_table(pa.Table.from_arrays(arrays, schema=schema), path, use_dictionary=_REPEATED)
+        pa.default_memory_pool().release_unused()
     except OSError as error:
         raise InputError(
             f"cannot be written ({error.strerror or error})",

@@ -4,7 +4,7 @@ Source: the documentation of LeRobotDataset at huggingface.co/docs/lerobot.
 """
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -34,13 +34,13 @@ def read(path: Path) -> Log:
     """
     folder = _folder(path)
     info = _info(folder) if folder is not None else {}
-    columns = _columns(_files(path), str(path))
+    fps = _number(info.get("fps"))
+    columns = _columns(_files(path), {*_UNUSED, _TIME} if fps > 0 else {*_UNUSED}, str(path))
     episodes = columns.pop(_EPISODE, None)
     if episodes is None or not len(episodes):
         raise InputError("holds no frames of an episode", str(path), "give the folder of a LeRobot data set")
     mixed = bool((np.diff(episodes) < 0).any())
     order = np.argsort(episodes, kind="stable") if mixed else slice(None)
-    fps = _number(info.get("fps"))
     times, spans = _times(episodes[order], _sorted(columns.get(_TIME), order), fps, str(path))
     signals = {
         signal.name: signal
@@ -78,12 +78,12 @@ def _files(path: Path) -> list[Path]:
     return files
 
 
-def _columns(files: list[Path], where: str) -> dict[str, NDArray[np.float64]]:
-    """Return the numbers of each column, (frames,) or (frames, elements)."""
+def _columns(files: list[Path], unused: Collection[str], where: str) -> dict[str, NDArray[np.float64]]:
+    """Return the numbers of each column but the unused ones, (frames,) or (frames, elements)."""
     parts: dict[str, list[NDArray[np.float64]]] = {}
     total = 0
     for file in files:
-        found, count = _of_file(file, _MOST - total)
+        found, count = _of_file(file, unused, _MOST - total)
         total += count
         if parts and set(found) != set(parts):
             raise InputError("has other columns than the files before", str(file), "copy the data set again")
@@ -99,14 +99,14 @@ def _columns(files: list[Path], where: str) -> dict[str, NDArray[np.float64]]:
         ) from None
 
 
-def _of_file(path: Path, most: int) -> tuple[dict[str, NDArray[np.float64]], int]:
+def _of_file(path: Path, unused: Collection[str], most: int) -> tuple[dict[str, NDArray[np.float64]], int]:
     """Return the columns of one file that hold numbers, and how many numbers that are."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     try:
         file = pq.ParquetFile(path)
-        fields = [entry for entry in file.schema_arrow if entry.name not in _UNUSED]
+        fields = [entry for entry in file.schema_arrow if entry.name not in unused]
         names = [entry.name for entry in fields if _is_numeric(entry.type)]
         widths = sum(
             entry.type.list_size if pa.types.is_fixed_size_list(entry.type) else 1
@@ -116,9 +116,10 @@ def _of_file(path: Path, most: int) -> tuple[dict[str, NDArray[np.float64]], int
         count = file.metadata.num_rows * widths
         if count > most:
             raise InputError("holds too many frames", str(path), "give one file of the data set")
-        found = {
-            name: _array(_column(file, name)) for name in names
-        }  # one by one, so that none is held twice
+        found = {}
+        for name in names:  # one by one, so that none is held twice
+            found[name] = _array(_column(file, name))
+            pa.default_memory_pool().release_unused()
     except (pa.ArrowException, OSError, ValueError, OverflowError) as error:
         reason = (str(error).splitlines() or ["damaged"])[0]
         raise InputError(f"cannot be read ({reason})", str(path), "copy the data set again") from None

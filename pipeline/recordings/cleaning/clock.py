@@ -59,9 +59,10 @@ def estimate_clock_offset(run: RunUnderCleaning, largest: float) -> float | None
     inputs = next((group for group in (MOTOR_SPEED, MOTOR_COMMAND) if set(group) <= set(run.needed)), None)
     if inputs is None:
         return None
-    offsets = {"body_rate": _offset(run, inputs, BODY_RATE[:2], True, largest)}
+    filtered: dict[int, np.ndarray] = {}
+    offsets = {"body_rate": _offset(run, inputs, BODY_RATE[:2], True, largest, filtered)}
     if run.has(SPECIFIC_FORCE):
-        offsets["specific_force_z"] = _offset(run, inputs, SPECIFIC_FORCE[2:], False, largest)
+        offsets["specific_force_z"] = _offset(run, inputs, SPECIFIC_FORCE[2:], False, largest, filtered)
     for column, offset in offsets.items():
         if offset is not None:
             _note(run, inputs, column, offset)
@@ -83,9 +84,17 @@ def _note(run: RunUnderCleaning, inputs: list[str], column: str, offset: ClockOf
 
 
 def _offset(
-    run: RunUnderCleaning, inputs: list[str], outputs: list[str], differentiate: bool, largest: float
+    run: RunUnderCleaning,
+    inputs: list[str],
+    outputs: list[str],
+    differentiate: bool,
+    largest: float,
+    filtered: dict[int, np.ndarray],
 ) -> ClockOffset | None:
-    """Gather the stretches of flight and compare; None where there is too little."""
+    """Gather the stretches of flight and compare; None where there is too little.
+
+    The inputs of whole stretches are kept in `filtered`, by their first samples, for the next outputs.
+    """
     nyquist = 0.5 / run.time_step
     if _BAND[0] >= 0.5 * nyquist:
         return None
@@ -94,13 +103,15 @@ def _offset(
     pieces = []
     driving, driven = run.index(inputs), run.index(outputs)
     left = _MOST
-    for first, past in unbroken(run):
+    for first, past in unbroken(run).tolist():
         past = min(past, first + left)
-        motors, measured = run.values[first:past, driving] ** 2, run.values[first:past, driven]
+        measured = run.values[first:past, driven]
         if past - first > 4 * edge and np.isfinite(measured).all():
             if differentiate:
                 measured = np.gradient(measured, run.time_step, axis=0)
-            pieces.append((sosfiltfilt(band, motors, axis=0), sosfiltfilt(band, measured, axis=0)))
+            if len(filtered.get(first, ())) != past - first:
+                filtered[first] = sosfiltfilt(band, run.values[first:past, driving] ** 2, axis=0)
+            pieces.append((filtered[first], sosfiltfilt(band, measured, axis=0)))
             left -= past - first
     if sum(len(motors) - 2 * edge for motors, _ in pieces) * run.time_step < _SHORTEST_FLIGHT:
         return None
@@ -137,7 +148,8 @@ def compare_clocks(
         inputs = delayed(offset)
         return float(((measured - _regress(inputs, measured)) ** 2).mean())
 
-    near, at_bound = _nearest_sample([(u, y / scale) for u, y in pieces], int(largest / time_step), edge)
+    scaled = [(u, y / scale) for u, y in pieces]
+    near, at_bound = _nearest_sample(scaled, spectra, int(largest / time_step), edge)
     bounds = ((near - 1) * time_step, (near + 1) * time_step)
     found = minimize_scalar(loss, bounds=bounds, method="bounded", options={"xatol": 1e-3 * time_step})
     offset = float(found.x)
@@ -145,15 +157,19 @@ def compare_clocks(
     return ClockOffset(offset, error, 1.0 - float(found.fun), at_bound)
 
 
-def _nearest_sample(pieces: list[tuple[np.ndarray, np.ndarray]], largest: int, edge: int) -> tuple[int, bool]:
+def _nearest_sample(
+    pieces: list[tuple[np.ndarray, np.ndarray]],
+    spectra: list[tuple[np.ndarray, int]],
+    largest: int,
+    edge: int,
+) -> tuple[int, bool]:
     """Return the best offset in whole samples by cross-correlation, and whether it is the largest tried."""
     lags = np.arange(-largest, largest + 1)
     count, measured = pieces[0][0].shape[1], pieces[0][1].shape[1]
     moments, products = np.zeros((count, count)), np.zeros((len(lags), count, measured))
-    for inputs, outputs in pieces:
+    for (inputs, outputs), (spectrum, _) in zip(pieces, spectra, strict=True):
         inner = np.zeros_like(outputs)
         inner[edge:-edge] = outputs[edge:-edge]
-        spectrum, _ = _spectrum(inputs)
         length = 2 * (len(spectrum) - 1)
         cross = np.conj(spectrum)[:, :, None] * np.fft.rfft(inner, axis=0, n=length)[:, None, :]
         products += np.fft.irfft(cross, axis=0, n=length)[lags]  # (lags, inputs, outputs)

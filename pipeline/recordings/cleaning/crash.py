@@ -31,10 +31,10 @@ def cut_crash(run: RunUnderCleaning, margin: float) -> None:
     if run.kind != "quadrotor" or len(run.time) < 3:
         return
     signs = _signs(run)
-    onset = _onset(run.time, np.any(list(signs.values()), axis=0))
+    onset = _onset(run.time, np.logical_or.reduce(list(signs.values())))
     if onset is None:
         return
-    landed = run.has(POSITION) and _stays_low(run.channel("position_z")[:, 0], onset)
+    landed = run.has(POSITION) and _stays_low(run.column("position_z"), onset)
     reason = "on the ground after a hard landing" if landed else "crashed or lost control"
     seen = ", ".join(name for name, mask in signs.items() if mask[onset:].any())
     start = run.time[onset] - (_TOUCHDOWN_MARGIN if landed else margin)
@@ -58,7 +58,7 @@ def _signs(run: RunUnderCleaning) -> dict[str, np.ndarray]:
         excess = np.abs(run.length(SPECIFIC_FORCE) - _GRAVITY)
         signs["specific force"] = _far_above(excess, "specific force")
     if run.has(ATTITUDE):
-        x, y = run.channel(*ATTITUDE[1:3]).T
+        x, y = (run.column(name) for name in ATTITUDE[1:3])
         with np.errstate(invalid="ignore"):
             upward = 1.0 - 2.0 * (x**2 + y**2)  # z of the body's z axis in the world
             signs["upside down"] = upward < _UPSIDE_DOWN
@@ -67,6 +67,8 @@ def _signs(run: RunUnderCleaning) -> dict[str, np.ndarray]:
 
 def _far_above(size: np.ndarray, sign: str) -> np.ndarray:
     slightest, quantile = _SIGNS[sign]
+    if not np.fmax.reduce(size, initial=0.0) > slightest:
+        return np.zeros(len(size), dtype=bool)
     known = size[np.isfinite(size)]
     usual = float(np.quantile(known, quantile)) if len(known) else np.inf
     with np.errstate(invalid="ignore"):
@@ -78,7 +80,8 @@ def _position_jump(run: RunUnderCleaning) -> np.ndarray:
     back = max(1, round(_JUMP_TIME / run.time_step))
     time_step, other = np.diff(run.time), run.stretch[1:] != run.stretch[:-1]
     squared = np.zeros(len(run.time))
-    for position, velocity in zip(run.channel(*POSITION).T, run.channel(*VELOCITY).T, strict=True):
+    for names in zip(POSITION, VELOCITY, strict=True):
+        position, velocity = (run.column(name) for name in names)
         step = np.diff(position) - 0.5 * (velocity[1:] + velocity[:-1]) * time_step
         step[other | np.isnan(step)] = 0.0
         drift = np.zeros(len(run.time))

@@ -21,13 +21,14 @@ def erase_dead(run: RunUnderCleaning) -> None:
     for rate, position in PAIRS.get(run.kind, []):
         if not run.has([rate, position]):
             continue
-        values, place = run.channel(rate)[:, 0], run.channel(position)[:, 0]
+        values, place = run.column(rate), run.column(position)
         still = [_held(run, values), _held(run, place)]
         if run.kind == "quadrotor":  # where both repeat, a whole message did not arrive, which is seen later
             both = [each for each in still[0] if each in still[1]]
             still = [[each for each in stretches if each not in both] for stretches in still]
         if not any(still):
             continue
+        values = values.copy()  # which the first of two erasures leaves as they are
         with np.errstate(invalid="ignore", divide="ignore"):
             moved = np.gradient(place, run.time) if len(place) > 1 else np.zeros(len(place))
         _erase(run, rate, still[0], moved, values - moved)
@@ -39,7 +40,7 @@ def erase_dead(run: RunUnderCleaning) -> None:
 def _erase_alone(run: RunUnderCleaning) -> None:
     """Erase where one of four counted speeds repeats one value, not zero, while the other three change."""
     speeds = [column for column in SPEEDS.get(run.kind, []) if column in run.columns]
-    values = {column: run.channel(column)[:, 0] for column in speeds}
+    values = {column: run.column(column).copy() for column in speeds}
     for column in speeds:
         rows = np.zeros(len(run.time), dtype=bool)
         for first, past in _held(run, values[column]):
@@ -80,7 +81,7 @@ def _erase(
     far = _FAST * float(np.quantile(known, 0.95))
     part = max(_FEWEST, round(_SHORTEST / run.time_step))
     outside = _outside(held, len(speed))
-    repeating = _share_of_repeats(run.channel(column)[:, 0][outside])
+    repeating = _share_of_repeats(run.column(column)[outside])
     unusual = _USUAL * _usual_mean(apart[outside], part)
     rows = np.zeros(len(speed), dtype=bool)
     for first, past in held:
@@ -132,7 +133,7 @@ def _largest_mean(values: np.ndarray, count: int) -> float:
 def _erase_empty_battery(run: RunUnderCleaning) -> None:
     if "battery_voltage" not in run.columns:
         return
-    volts = run.channel("battery_voltage")[:, 0]
+    volts = run.column("battery_voltage").copy()
     known = volts[np.isfinite(volts)]
     if not len(known):
         return

@@ -6,11 +6,14 @@ The equations of motion stand under smooth windows, which average noise themselv
 Source: Savitzky & Golay 1964 (Anal. Chem. 36); Fornberg 1988 (Math. Comput. 51), table 1.
 """
 
+import itertools
+
 import numpy as np
 import pandas as pd
 from scipy.signal import savgol_filter
 
 from simgap.recordings.contract import DERIVED_FROM, channel_units
+from simgap.recordings.runs import stretches_of_runs
 
 _SAMPLES, _ORDER = 5, 4
 
@@ -32,16 +35,24 @@ def with_derived(
     lacking = {rate: of for rate, of in DERIVED_FROM.get(kind, {}).items() if rate not in frame}
     if not lacking:
         return frame, units, ()
-    groups = frame.groupby(["run", "segment"], sort=False)
+    parts = _segments(frame)
     derived = {
-        rate: groups[of].transform(lambda part: derivative(part.to_numpy(dtype="float64"), time_step))
-        for rate, of in lacking.items()
+        rate: np.concatenate([derivative(values[part], time_step) for part in parts])
+        for rate, values in ((rate, frame[of].to_numpy(dtype="float64")) for rate, of in lacking.items())
     }
     known = channel_units(kind, units.get("position") == "m")
     order = [column for column in known if column in units or column in derived]
-    whole = frame.assign(**derived)
     index = [column for column in frame.columns if column not in units]
-    return whole[[*index, *order]], {column: known[column] for column in order}, tuple(derived)
+    columns = {name: derived[name] if name in derived else frame[name] for name in (*index, *order)}
+    whole = pd.DataFrame(columns, copy=False)
+    return whole, {column: known[column] for column in order}, tuple(derived)
+
+
+def _segments(frame: pd.DataFrame) -> list[slice]:
+    """Return the rows of each segment of each run, which are neighbours."""
+    _, runs = stretches_of_runs(frame["run"])
+    edges = np.union1d(runs, 1 + np.flatnonzero(np.diff(frame["segment"].to_numpy())))
+    return [slice(begin, end) for begin, end in itertools.pairwise(edges.tolist())]
 
 
 def derivative(series: np.ndarray, time_step: float) -> np.ndarray:

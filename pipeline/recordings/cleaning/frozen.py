@@ -1,6 +1,9 @@
 """Samples that were repeated because no newer message arrived, although the machine moved."""
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.spatial.transform import Rotation
 
 from simgap.recordings.cleaning.channels import ATTITUDE, COMMANDS, RATES, SPECIFIC_FORCE, telegrams
@@ -28,8 +31,8 @@ def erase_frozen(run: RunUnderCleaning, max_gap: float) -> None:
             repeated |= _repeated_in_world(run)
         if not repeated.any():
             continue
-        values = run.channel(*columns)
-        known = np.isfinite(values).all(axis=1)
+        values = [run.column(column) for column in columns]
+        known = np.logical_and.reduce([np.isfinite(column) for column in values])
         if known.sum() < 3 * _CHANGES_AROUND:
             continue
         moving = ~_at_rest(run, columns, values) & known
@@ -75,37 +78,39 @@ def _repeated(run: RunUnderCleaning, columns: list[str]) -> np.ndarray:
 def _repeated_in_world(run: RunUnderCleaning) -> np.ndarray:
     """Find held accelerations of loggers that turn them into world axes: held there, they move in body
     axes."""
-    force, attitude = run.channel(*SPECIFIC_FORCE), run.channel(*ATTITUDE)
     size = run.length(SPECIFIC_FORCE)
     with np.errstate(invalid="ignore"):  # a rotation keeps the size, so that others need not be turned
         alike = np.abs(np.diff(size)) <= _EQUAL_SIZE * size[1:]
     rows = 1 + np.flatnonzero(alike & (run.stretch[1:] == run.stretch[:-1]))
-    rows = rows[np.isfinite(attitude[rows - 1]).all(axis=1) & np.isfinite(attitude[rows]).all(axis=1)]
-    result = np.zeros(len(force), dtype=bool)
+    for at in (0, 1):
+        rows = rows[np.isfinite(run.rows(rows - at, ATTITUDE)).all(axis=1)]
+    result = np.zeros(len(size), dtype=bool)
     if len(rows):
         before, after = (
-            Rotation.from_quat(attitude[at], scalar_first=True).apply(force[at]) for at in (rows - 1, rows)
+            Rotation.from_quat(run.rows(at, ATTITUDE), scalar_first=True).apply(run.rows(at, SPECIFIC_FORCE))
+            for at in (rows - 1, rows)
         )
         close = np.abs(after - before).max(axis=1) <= _EQUAL_SHARE * np.abs(after).max(axis=1)
         result[rows[close]] = True
     return result
 
 
-def _unlikely(values: np.ndarray, repeated: np.ndarray, moving: np.ndarray) -> np.ndarray:
+def _unlikely(values: Sequence[np.ndarray], repeated: np.ndarray, moving: np.ndarray) -> np.ndarray:
     """Return which repetitions are too unlikely, of those in motion, shape (samples,)."""
-    result = np.zeros(len(values), dtype=bool)
-    judged = np.flatnonzero(repeated & moving)
-    fresh = np.cumsum(~repeated)
-    steps = int(fresh[-1]) - 1 if len(fresh) else 0
+    result = np.zeros(len(repeated), dtype=bool)
+    again, newer = np.flatnonzero(repeated), np.flatnonzero(~repeated)
+    numbers = np.flatnonzero(moving[again])
+    judged, steps = again[numbers], len(newer) - 1
     if steps < 1 or not len(judged):
         return result
-    before = fresh[judged] - 1  # the sample that is repeated
+    before = judged - numbers - 1  # of the newer samples, the one that is repeated
     beside = np.clip([before - 1, before], 0, steps - 1)
-    chance = np.zeros(steps)
-    chance[beside] = 1.0
-    places = np.flatnonzero(chance)
-    for column in values.T:
-        chance[places] *= _chances(np.abs(np.diff(column[~repeated])), places)
+    wanted, chance = np.zeros(steps, dtype=bool), np.ones(steps)
+    wanted[beside] = True
+    places = np.flatnonzero(wanted)
+    for column in values:
+        chance[places] *= _chances(np.abs(np.diff(column[newer])), places)
+        places = places[chance[places] >= _COINCIDENCE_LEVEL]  # no other channel makes it likelier again
     likelier = chance[beside].max(axis=0)  # of the two steps beside
     result[judged] = likelier < _COINCIDENCE_LEVEL
     return result
@@ -116,20 +121,20 @@ def _chances(step: np.ndarray, places: np.ndarray) -> np.ndarray:
     quantum = np.min(step, where=step > 0, initial=np.inf)
     if not np.isfinite(quantum):
         return np.ones(len(places))
-    around = np.arange(_CHANGES_AROUND) - _CHANGES_AROUND // 2
-    windows = np.nan_to_num(step)[np.clip(places[:, None] + around, 0, len(step) - 1)]
+    step[np.isnan(step)] = 0.0
+    windows = sliding_window_view(np.pad(step, _CHANGES_AROUND // 2, mode="edge"), _CHANGES_AROUND)[places]
     usual = np.partition(windows, _CHANGES_AROUND // 2, axis=1)[:, _CHANGES_AROUND // 2]  # the median
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(usual > 0, np.minimum(1.0, 0.5 * quantum / usual), 1.0)
 
 
-def _at_rest(run: RunUnderCleaning, columns: list[str], values: np.ndarray) -> np.ndarray:
+def _at_rest(run: RunUnderCleaning, columns: list[str], values: Sequence[np.ndarray]) -> np.ndarray:
     """Return where all rates of the message are zero, or all its commands at their limits."""
     if set(columns) <= COMMANDS:
-        low, high = np.nanmin(values, axis=0), np.nanmax(values, axis=0)
-        return ((values == low) | (values == high)).all(axis=1)
-    rates = [place for place, column in enumerate(columns) if column in RATES[run.kind]]
+        ends = [(column == np.nanmin(column)) | (column == np.nanmax(column)) for column in values]
+        return np.asarray(np.logical_and.reduce(ends))
+    rates = [values[place] for place, column in enumerate(columns) if column in RATES[run.kind]]
     if not rates:
-        return np.zeros(len(values), dtype=bool)
-    size = np.abs(values[:, rates])
-    return (size <= _STANDSTILL_SHARE * np.nanmax(size, axis=0)).all(axis=1)
+        return np.zeros(len(run.time), dtype=bool)
+    sizes = [np.abs(rate) for rate in rates]
+    return np.asarray(np.logical_and.reduce([size <= _STANDSTILL_SHARE * np.nanmax(size) for size in sizes]))

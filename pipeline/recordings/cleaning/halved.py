@@ -26,7 +26,7 @@ def mend_halved(run: RunUnderCleaning) -> None:
     for column in SPEEDS.get(run.kind, []):
         if column not in run.columns:
             continue
-        values = run.channel(column)[:, 0]
+        values = run.column(column).copy()
         for share, mend in ((0.5, _double), (0.0, _leave_out)):
             rows = _dropped_to(share, values)
             if 0 < rows.sum() <= _LONGEST * len(rows):
@@ -34,7 +34,7 @@ def mend_halved(run: RunUnderCleaning) -> None:
 
 
 def _double(run: RunUnderCleaning, column: str, rows: np.ndarray) -> None:
-    run.replace(rows, column, 2.0 * run.channel(column)[:, 0], "halved", "is half of what it was")
+    run.replace(rows, column, 2.0 * run.column(column), "halved", "is half of what it was")
     run.remarks.append(
         f"Channel {column!r} falls to half from one sample to the next, and comes back, in {int(rows.sum())} samples "
         f"of run {run.name!r}; it was doubled there."

@@ -59,18 +59,18 @@ def _below_share(values: np.ndarray, share: float) -> np.ndarray:
 
 
 def _rotors_off(run: RunUnderCleaning) -> np.ndarray:
-    levels = [run.channel(*group) for group in (MOTOR_SPEED, MOTOR_COMMAND) if run.has(group)]
-    known = [level for level in levels if np.isfinite(level).any()]
+    groups = [group for group in (MOTOR_SPEED, MOTOR_COMMAND) if run.has(group)]
+    known = [group for group in groups if any(np.isfinite(run.column(name)).any() for name in group)]
     if not known:
         return np.zeros(len(run.time), dtype=bool)
-    strongest = np.nan_to_num(known[0], nan=np.inf).max(axis=1)
+    strongest = np.maximum.reduce([run.column(name) for name in known[0]])
     finite = strongest[np.isfinite(strongest)]
     typical = float(np.quantile(finite, 0.75)) if len(finite) else 0.0
     return strongest < _OFF * typical
 
 
 def _height(run: RunUnderCleaning) -> np.ndarray:
-    height = run.channel("position_z")[:, 0]
+    height = run.column("position_z")
     return height - np.nanmin(height)
 
 

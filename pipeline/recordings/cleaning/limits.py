@@ -15,7 +15,7 @@ def erase_beyond_limits(run: RunUnderCleaning) -> None:
     negative."""
     for column, (low, high) in _BOUNDS.items():
         if column in run.columns:
-            values = run.channel(column)[:, 0]
+            values = run.column(column)
             with np.errstate(invalid="ignore"):
                 beyond = (values < low - _COMMAND_ROUNDING) | (values > high + _COMMAND_ROUNDING)
             if beyond.any():

@@ -20,12 +20,16 @@ def lacking(frame: pd.DataFrame, kind: str, groups: Collection[str]) -> str:
         groups: what `needed_groups` tells of it.
     """
     needed = required_channels(kind, frame.columns)
-    empty = [column for column in needed if frame[column].count() < _FEWEST_SAMPLES]
+    empty = [column for column in needed if np.count_nonzero(_known(frame, column)) < _FEWEST_SAMPLES]
     if empty:
         return f"no values in {', '.join(empty)}"
     if ANY_OF[kind] and not groups:
         return f"no values in {' nor '.join(group[0] for group in ANY_OF[kind])}"
     return ""
+
+
+def _known(frame: pd.DataFrame, column: str) -> np.ndarray:
+    return ~np.isnan(frame[column].to_numpy(dtype="float64"))
 
 
 def needed_groups(frame: pd.DataFrame, kind: str) -> list[str]:
@@ -35,7 +39,7 @@ def needed_groups(frame: pd.DataFrame, kind: str) -> list[str]:
     at least half the samples of the best one.
     """
     shares = {
-        group: float(np.mean(np.logical_and.reduce([frame[column].notna() for column in group])))
+        group: float(np.mean(np.logical_and.reduce([_known(frame, column) for column in group])))
         for group in ANY_OF[kind]
         if set(group) <= set(frame.columns)
     }
@@ -58,5 +62,5 @@ def erase_sparse_groups(
     sparse = [
         column for group in ANY_OF[kind] for column in group if column in frame and column not in groups
     ]
-    lost = {column: int(frame[column].count()) for column in sparse}
+    lost = {column: int(np.count_nonzero(_known(frame, column))) for column in sparse}
     return (frame.assign(**dict.fromkeys(sparse, np.nan)) if sparse else frame), lost

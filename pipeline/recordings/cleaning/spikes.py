@@ -17,6 +17,8 @@ from simgap.recordings.cleaning.work import RunUnderCleaning
 
 _WIDEST = 3  # samples
 _TIMES_STEPS_BESIDE = 4.0  # times the largest step just before and after
+# of an excursion, the step into it: the samples on both sides differ by a fraction only
+_INTO = 1.0 - 1.0 / _TIMES_STEPS_BESIDE
 _NOISE = 10.0  # times the noise of the whole run
 _LOCAL = 5.0  # times the roughness around, which rules out bursts
 _QUANTA = 6.0
@@ -47,7 +49,7 @@ def erase_spikes(run: RunUnderCleaning) -> None:
     for column in run.columns:
         if column in COMMANDS | SLOW or column in INPUTS[run.kind]:
             continue
-        values = run.channel(column)[:, 0]
+        values = run.column(column)
         if np.count_nonzero(np.isfinite(values)) < _FEWEST_SAMPLES:
             continue
         rows = find_spikes(values, run.time, _least(run, column, usual), _integral(run, column))
@@ -82,7 +84,7 @@ def _usual_speed(values: np.ndarray) -> float:
 
 def _integral(run: RunUnderCleaning, column: str) -> np.ndarray | None:
     integral = _INTEGRAL.get(column, "")
-    return run.channel(integral)[:, 0] if integral in run.columns else None
+    return run.column(integral) if integral in run.columns else None
 
 
 def find_spikes(
@@ -101,11 +103,14 @@ def find_spikes(
     present = values if finite.all() else values[finite]
     if len(present) < _FEWEST_SAMPLES:
         return result
-    step = np.abs(np.diff(present))
+    step = np.diff(present)
+    np.abs(step, out=step)
+    if not step.max() > _INTO * least:
+        return result  # whatever its quanta and its noise are, which takes long to find out
     floor = max(_QUANTA * np.min(step, where=step > 0, initial=np.inf), least)
     widths = range(1, _WIDEST + 1)
     if not any(len(_excursions(present, step, width, floor)) for width in widths):
-        return result  # whatever the noise is, which takes long to find out
+        return result
     known = np.flatnonzero(finite)
     roughness = np.abs(present - median_filter(present, size=5, mode="nearest"))
     floor = max(_NOISE * 1.4826 * float(np.median(roughness)), floor)
@@ -133,8 +138,7 @@ def _excursions(values: np.ndarray, step: np.ndarray, width: int, floor: float) 
         width: in samples.
         floor: what an excursion exceeds.
     """
-    # As the samples on both sides differ by a fraction of an excursion, the step into it is nearly as large.
-    begins = 2 + np.flatnonzero(step[1 : -width - 1] > (1.0 - 1.0 / _TIMES_STEPS_BESIDE) * floor)
+    begins = 2 + np.flatnonzero(step[1 : -width - 1] > _INTO * floor)
     before, after = values[begins - 1], values[begins + width]
     calm = np.maximum(np.abs(before - values[begins - 2]), np.abs(values[begins + width + 1] - after))
     calm = np.maximum(calm, np.abs(after - before))

@@ -1,5 +1,7 @@
 """Stretches that were filled with a straight line before import, such as an extrapolated end."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from simgap.recordings.cleaning.channels import BODY_RATE, MOTOR_COMMAND, MOTOR_SPEED, SPECIFIC_FORCE
@@ -17,32 +19,57 @@ def erase_straight(run: RunUnderCleaning, max_gap: float) -> None:
         return
     for columns in _VECTORS:
         if run.has(columns):
-            rows = _straight(run.time, run.channel(*columns), run.stretch, max_gap)
+            rows = _straight(run.time, [run.column(name) for name in columns], run.stretch, max_gap)
             run.erase(rows, columns, "straight", "straight line instead of measurements")
 
 
-def _straight(time: np.ndarray, values: np.ndarray, stretch: np.ndarray, max_gap: float) -> np.ndarray:
+def _straight(
+    time: np.ndarray, values: Sequence[np.ndarray], stretch: np.ndarray, max_gap: float
+) -> np.ndarray:
     """Return the mask of samples inside made-up stretches, shape (samples,)."""
     result = np.zeros(len(time), dtype=bool)
     if len(time) < 3:
         return result
-    inside = stretch[2:] == stretch[:-2]
-    time_step, moving = np.diff(time), np.zeros(len(inside), dtype=np.int8)
-    for column in values.T:
-        slope = np.diff(column) / time_step
-        size = np.abs(slope[1:])
-        with np.errstate(invalid="ignore"):
-            inside &= np.abs(np.diff(slope)) <= _BEND * size
-            moving += size > 0
-    straight = np.concatenate([[False], inside & (moving >= 2), [False]])
+    longest = np.max(np.diff(time), where=stretch[1:] == stretch[:-1], initial=0.0)
+    # A line has more inner samples than this, so that one of every so many tells whether there may be any.
+    every = max(1, int(max_gap / longest) - 1) if longest > 0.0 else 1
+    told = np.arange(every, len(time) - 1, every)
+    told = told[_unbent(told, time, values, stretch)]
+    if not len(told):
+        return result
+    beside = np.zeros(len(time) + every, dtype=np.int8)
+    beside[told - every + 1] += 1
+    beside[told + every] -= 1
+    rows = np.flatnonzero(np.cumsum(beside, dtype=np.int8)[1 : len(time) - 1]) + 1
+    straight = np.zeros(len(time), dtype=bool)
+    straight[rows] = _unbent(rows, time, values, stretch)
     lines = stretches_of(straight) - np.array([1, 0])  # the neighbours lie on the line too
     for first, last in lines[np.diff(time[lines])[:, 0] > max_gap]:
-        if _on_chord(time[first : last + 1], values[first : last + 1]):
+        if _on_chord(time[first : last + 1], [column[first : last + 1] for column in values]):
             result[first + 1 : last + 1] = True
     return result
 
 
-def _on_chord(time: np.ndarray, values: np.ndarray) -> bool:
-    share = ((time - time[0]) / (time[-1] - time[0]))[:, None]
-    way = values[-1] - values[0]
-    return bool((np.abs(values - values[0] - share * way).max(axis=0) <= _CHORD * np.abs(way)).all())
+def _unbent(
+    rows: np.ndarray, time: np.ndarray, values: Sequence[np.ndarray], stretch: np.ndarray
+) -> np.ndarray:
+    """Return which samples lie on a line with their neighbours, of which two components move, (rows,)."""
+    inside = stretch[rows + 1] == stretch[rows - 1]
+    before, behind = time[rows] - time[rows - 1], time[rows + 1] - time[rows]
+    moving = np.zeros(len(rows), dtype=np.int8)
+    for column in values:
+        here = column[rows]
+        slope = (column[rows + 1] - here) / behind
+        bend = slope - (here - column[rows - 1]) / before
+        size = np.abs(slope)
+        inside &= np.abs(bend) <= _BEND * size
+        moving += size > 0
+    return np.asarray(inside & (moving >= 2))
+
+
+def _on_chord(time: np.ndarray, values: Sequence[np.ndarray]) -> bool:
+    share = (time - time[0]) / (time[-1] - time[0])
+    ways = [(column, column[-1] - column[0]) for column in values]
+    return all(
+        bool(np.abs(column - column[0] - share * way).max() <= _CHORD * np.abs(way)) for column, way in ways
+    )

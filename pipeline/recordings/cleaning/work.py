@@ -47,7 +47,7 @@ class RunUnderCleaning:
     stretch: np.ndarray
     needed: list[str]
     time_step: float
-    cause: np.ndarray = field(init=False)
+    cause: np.ndarray = field(default_factory=lambda: np.empty((0, 0), dtype=np.uint8))
     dropped: np.ndarray = field(init=False)
     changes: list[Change] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
@@ -57,12 +57,13 @@ class RunUnderCleaning:
     reasons: list[str] = field(default_factory=lambda: [""])
 
     def __post_init__(self) -> None:
-        """Start with everything as recorded."""
-        self.cause = np.zeros(self.values.shape, dtype=np.uint8, order="F")
-        for place in range(len(self.columns)):
-            absent = np.isnan(self.values[:, place])
-            if absent.any():
-                self.cause[absent, place] = self.number("missing")
+        """Start with everything as recorded, where no causes are given."""
+        if self.cause.shape != self.values.shape:
+            self.cause = np.zeros(self.values.shape, dtype=np.uint8, order="F")
+            for place in range(len(self.columns)):
+                absent = np.isnan(self.values[:, place])
+                if absent.any():
+                    self.cause[absent, place] = self.number("missing")
         self.dropped = np.zeros(len(self.time), dtype=np.uint8)
         self.filled = np.zeros(len(self.time), dtype=bool)
 
@@ -85,9 +86,17 @@ class RunUnderCleaning:
         """Return whether every one of the channels is there."""
         return set(columns) <= set(self.columns)
 
+    def column(self, name: str) -> np.ndarray:
+        """Return a channel, (samples,): no copy, so that it shows what is erased later."""
+        return self.values[:, self.columns.index(name)]
+
     def channel(self, *columns: str) -> np.ndarray:
-        """Return channels as an array of shape (samples, len(columns))."""
+        """Return a copy of channels, shape (samples, len(columns))."""
         return self.values[:, self.index(list(columns))]
+
+    def rows(self, samples: np.ndarray, columns: list[str]) -> np.ndarray:
+        """Return some samples of channels, (samples, len(columns))."""
+        return np.stack([self.values[samples, place] for place in self.index(columns)], axis=1)
 
     def length(self, columns: list[str]) -> np.ndarray:
         """Return the length of the vector that channels are the components of, shape (samples,)."""

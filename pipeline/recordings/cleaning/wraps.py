@@ -36,7 +36,7 @@ def mend_wraps(run: RunUnderCleaning) -> None:
     for rate, position in PAIRS.get(run.kind, []):
         if not run.has([rate, position]):
             continue
-        jumps = {column: _jumps(_known(run.channel(column)[:, 0])) for column in (position, rate)}
+        jumps = {column: _jumps(_known(run.column(column))) for column in (position, rate)}
         if not any(len(rows) for rows in jumps.values()):
             continue
         left = misfit(run.time, *run.channel(position, rate).T)
@@ -59,7 +59,7 @@ def _jumps(present: np.ndarray) -> np.ndarray:
 
 def _mend(run: RunUnderCleaning, rate: str, position: str, column: str, before: float) -> float:
     """Undo the likeliest wrap of a column that jumps, if any, and return the misfit left of the one `before`."""
-    values = {name: run.channel(name)[:, 0] for name in (rate, position)}
+    values = {name: run.column(name) for name in (rate, position)}
     best, least = None, _GAIN * before
     for candidate in _candidates(run.time, values[column], values[position], values[rate], column == rate):
         tried = {**values, column: candidate[0]}
