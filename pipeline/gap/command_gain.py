@@ -16,16 +16,7 @@ from torch import Tensor
 
 from simgap.effects import Effect, WrenchEffect
 from simgap.gap.recent import Recent
-from simgap.gap.residuals import (
-    Inside,
-    acting_series,
-    bare_rows,
-    channel_series,
-    row_weights,
-    windows_of,
-    with_derived,
-    without_lost,
-)
+from simgap.gap.residuals import Inside, bare_rows, channel_series, row_weights, without_lost
 from simgap.physics.weak_form import WindowFunctions, mean_rate_of
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
@@ -139,13 +130,10 @@ class CommandGain:
         """
         inner = {name: series[self._part] for name, series in self._inside(unloaded).items()}
         nothing = {name: torch.zeros_like(inner[name]) for name in self._exerted if name in inner}
-        acting, relaxed = (self._wrench(unloaded, signals) for signals in (inner, inner | nothing))
-        return windows_of(relaxed - acting, self._functions) * self._sound
-
-    def _wrench(self, simulator: Simulator, inner: dict[str, Tensor]) -> Tensor:
-        """Return what acts in a simulator on some blocks, (blocks, samples, channels)."""
-        signals = with_derived(simulator, inner)
-        return acting_series(simulator, simulator.wrench(signals, simulator.constants()), self._some, signals)
+        acting, relaxed = (
+            bare_rows(unloaded, self._some, self._functions, signals) for signals in (inner, inner | nothing)
+        )
+        return (acting - relaxed) * self._sound
 
 
 def _loads(effect: Effect) -> bool:

@@ -10,26 +10,16 @@ from torch import Tensor
 from simgap.effects import Effect, Parameter, WrenchEffect
 from simgap.effects.sizes import size_of
 from simgap.gap.command_gain import CommandGain
-from simgap.gap.residuals import (
-    Inside,
-    acting_series,
-    residual_rows,
-    row_weights,
-    signals_inside,
-    windows_of,
-    with_derived,
-)
+from simgap.gap.residuals import Inside, channels_on, residual_rows, row_weights, signals_inside
 from simgap.gap.row_noise import share_of_motion
 from simgap.gap.temper import Temper, energy_of
 from simgap.physics.weak_form import WindowFunctions
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 
-_FIT_STEPS, _HALVINGS = 12, 4
+_FIT_STEPS = 12
 _LIKELIHOOD_TOLERANCE = 1e-2  # least promised gain of log likelihood
 _DIFFERENCE = 1e-4
-_KEPT_PROMISE = 0.75
-"""Of the gain that slopes promise: from there on a model is trusted as it is (Conn, Gould & Toint 2000)."""
 
 
 @dataclass(frozen=True)
@@ -191,45 +181,27 @@ def with_values(simulator: Simulator, values: Tensor) -> Simulator:
     return simulator.with_effects(tuple(effects))
 
 
-def fit(simulator: Simulator, problem: Problem, slopes: Tensor | None = None) -> Fit:
+def fit(simulator: Simulator, problem: Problem) -> Fit:
     """Fit all parameters together by Gauss–Newton steps from the values that the simulator has.
 
-    Rows are weighed as the problem says, anew at every step. Bounds are respected by clipping. Slopes are kept as long
-    as steps gain what they promise; the last ones are those of the fitted values.
-    Source of the rule: Conn, Gould & Toint 2000, Trust-Region Methods, algorithm 6.1.1.
-
-    Args:
-        simulator: to be fitted.
-        problem: to which data.
-        slopes: to begin with, from near by, (blocks, rows, channels, parameters); None: those of the first values.
+    Rows are weighed as the problem says, anew at every step. Bounds are respected by clipping.
     """
     low, high = bounds_of(simulator)
     values = values_of(simulator).clamp(low, high)
     residual = problem.residual(with_values(simulator, values))
-    jacobian, own = slopes, False
+    jacobian = jacobian_of(with_values(simulator, values), problem, residual)
     for _ in range(_FIT_STEPS):
-        if jacobian is None:
-            jacobian, own = jacobian_of(with_values(simulator, values), problem, residual), True
         scale, _ = problem.weigh(residual, with_values(simulator, values))
         change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
-        ends, rows = promised < problem.least_gain(residual), residual
-        if not ends:
-            values, rows = line_search(simulator, problem, values, change, residual, scale)
-        if rows is residual and own:
+        if promised < problem.least_gain(residual):
             break
-        if rows is residual or not keeps_promise(residual, rows, scale, promised):
-            jacobian = None
-        residual, own = rows, False
+        values, rows = line_search(simulator, problem, values, change, residual, scale)
+        if rows is residual:
+            break
+        residual = rows
+        jacobian = jacobian_of(with_values(simulator, values), problem, residual)
     fitted = with_values(simulator, values)
-    if jacobian is None or not own:
-        jacobian = jacobian_of(fitted, problem, residual)
     return finished(fitted, residual, jacobian, problem.weigh(residual, fitted)[0], problem)
-
-
-def keeps_promise(before: Tensor, after: Tensor, scale: Tensor, promised: float) -> bool:
-    """Whether a step lowered the weighted cost by most of what its slopes promised."""
-    gained = (before / scale).square().sum() - (after / scale).square().sum()
-    return float(gained) >= _KEPT_PROMISE * promised
 
 
 def finished(
@@ -283,8 +255,9 @@ def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, resi
 
 def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Problem) -> Tensor:
     blocks, functions = problem.blocks, problem.functions
-    inner = with_derived(simulator, problem.inside(simulator))
-    columns = windows_of(law_series(simulator, effect, blocks, inner), functions)
+    inner = _derived(simulator, problem.inside(simulator))
+    series = law_series(simulator, effect, blocks, inner)
+    columns = torch.einsum("bscp,rs->brcp", series, functions.weights)
     return columns * row_weights(simulator, inner, blocks, functions)[..., None]
 
 
@@ -299,25 +272,35 @@ def law_series(
         blocks: recorded.
         inner: what is in the simulator, with what its mechanism derives, where that is known.
     """
-    inner = inner or with_derived(simulator, signals_inside(simulator, blocks, blocks.acting))
-    regressors = effect.regressors(inner, simulator.constants())
-    return torch.stack([acting_series(simulator, each, blocks, inner) for each in regressors], dim=-1)
+    inner = inner or _derived(simulator, signals_inside(simulator, blocks, blocks.acting))
+    constants = simulator.constants()
+    nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(constants)
+    names = [channel.name for channel in channels_on(simulator, blocks)]
+    columns = []
+    for regressor in effect.regressors(inner, constants):
+        wrench = simulator.mechanism.constrain(regressor, inner, constants)
+        acting = {n: nominal[n] / believed[n] * blocks.at_samples(series) for n, series in wrench.items()}
+        zero = torch.zeros_like(next(iter(acting.values())))
+        columns.append(torch.stack([acting.get(name, zero) for name in names], dim=-1))
+    return torch.stack(columns, dim=-1)
+
+
+def _derived(simulator: Simulator, inner: dict[str, Tensor]) -> dict[str, Tensor]:
+    """Return the signals inside a simulator with those that its mechanism derives."""
+    return inner | simulator.mechanism.derived(inner, simulator.constants())
 
 
 def _difference(
     simulator: Simulator, problem: Problem, residual: Tensor, column: int, parameter: Parameter
 ) -> Tensor:
     values = values_of(simulator)
-    step = difference_of(float(values[column]), parameter, problem.sizes)
+    usual = parameter.default * size_of(parameter.unit, problem.sizes)
+    step = _DIFFERENCE * max(abs(float(values[column])), abs(usual))
+    if values[column] + step > parameter.high:
+        step = -step
     values[column] += step
     rows = problem.residual(with_values(simulator, values))
     return -(rows - residual) / step
-
-
-def difference_of(value: float, parameter: Parameter, sizes: Mapping[str, float]) -> float:
-    """Return the step of a finite difference in a parameter, in its unit, towards where it may go."""
-    step = _DIFFERENCE * max(abs(value), abs(parameter.default * size_of(parameter.unit, sizes)))
-    return -step if value + step > parameter.high else step
 
 
 def bounded_newton_step(
@@ -343,10 +326,10 @@ def bounded_newton_step(
 def line_search(
     simulator: Simulator, problem: Problem, values: Tensor, change: Tensor, residual: Tensor, scale: Tensor
 ) -> tuple[Tensor, Tensor]:
-    """Take the longest step of 1, ½, ¼ and ⅛ that lowers the weighted cost; return the values and their residual."""
+    """Take the longest step of 1, ½, ¼, … that lowers the weighted cost; return the values and their residual."""
     cost = (residual / scale).square().sum()
     low, high = bounds_of(simulator)
-    for halving in range(_HALVINGS):
+    for halving in range(6):
         tried = (values + change * 0.5**halving).clamp(low, high)
         rows = problem.residual(with_values(simulator, tried))
         if (rows / scale).square().sum() < cost:

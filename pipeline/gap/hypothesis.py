@@ -129,8 +129,7 @@ def _is_short(fitted: FittedEffect, simulator: Simulator, reading: Reading) -> b
 
     group = fitted.effect.key.partition("@")[2]
     beside = (f for f in simulator.free if f.effect.key.partition("@")[2] == group)
-    together = sum(filter(short, map(late, beside)))
-    return short(late(fitted)) and (together == 0.0 or short(together))
+    return short(late(fitted)) and short(sum(filter(short, map(late, beside))))
 
 
 def _log_prior_odds(fitted: Fit, reading: Reading) -> float:

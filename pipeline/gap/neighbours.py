@@ -37,13 +37,11 @@ class Proposal:
     Attributes:
         keys: of its effects.
         effects: with values to start a fit from.
-        slopes: of their parameters, to start a fit with, one tensor (blocks, rows, channels, parameters) an effect.
         promise: the score that the linearisation gives it.
     """
 
     keys: frozenset[str]
     effects: tuple[FittedEffect, ...]
-    slopes: tuple[Tensor, ...]
     promise: float
 
 
@@ -70,18 +68,15 @@ class Neighbours:
         self.relief = {key: h.occam + h.prior - centre.occam - centre.prior for key, h in dropped.items()}
         self.columns: dict[str, list[int]] = {}
         self.offset: dict[str, int] = {}
-        self.slopes: dict[str, Tensor] = {}
         series = [centre.fit.residual[..., None]]
         for key, fitted in self.mine.items():
             self.offset[key] = sum(part.shape[-1] for part in series)
             gone = remove(centre.fit, fitted.effect, problem).residual - centre.fit.residual
             series.append(gone[..., None])
-            self.slopes[key] = centre.fit.jacobian[..., columns_of(centre.fit, fitted.effect)]
-            self._note(key, series, self.slopes[key])
+            self._note(key, series, centre.fit.jacobian[..., columns_of(centre.fit, fitted.effect)])
         for hypothesis in added:
             effect = _last(hypothesis).effect
             own = hypothesis.fit.jacobian[..., columns_of(hypothesis.fit, effect)]
-            self.slopes[effect.key] = own
             self._note(effect.key, series, torch.cat([_contribution(hypothesis, centre), own], dim=-1))
         part = _spread(len(centre.fit.residual))
         self.gram = _gram(torch.cat([each[part] for each in series], dim=-1))
@@ -124,7 +119,7 @@ class Neighbours:
         promises = self.centre.score + self._value(left[likely]).amax(-1) - self.present + costs[likely]
         order = promises.argsort(descending=True)[:count].tolist()
         found = [(moves[int(likely[place])][0], float(promises[place])) for place in order]
-        return [self._proposal(keys, promise) for keys, promise in found]
+        return [Proposal(keys, self._starts(keys), promise) for keys, promise in found]
 
     def _moves(self) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
         """Yield which effects go and which come: at most two of each, and more than one in all."""
@@ -173,10 +168,9 @@ class Neighbours:
         usual = self.mixture.usual * ratio.mean(-2, keepdim=True).exp()
         return Mixture(self.mixture.share, torch.maximum(usual, self.noise.amin(-2, keepdim=True)))
 
-    def _proposal(self, keys: frozenset[str], promise: float) -> Proposal:
-        every, order = self.new | self.mine, sorted(keys)
-        starts = tuple(FittedEffect(every[key].effect, every[key].values) for key in order)
-        return Proposal(keys, starts, tuple(self.slopes[key] for key in order), promise)
+    def _starts(self, keys: frozenset[str]) -> tuple[FittedEffect, ...]:
+        every = self.new | self.mine
+        return tuple(FittedEffect(every[key].effect, every[key].values) for key in sorted(keys))
 
 
 def _last(hypothesis: Hypothesis) -> FittedEffect:

@@ -39,7 +39,6 @@ class Reading:
         catalogue: effects that may be missing.
         odds: prior odds of this reading.
         driver: the signal that was estimated from the motion; empty where none was.
-        alike: another reading in whose rows scans of effects show the same; None: there is none.
     """
 
     held: bool
@@ -47,7 +46,6 @@ class Reading:
     catalogue: tuple[Effect, ...]
     odds: float = 1.0
     driver: str = ""
-    alike: "Reading | None" = None
 
     @property
     def timing(self) -> tuple[bool, str]:
@@ -72,7 +70,7 @@ class Reading:
     @cached_property
     def starts(self) -> Starts:
         """Where fits of the effects begin."""
-        return Starts(self.nominal, self.problem) if self.alike is None else self.alike.starts
+        return Starts(self.nominal, self.problem)
 
     @cached_property
     def likelihood_of(self) -> LikelihoodOf:
@@ -94,9 +92,7 @@ def readings_of(recording: Recording, nominal: Simulator, settings: Gap) -> list
     measured = _reading(recording, nominal, settings, held=False)
     if COMMANDS.isdisjoint(measured.problem.blocks.signals):
         return _alike([measured])
-    first, second = _alike([measured, _reading(recording, nominal, settings, held=True)])
-    rows = [len(each.problem.functions.centres) for each in (first, second)]
-    return [first, replace(second, alike=first) if rows[0] == rows[1] else second]
+    return _alike([measured, _reading(recording, nominal, settings, held=True)])
 
 
 def likeliest_reading(recording: Recording, simulator: Simulator, settings: Gap) -> Reading:

@@ -25,7 +25,6 @@ from simgap.simulation import FittedEffect, Simulator
 _SLOPE_STEPS = 3  # Newton steps with kept slopes
 _MOST_STEPS = 8  # Newton steps with new slopes
 _PROGRESS = 0.05  # of the total decrease of the cost, which the last step must give for another to follow
-_SLIGHT = 0.1  # of log likelihood: no decision turns on less, and what is expanded is fitted again
 _FOLLOWED = 3  # starts that are tried beside the fit, and followed where the best one ends on a bound
 
 
@@ -122,7 +121,7 @@ def _extended(current: Fit, effect: Effect, problem: Problem, start: Simulator) 
             simulator, residual = _first_step(simulator, residual, jacobian, problem, scale)
         scale, cost = problem.weigh(residual, simulator)
         costs.append(cost)
-        if costs[-2] - costs[-1] <= max(_PROGRESS * (costs[0] - costs[-1]), _SLIGHT):
+        if costs[-2] - costs[-1] <= _PROGRESS * (costs[0] - costs[-1]):
             break
     return _finished(simulator, residual, jacobian, problem, scale)
 
@@ -193,9 +192,7 @@ def _stepped(
 ) -> tuple[Simulator, Tensor]:
     low, high = bounds_of(simulator)
     values = values_of(simulator)
-    change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
-    if promised < problem.least_gain(residual):
-        return simulator, residual
+    change, _ = bounded_newton_step(jacobian, residual, scale, values, low, high)
     after, rows = line_search(simulator, problem, values, change, residual, scale)
     return (simulator, residual) if rows is residual else (with_values(simulator, after), rows)
 

@@ -8,7 +8,6 @@ from torch import Tensor
 
 from simgap.effects import ActuatorEffect, ConstantEffect, Effect, MeasurementEffect
 from simgap.gap.recent import Recent
-from simgap.physics.shapes import Channels
 from simgap.physics.weak_form import WindowFunctions, mean_of, mean_rate_of
 from simgap.platforms.mechanism import Channel
 from simgap.simulation import Simulator
@@ -162,36 +161,6 @@ def bare_rows(
         for series in channel_series(simulator, blocks, inner)
     ]
     return torch.stack(rows, dim=-1)
-
-
-def acting_series(simulator: Simulator, wrench: Channels, blocks: Blocks, inner: dict[str, Tensor]) -> Tensor:
-    """Return what a wrench does in each channel of a simulator, (blocks, samples, channels).
-
-    It is in terms of the platform's nominal inertia. Channels of two readings of the same have no wrench, but zeros.
-
-    Args:
-        simulator: in which it acts.
-        wrench: per channel, before constraints answer it.
-        blocks: recorded.
-        inner: what is in the simulator, see `signals_inside`, with what its mechanism derives.
-    """
-    constants = simulator.constants()
-    nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(constants)
-    answered = simulator.mechanism.constrain(wrench, inner, constants)
-    acting = {n: nominal[n] / believed[n] * blocks.at_samples(series) for n, series in answered.items()}
-    zero = torch.zeros_like(next(iter(acting.values())))
-    names = [channel.name for channel in channels_on(simulator, blocks)]
-    return torch.stack([acting.get(name, zero) for name in names], dim=-1)
-
-
-def with_derived(simulator: Simulator, inner: dict[str, Tensor]) -> dict[str, Tensor]:
-    """Return the signals inside a simulator with those that its mechanism derives."""
-    return inner | simulator.mechanism.derived(inner, simulator.constants())
-
-
-def windows_of(series: Tensor, functions: WindowFunctions) -> Tensor:
-    """Return the weighted means (blocks, rows, ...) of series (blocks, samples, ...)."""
-    return torch.einsum("bs...,rs->br...", series, functions.weights)
 
 
 def row_weights(

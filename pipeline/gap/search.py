@@ -10,8 +10,6 @@ import math
 import time
 from collections.abc import Sequence
 
-import torch
-
 from simgap.effects import Effect, look_alikes_of
 from simgap.gap.fit import Fit, fit
 from simgap.gap.hypothesis import Hypothesis, idle_in, weigh
@@ -26,8 +24,6 @@ _WINDOW = 3.0
 """Of log odds: a hypothesis twenty times less probable than the best is not followed further."""
 _MISSED = 10.0
 """Of log odds that a linearisation may miss: so much less promising sets are fitted, too."""
-_WORTH = 0.5
-"""Of log likelihood that a scanned effect has to promise: what gains less costs far more by its parameters alone."""
 _PROPOSALS, _MOST_PROPOSALS = 6, 18
 """Neighbours by two effects that are fitted for each hypothesis: that keep their promise, and in all."""
 
@@ -48,19 +44,6 @@ def _known(reading: Reading, effect: Effect) -> FittedEffect | None:
 
 class _TimeIsOver(Exception):
     """The search has used up its time."""
-
-
-def _may_help(effect: Effect, centre: Hypothesis) -> bool:
-    """Whether an effect that has to be scanned is worth a fit beside others; one without a scan costs little."""
-    starts = centre.reading.starts
-    known = _known(centre.reading, effect) is not None
-    return known or len(starts.of(effect)) == 1 or starts.promise(effect, centre.fit) > _WORTH
-
-
-def _line_of(place: Place) -> tuple[str, frozenset[str]]:
-    """Return what is expanded once, under the timing of the commands that suits it best: driver and effects."""
-    (_, driver), keys = place
-    return driver, keys
 
 
 def _is_outdone(hypothesis: Hypothesis, others: Sequence[Hypothesis]) -> bool:
@@ -113,26 +96,16 @@ class Search:
         return True
 
     def _next(self) -> Hypothesis | None:
-        """Return the best hypothesis worth following: in the window, or the best set of its size.
-
-        Where many effects are missing together, a first step that gains most may lead into a corner from which the
-        window shows no way out. The best set of each size keeps other lines alive (beam search).
-        """
         ranked = self.ranked
-        followed = {_line_of(place) for place in self.expanded}
-        sizes: set[int] = set()
-        for hypothesis in ranked:
-            first = len(hypothesis.keys) not in sizes
-            sizes.add(len(hypothesis.keys))
-            near = first or hypothesis.score >= ranked[0].score - _WINDOW
-            if near and _line_of(hypothesis.place) not in followed and not _is_outdone(hypothesis, ranked):
-                return hypothesis
-        return None
+        least = ranked[0].score - _WINDOW
+        near = [hypothesis for hypothesis in ranked if hypothesis.score >= least]
+        waiting = (h for h in near if h.place not in self.expanded and not _is_outdone(h, near))
+        return next(waiting, None)
 
     def _expand(self, centre: Hypothesis, most_effects: int) -> None:
         self.expanded.add(centre.place)
         reading = centre.reading
-        polished = self._visit(fit(centre.fit.simulator, reading.problem, centre.fit.jacobian), reading)
+        polished = self._visit(fit(centre.fit.simulator, reading.problem), reading)
         centre = max((centre, polished), key=lambda hypothesis: hypothesis.score)
         if not reading.driver:
             self._retime(centre)
@@ -141,8 +114,7 @@ class Search:
         for key in centre.doubtful:
             self._without(centre, key)
             self._exchange(centre, key)
-        others = [effect for effect in reading.catalogue if effect.key not in centre.keys]
-        added = [self._added(centre, effect) for effect in others if _may_help(effect, centre)]
+        added = [self._added(centre, e) for e in reading.catalogue if e.key not in centre.keys]
         smaller = {key: (reading.timing, centre.keys - {key}) for key in centre.doubtful}
         dropped = {key: self.visited[place] for key, place in smaller.items() if place in self.visited}
         near = Neighbours(centre, added, dropped)
@@ -151,8 +123,7 @@ class Search:
         kept = 0
         for proposal in near.best(_MOST_PROPOSALS, fitted_sets):
             if len(proposal.keys) <= most_effects and proposal.promise > least and kept < _PROPOSALS:
-                start, slopes = _with(reading, proposal.effects), torch.cat(proposal.slopes, dim=-1)
-                found = self._visit(fit(start, reading.problem, slopes), reading)
+                found = self._visit(fit(_with(reading, proposal.effects), reading.problem), reading)
                 kept += found.score > proposal.promise - _MISSED
 
     def _retime(self, centre: Hypothesis) -> None:

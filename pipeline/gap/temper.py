@@ -19,7 +19,6 @@ explains counts. Sources: Grünwald & van Ommen 2017, Inconsistency of Bayesian 
 distribution (JASA 84), for t and its fixed point.
 """
 
-import math
 from dataclasses import dataclass, replace
 
 import torch
@@ -105,13 +104,13 @@ class Temper:
 
     def _usual(self, left: Tensor, noise: Tensor, share: Tensor, usual: Tensor, times: int) -> Tensor:
         """Return the likeliest usual size of a discrepancy for some shares, from a first guess."""
+        least = noise.expand_as(left).amin(-2, keepdim=True)
         sound, beyond = self._kinds(left, noise)
-        odds, least = torch.logit(share) + beyond - sound, noise.expand_as(left).amin(-2, keepdim=True)
+        odds = torch.logit(share) + beyond - sound
         for _ in range(times):
-            spread = left + _TAIL * usual
-            missed = torch.sigmoid(odds + self._size_of(usual.log(), spread.log()))
-            held = missed.sum(-2, keepdim=True).clamp_min(1e-30)
-            usual = (_TAIL + 1.0) * usual * (missed * left / spread).sum(-2, keepdim=True) / held
+            missed = torch.sigmoid(odds + self._size(left, usual))
+            weighted = (_TAIL + 1.0) * missed / (_TAIL / left + 1.0 / usual)
+            usual = weighted.sum(-2, keepdim=True) / missed.sum(-2, keepdim=True).clamp_min(1e-30)
             usual = torch.maximum(usual, least)
         return usual
 
@@ -163,12 +162,11 @@ class Temper:
 
     def _size(self, left: Tensor, usual: Tensor) -> Tensor:
         """Return the log likelihood of the independent samples of a discrepancy of a usual mean square."""
-        return self._size_of(usual.log(), (_TAIL * usual + left).log())
-
-    def _size_of(self, usual: Tensor, spread: Tensor) -> Tensor:
-        """Return the same from the logarithms of the usual mean square D and of ν·D + s²."""
-        freedom, half = _TAIL + 1.0, 0.5 * self.lasting
-        return half * (_TAIL * usual + freedom * math.log(freedom)) - half * freedom * spread
+        return (
+            -0.5
+            * self.lasting
+            * (usual.log() + (_TAIL + 1.0) * torch.log1p((left / usual - 1.0) / (_TAIL + 1.0)))
+        )
 
 
 @dataclass(frozen=True)

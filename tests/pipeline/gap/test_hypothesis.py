@@ -20,7 +20,7 @@ def reading() -> Reading:
 
 def timed(**samples: float) -> Hypothesis:
     """Return a hypothesis whose effects delay by so many samples."""
-    parameters = {"command_delay": "delay", "motor_lag": "time_constant", "sensor_time_offset": "offset"}
+    parameters = {"command_delay": "delay", "motor_lag": "time_constant"}
     effects = [
         FittedEffect(effect_by_key("joint", name), {parameters[name]: count * TIME_STEP})
         for name, count in samples.items()
@@ -46,7 +46,3 @@ def test_two_short_times_that_make_a_long_one_are_both_named():
 
 def test_a_short_time_beside_a_long_one_stays_without_a_name():
     assert timed(command_delay=0.4, motor_lag=3.0).names == {"motor_lag"}
-
-
-def test_two_short_times_that_cancel_stay_without_a_name():
-    assert timed(command_delay=0.2, sensor_time_offset=-0.2).names == frozenset()
