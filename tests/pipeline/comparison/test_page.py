@@ -66,6 +66,12 @@ def test_where_only_seeds_were_swept_there_is_one_row():
     assert text.splitlines()[-1] == "| as configured | 2 ± 1.4 |"
 
 
+def test_what_rounding_leaves_is_no_spread():
+    thirds = [job(error, seed) for seed, error in enumerate((0.1, 0.1, 0.1))]
+    text = tables_text(sweep(*thirds, results={"tables": [TableOf("position/h1")]}))
+    assert text.splitlines()[-1] == "| as configured | 0.1 ± 0 |"
+
+
 def test_a_section_is_replaced_and_the_others_stay(tmp_path):
     docs = tmp_path / "docs"
     docs.mkdir()
