@@ -2,7 +2,7 @@
 
 First: simgap reproduce BRANCH. Each law takes the place of the forces and torques that the diagnosis of the branch has
 named. Numbers of the platform and delays that it has named stay. All are fitted together to the flights that the
-diagnosis fitted, and judged on those that it held out. The tables are those of docs/results.md.
+diagnosis fitted, and judged on those that it held out. The tables are those of docs/models.md.
 """
 
 import json
@@ -74,6 +74,8 @@ def rows_of(branch: str) -> Iterator[list[str]]:
 def main(branches: Sequence[str]) -> None:
     """Print a table for each branch."""
     for branch in branches:
+        if not (Path("artifacts") / branch / "diagnose" / "diagnosis.json").is_file():
+            sys.exit(f"grey_box: {branch}: there is no diagnosis; run simgap reproduce {branch} first")
         rows = list(rows_of(branch))
         axes = ("x", "y", "z")
         head = [

@@ -25,6 +25,14 @@ def test_a_law_takes_the_place_of_the_named_forces_and_leaves_the_rest():
     assert found["rotors with inflow (Kantue & Pedro)"] == ["motor_lag", "inflow_ratio"]
 
 
+def test_a_branch_that_was_not_diagnosed_is_said_in_one_line(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(
+        SystemExit, match="nanodrone: there is no diagnosis; run simgap reproduce nanodrone first"
+    ):
+        grey_box.main(["nanodrone"])
+
+
 @pytest.mark.slow
 def test_a_law_is_judged_on_flights_that_were_held_out(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
