@@ -145,7 +145,9 @@ def test_the_tables_of_motors_are_found_in_the_metrics(tmp_path):
     wanted = typed(TrainStage, compose(["+experiment=swerve_motors"])).results
     tables = tables_of(Comparison("motors", "", "", [Job({"model": "linear"}, 0, own)], results=wanted))
     assert [table.title for table in tables] == [table.title for table in wanted.tables]
-    after, before = tables[0], tables[6]
+    titles = [table.title for table in tables]
+    after = tables[titles.index("drive motors, mean squared error (rad/s)²")]
+    before = tables[titles.index("before the bias correction, mean squared error (rad/s)²")]
     assert after.columns == [*(f"drive_velocity_{number}" for number in range(1, 5)), "variance", "mean"]
     kinds = ("drive_velocity", "steer_velocity")
     assert before.columns == [f"{kind}/{over}" for kind in kinds for over in ("mean", "variance")]
