@@ -7,7 +7,7 @@ from pathlib import Path
 
 from simgap.comparison.comparison import Comparison
 from simgap.comparison.figure import FIGURE
-from simgap.comparison.table import UNSWEPT, Estimate, Row, Table, tables_of
+from simgap.comparison.table import UNSWEPT, Row, Table, tables_of
 
 PAGE = "results.md"
 IMAGES = "images"
@@ -23,7 +23,6 @@ _MARK = "<!-- sweep: {} -->"
 _SECTION = re.compile(r"^<!-- sweep: (\S+) -->$", re.MULTILINE)
 
 _WHOLE = 1e4  # from here on, a number has no decimals
-_ROUNDING = 1e-12  # of a mean: so little differs where every seed gives the same
 
 
 def tables_text(comparison: Comparison) -> str:
@@ -97,14 +96,8 @@ def _value(row: Row, key: str) -> str:
 def _cell(table: Table, row: Row, column: str) -> str:
     estimate, change = row.entries[column], table.change(row, column)
     text = _number(estimate.mean)
-    text += f" ± {_spread(estimate):.2g}" if estimate.std is not None and text != UNKNOWN else ""
+    text += f" ± {estimate.std:.2g}" if estimate.std is not None and text != UNKNOWN else ""
     return text if change is None else f"{text} ({change:+.0%})"
-
-
-def _spread(estimate: Estimate) -> float:
-    """Return the standard deviation over seeds; what rounding leaves of one is none."""
-    assert estimate.std is not None
-    return estimate.std if estimate.std > _ROUNDING * abs(estimate.mean) else 0.0
 
 
 def _number(value: float) -> str:

@@ -32,7 +32,8 @@ class Estimate:
     def of(cls, values: Sequence[float | None]) -> "Estimate":
         """Return mean and standard deviation of the values of all seeds."""
         known = np.array(values, dtype=float)  # None becomes NaN
-        return cls(float(known.mean()), float(known.std(ddof=1)) if len(known) > 1 else None)
+        apart = known - known[:1]  # equal values differ by nothing, where their mean is rounded
+        return cls(float(known.mean()), float(apart.std(ddof=1)) if len(known) > 1 else None)
 
 
 @dataclass(frozen=True)
