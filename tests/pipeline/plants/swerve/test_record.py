@@ -122,9 +122,13 @@ def test_the_record_carries_the_hash_of_the_key_and_nothing_of_its_content(robot
     assert "slope" not in recording.source
 
 
+@pytest.fixture(scope="module")
+def null(robot):
+    return record_case(SwerveCase(**SHORT, sensors=PERFECT), robot, seed=1)[0].frame
+
+
 @pytest.mark.parametrize("name", CONCEALABLE)
-def test_every_effect_acts_and_the_key_speaks_the_language_of_the_catalogue(robot, name):
-    null = record_case(SwerveCase(**SHORT, sensors=PERFECT), robot, seed=1)[0].frame
+def test_every_effect_acts_and_the_key_speaks_the_language_of_the_catalogue(robot, null, name):
     recording, key = record_case(SwerveCase(effects={name: {}}, **SHORT, sensors=PERFECT), robot, seed=1)
     moved = recording.frame
     assert (
@@ -145,9 +149,8 @@ def test_every_effect_acts_and_the_key_speaks_the_language_of_the_catalogue(robo
 
 
 @pytest.mark.parametrize("name", OUTSIDE)
-def test_what_is_outside_acts_and_has_no_name_in_the_catalogue(robot, name):
+def test_what_is_outside_acts_and_has_no_name_in_the_catalogue(robot, null, name):
     assert name not in {effect.name for effect in effects_of("swerve")}
-    null = record_case(SwerveCase(**SHORT, sensors=PERFECT), robot, seed=1)[0].frame
     recording, key = record_case(SwerveCase(outside={name: {}}, **SHORT, sensors=PERFECT), robot, seed=1)
     moved = recording.frame
     assert key["effects"] == []
