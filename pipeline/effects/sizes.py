@@ -69,7 +69,22 @@ def _joint(signals: Signals, constants: Mapping[str, Any]) -> dict[str, float]:
     if "position_command" in signals and "proportional" in constants:
         error = signals["position_command"] - signals["position"]
         sizes = {"effort": _rms(servo_effort(error, signals["velocity"], constants)), **sizes}
+    sizes["effort"] = max(sizes.get("effort", 0.0), _within(signals, constants))
     return {name: size for name, size in sizes.items() if size > _LEAST}
+
+
+def _within(signals: Signals, constants: Mapping[str, Any]) -> float:
+    """Return the effort that inertia and known load take: near a resonance far more than what drives the axis.
+
+    The acceleration is that of a sine with the recorded spreads, v²/x. By the inequality of Cauchy and Schwarz it is at
+    most the true one, and noise in the velocity is not differentiated.
+    """
+    if not {"position", "velocity"} <= signals.keys() or not {"inertia", "stiffness"} <= constants.keys():
+        return 0.0
+    position, spread = signals["position"], float(signals["position"].std(correction=0))
+    acceleration = float(signals["velocity"].var(correction=0)) / max(spread, _LEAST)
+    load = constants["gravity_torque"] * position.sin() + constants["stiffness"] * position
+    return max(constants["inertia"] * acceleration, _rms(load))
 
 
 def _rms(series: Tensor) -> float:

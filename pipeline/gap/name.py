@@ -122,8 +122,15 @@ def _named(posterior: Posterior, base: Fit, missed: bool, least: float) -> tuple
         fitted = next(f for f in hypothesis.fit.simulator.free if f.effect.key == key)
         channel, share = _share(hypothesis.fit, fitted.effect, base, hypothesis.reading.problem)
         found.append(Named(fitted, calibrated(raw, missed), channel, share))
-    # Of what is equally sure, first what explains more: rounding of a sum of weights decides nothing.
-    return tuple(sorted(found, key=lambda n: (-round(n.probability, _DIGITS), -n.share, n.effect.key)))
+    return tuple(sorted(found, key=_place))
+
+
+def _place(named: Named) -> tuple[float, float, float, str]:
+    """Return what orders names: of what is equally sure, first what fewer machines have, then what explains more.
+
+    That a joint has some friction surprises nobody. Rounding of a sum of weights decides nothing.
+    """
+    return -round(named.probability, _DIGITS), named.effect.prior_odds, -named.share, named.effect.key
 
 
 def _share(found: Fit, effect: Effect, base: Fit, problem: Problem) -> tuple[int, float]:
