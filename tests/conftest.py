@@ -18,8 +18,14 @@ def pytest_configure(config: pytest.Config) -> None:
     """Check shapes and types at every call, but where slow tests run alone: those would take twice as long."""
     if config.getoption("markexpr") != "slow":
         # What is compiled takes no checks, so it is imported before they are on.
-        for compiled in ("physics.cable_steps", "physics.play_steps", "logs.readers.blackbox_frames"):
-            importlib.import_module(f"simgap.{compiled}")
+        compiled = (
+            "physics.cable_steps",
+            "physics.hysteresis_steps",
+            "physics.play_steps",
+            "logs.readers.blackbox_frames",
+        )
+        for module in compiled:
+            importlib.import_module(f"simgap.{module}")
         install_import_hook("simgap", "beartype.beartype")
 
 

@@ -1,18 +1,23 @@
-"""Pre-sliding friction of a joint (Dahl model).
+"""Hysteresis of a joint: pre-sliding friction, or a part that yields (Bouc-Wen model, Dahl's where it is symmetric).
 
 The deflection depends on the distance moved and not on the speed, so it follows exactly from the recorded positions.
 If the axis moves within a step, the wrench carries the deflection forward from the step's position to the present
 one.
+
+Along a way s in one direction, in displacements, the deflection a that counts in that direction has
+da/ds = 1 − (1 + asymmetry)·a while it grows (a ≥ 0) and da/ds = 1 − (1 − asymmetry)·a while it is taken back (a < 0).
+Both have solutions in closed form.
 """
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
 import torch
 from torch import Tensor
 
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
-from simgap.effects.recurrence import accumulated
 from simgap.effects.scan import scan
 from simgap.effects.sizes import size_of, sizes_of
 from simgap.physics.shapes import Channels, Signal
@@ -29,10 +34,17 @@ _PARTS = (
     0.8,
     0.95,
 )  # of the way from the least to the greatest displacement, in logarithm
+_ASYMMETRIES = (0.0,)
+"""Dahl's law: from there steps find the asymmetry, which has a slope wherever there is a level. Starts at -1 and 0.5
+beside it led two published recordings to the same values."""
+_MOST, _STEEPEST = 1000.0, 30.0
+"""As in `simgap.physics.hysteresis_steps`, whose import takes longer than all effects."""
+_NEAR_ZERO = 1e-2
+"""Argument below which a quotient by it is summed as a series, whose slope is not lost to rounding."""
 
 
 class Hysteresis(ActuatorEffect, WrenchEffect):
-    """Friction builds up over a short distance after each reversal, like a spring (Dahl model)."""
+    """Friction builds up over a short distance after each reversal, like a spring that yields (Bouc-Wen model)."""
 
     remembers = True
     linear = False
@@ -43,67 +55,125 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
     parameters = (
         Parameter("level", "N·m", 0.1, 0.0, 1e6),
         Parameter("displacement", "rad", 0.05, 1e-5, 10.0, neutral=0.1),
+        Parameter("asymmetry", "1", 0.5, -3.0, 3.0, optional=True),
     )
     needs = ("position",)
-    formula = "torque = −level · z, dz/dt = (velocity − |velocity| · z) / displacement"
-    source = "Dahl 1976, Solid friction damping of mechanical vibrations (AIAA J. 14), with exponent 1"
+    formula = (
+        "torque = −level · z, dz/dt = (velocity − |velocity| · z − asymmetry · velocity · |z|) / displacement"
+    )
+    source = (
+        "Bouc 1967; Wen 1976, Method for random vibration of hysteretic systems (J. Eng. Mech. Div. 102), exponent 1, "
+        "asymmetry = δ/γ; at asymmetry 0 Dahl 1976, Solid friction damping of mechanical vibrations (AIAA J. 14)"
+    )
     sentence = (
-        "Friction builds up to {level} {level_unit} over {displacement} {displacement_unit} after each "
-        "reversal; add hysteresis to the simulator."
+        "Friction builds up after each reversal like a spring of {level} {level_unit} per {displacement} "
+        "{displacement_unit}, with asymmetry {asymmetry}; add hysteresis to the simulator."
     )
     excitation = "swing slowly at several small amplitudes, with many reversals"
     symptom = "Effort over position forms a loop after each reversal, of the same width at any speed."
     look_alikes = ("backlash", "coulomb_friction", "linear_stiffness")
 
     def starts(self) -> list[dict[str, float]]:
-        """Start from a scan: without a level the displacement has no gradient."""
-        return scan(level=_LEVELS, displacement=(0.001, 0.004, 0.015, 0.06, 0.2, 0.8))
+        """Start from a scan: without a level neither displacement nor asymmetry has a gradient."""
+        displacements = (0.001, 0.004, 0.015, 0.06, 0.2, 0.8)
+        return scan(level=_LEVELS, displacement=displacements, asymmetry=_ASYMMETRIES)
 
     def starts_in(self, signals: Signals, constants: Values | None = None) -> list[dict[str, float]]:
         """Start between the travel in a sample (shorter is friction) and the whole travel (longer is a spring)."""
-        level, displacement = self.parameters_in(signals, constants)
+        level, displacement, _ = self.parameters_in(signals, constants)
         sizes = sizes_of(self.kind, signals, constants or {})
         position = signals["position"]
         least = max(float(position.diff(dim=1).abs().median()), displacement.low)
         most = max(sizes.get("travel", 1.0), least)
         between = [least * (most / least) ** part for part in _PARTS]
         size = size_of(level.unit, sizes)
-        return scan(level=[size * share for share in _LEVELS], displacement=between)
+        return scan(level=[size * share for share in _LEVELS], displacement=between, asymmetry=_ASYMMETRIES)
+
+    def statement(self, values: Mapping[str, float], position_unit: str = "rad") -> str:
+        """Return the sentence with what the force comes to in a long motion: the level over 1 + asymmetry."""
+        settling = 1.0 + values["asymmetry"]
+        unit = self.units(position_unit)["level"]
+        settled = f"settles at {values['level'] / settling:.3g} {unit}" if settling * _MOST > 1.0 else ""
+        said = super().statement(values, position_unit)
+        return said.replace(";", f", and {settled or 'does not settle'};")
 
     def actuate(
         self, signals: Signals, values: Values, constants: Values, memory: Any, time_step: float
     ) -> tuple[dict[str, Signal], Any]:
-        """Return the relative deflection and its position; it starts at zero."""
+        """Return the deflection (...,), in levels, and its position, rad or m; it starts at zero."""
         position = signals["position"]
         deflection, place = (torch.zeros_like(position), position) if memory is None else memory
-        deflection = _deflected(deflection, position - place, values["displacement"])
+        deflection = _deflected(deflection, position - place, values)
         out = {"hysteresis_deflection": deflection, "hysteresis_position": position}
         return out, (deflection, position)
 
     def along_time(
         self, signals: Signals, values: Values, constants: Values, time_step: float
     ) -> dict[str, Signal]:
-        """Return blocks with the deflection, a linear recurrence from sample to sample."""
-        position, displacement = signals["position"], values["displacement"]
-        way = torch.diff(position, dim=1, prepend=position[:, :1])
-        towards, left = _remainder(way, displacement)
-        # Rounding apart, the deflection never passes its level.
-        deflection = accumulated(left, towards * (1.0 - left)).clamp(-1.0, 1.0)
+        """Return blocks with the deflection.
+
+        Two rates that take turns need a loop over samples. A compiled loop runs on the processor if no gradients are
+        asked for.
+        """
+        position = signals["position"]
+        symbolic = any(isinstance(values[parameter.name], Tensor) for parameter in self.parameters[1:])
+        if symbolic or position.requires_grad or position.device.type != "cpu":
+            return super().along_time(signals, values, constants, time_step)
+        deflection = _deflections(position, values["displacement"], values["asymmetry"])
         return {**signals, "hysteresis_deflection": deflection, "hysteresis_position": position}
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
-        """Return the resistance on the axis, N·m or N."""
+        """Return the resistance on the axis (...,), N·m or N."""
         moved = signals["position"] - signals["hysteresis_position"]
-        deflection = _deflected(signals["hysteresis_deflection"], moved, values["displacement"])
+        deflection = _deflected(signals["hysteresis_deflection"], moved, values)
         return on_axis(constants, -values["level"] * deflection)
 
 
-def _deflected(deflection: Tensor, way: Tensor, displacement: Tensor | float) -> Tensor:
-    """Return the relative deflection after motion without reversal: dz = (1 − z·sign(way)) · way / displacement."""
-    towards, left = _remainder(way, displacement)
-    return towards + (deflection - towards) * left
+def _deflections(position: Tensor, displacement: float, asymmetry: float) -> Tensor:
+    """Return the deflections along positions (blocks, samples), by the compiled loop."""
+    from simgap.physics.hysteresis_steps import deflections_along  # its import takes longer than all effects
+
+    place = position.numpy().astype(np.float64)
+    travel = np.diff(place, axis=1, prepend=place[:, :1])
+    return torch.from_numpy(deflections_along(travel, displacement, asymmetry)).to(position.dtype)
 
 
-def _remainder(way: Tensor, displacement: Tensor | float) -> tuple[Tensor, Tensor]:
-    """Return the deflection that a displacement tends to, and the remaining fraction of the distance to it."""
-    return torch.sign(way), torch.exp(-way.abs() / displacement)
+def _deflected(deflection: Tensor, travel: Tensor, values: Values) -> Tensor:
+    """Return the deflection (...,) after a travel (...,), rad or m, in one direction.
+
+    What is held against the direction is taken back first; what is left of the travel loads.
+    """
+    loading, unloading = 1.0 + values["asymmetry"], 1.0 - values["asymmetry"]
+    backwards, left = travel < 0.0, travel.abs() / values["displacement"]
+    along = torch.where(backwards, -deflection, deflection)
+    against, zero = along < 0.0, torch.zeros_like(along)
+    held, free = torch.where(against, along, zero), torch.where(against, zero, along)
+    unwound = torch.minimum(left, _to_zero(held, unloading))
+    along = _towards(held, unloading, unwound) + _towards(free, loading, left - unwound)
+    along = along.clamp(-_MOST, _MOST)
+    return torch.where(backwards, -along, along)
+
+
+def _towards(along: Tensor, rate: Tensor | float, left: Tensor) -> Tensor:
+    """Return the solution of d along = (1 − rate·along) d left."""
+    exponent = (rate * left).clamp(min=-_STEEPEST)
+    covered = left * _over(
+        exponent, lambda x: -torch.expm1(-x), (1.0, -1 / 2, 1 / 6, -1 / 24, 1 / 120, -1 / 720)
+    )
+    return along * torch.exp(-exponent) + covered
+
+
+def _to_zero(along: Tensor, rate: Tensor | float) -> Tensor:
+    """Return the way from a deflection of at most 0 to 0; a long one where it leads away from it."""
+    shrunk = (-rate * along).clamp(min=-1.0 + 1e-6)
+    return -along * _over(shrunk, torch.log1p, (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5, -1 / 6, 1 / 7))
+
+
+def _over(x: Tensor, function: Callable[[Tensor], Tensor], series: tuple[float, ...]) -> Tensor:
+    """Return function(x) / x, near 0 by its power series, whose slope is finite."""
+    near = x.abs() < _NEAR_ZERO
+    small, large = torch.where(near, x, 0.0), torch.where(near, 1.0, x)
+    total = torch.zeros_like(x)
+    for factor in reversed(series):
+        total = factor + small * total
+    return torch.where(near, total, function(large) / large)

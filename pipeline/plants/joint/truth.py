@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 from simgap.plants.concealment import KEY_SCHEMA, Concealed, entry
 from simgap.plants.joint.axis import bodies
 from simgap.plants.joint.case import JointCase
-from simgap.plants.joint.hysteresis import nearest_dahl
+from simgap.plants.joint.hysteresis import nearest_law
 from simgap.plants.joint.motion import SETTLING, STEP, Log
 from simgap.plants.joint.sensing import filtered
 from simgap.plants.joint.supply import AMBIENT
@@ -97,8 +97,10 @@ def _cogging(values: dict[str, float], answered: Answered) -> Stated:
 
 
 def _hysteresis(values: dict[str, float], answered: Answered) -> Stated:
-    level, displacement = nearest_dahl(answered.log.position, values["level"], values["displacement"])
-    return {"level": (level, "N·m"), "displacement": (displacement, "rad")}
+    level, displacement, asymmetry = nearest_law(
+        answered.log.position, values["level"], values["displacement"]
+    )
+    return {"level": (level, "N·m"), "displacement": (displacement, "rad"), "asymmetry": (asymmetry, "1")}
 
 
 def _battery_sag(values: dict[str, float], answered: Answered) -> Stated:

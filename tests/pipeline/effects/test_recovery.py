@@ -26,7 +26,9 @@ STEPS = {
     "quadrotor-slung_payload": (4e-3, 1),
     "quadrotor-tip_path_plane_flapping": (2e-3, 2),
     "swerve-motor_inductance@steer": (2e-3, 6),
-    **dict.fromkeys(("joint-stribeck_friction", "quadrotor-grey_box_aerodynamics"), _SHORT),
+    **dict.fromkeys(
+        ("joint-hysteresis", "joint-stribeck_friction", "quadrotor-grey_box_aerodynamics"), _SHORT
+    ),
     **dict.fromkeys((f"swerve-{key}@chassis" for key in ("module_misalignment", "slope")), _SHORT),
     **dict.fromkeys(
         (f"swerve-{key}@steer" for key in ("backlash", "stribeck_friction", "viscous_friction")), _SHORT

@@ -114,16 +114,25 @@ def found_from_its_starts(
 
 
 @pytest.mark.parametrize(
-    ("level", "displacement", "travel"), [(9.9e3, 4.4e-3, 0.025), (9.9, 4.4, 25.0), (2e-3, 3e-6, 1e-3)]
+    ("level", "displacement", "asymmetry", "travel"),
+    [
+        (9.9e3, 4.4e-3, 0.2, 0.025),
+        (9.9, 4.4, 0.2, 25.0),
+        (2e-3, 3e-6, 0.0, 1e-3),
+        (62.5, 1.25e-3, -1.375, 3e-3),
+        (0.3, 0.2, 2.3, 1.0),
+    ],
 )
-def test_hysteresis_is_found_from_its_own_starts_at_any_size(level, displacement, travel):
-    """A damper in newtons and metres, the same in kilonewtons and millimetres, and a finger."""
+def test_hysteresis_is_found_from_its_own_starts_at_any_size(level, displacement, asymmetry, travel):
+    """A damper in newtons and metres, the same in kilonewtons and millimetres, a finger, and uneven parts."""
     effect = effect_by_key("joint", "hysteresis")
     numbers = numbers_of(1.0, 1.0, "effort", "m")
     signals = swung(0.2 * level, travel)
-    values = {"level": level, "displacement": displacement}
+    values = {"level": level, "displacement": displacement, "asymmetry": asymmetry}
     acted = Simulator(Joint(JOINT.inertia), (FittedEffect(effect, values),), "m").along_time(
         signals, TIME_STEP
     )
     torque = effect.wrench(acted, values, numbers)["force"].numpy()
-    assert found_from_its_starts(effect, signals, torque, numbers) == pytest.approx(values, rel=1e-3)
+    assert found_from_its_starts(effect, signals, torque, numbers) == pytest.approx(
+        values, rel=1e-3, abs=1e-9
+    )
