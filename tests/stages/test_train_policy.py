@@ -95,7 +95,8 @@ def test_a_killed_training_of_a_policy_ends_like_an_undisturbed_one(trained, tmp
 
 @pytest.mark.slow(minutes=2)
 def test_the_tiny_track_is_learnt(tmp_path):
-    for stage, settings in (("train_policy", RACE), ("evaluate", ("tracking.enabled=false",))):
+    enough = (*RACE, "train_policy.learning.interactions=1_000_000")
+    for stage, settings in (("train_policy", enough), ("evaluate", ("tracking.enabled=false",))):
         command = [sys.executable, "-W", "ignore", "-m", "stages", stage, *settings, f"artifacts={tmp_path}"]
         subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     metrics = json.loads((tmp_path / "evaluate" / "metrics.json").read_text())

@@ -89,6 +89,7 @@ PUSHING = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", PUSHING)
 def test_its_law_finds_the_parameters_of_the_key(racer, key):
     seen, truth = flown(racer, PUSHING[key])
@@ -111,6 +112,7 @@ def test_its_law_finds_the_parameters_of_the_key(racer, key):
     assert (left**2).sum() < 0.25 * (residual**2).sum()  # differences of the turning leave some of it
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["inertia_error", "torque_coefficient_error"])
 def test_a_corrected_number_leaves_nothing_unexplained(racer, name):
     seen, truth = flown(racer, {name: 1.3})
@@ -121,6 +123,7 @@ def test_a_corrected_number_leaves_nothing_unexplained(racer, name):
     assert (after**2).sum() < 1e-3 * (before**2).sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "strength"),
     [

@@ -92,6 +92,7 @@ STRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("outside", STRONG)
 def test_twins_of_what_has_no_name_keep_their_paths_and_noise(racer, outside):
     drag = {"rotor_drag": 0.35}

@@ -58,6 +58,7 @@ def test_single_precision_follows_double(kind):
     torch.testing.assert_close(single.double(), double, rtol=1e-3, atol=1e-3)
 
 
+@pytest.mark.slow
 @KINDS
 def test_a_rollout_is_differentiable_in_start_commands_and_parameters(kind):
     initial, commands = start(kind, 1, 2, seed=4)

@@ -160,6 +160,7 @@ def nulls(servo, told):
     return [record_case(JointCase(**SHORT, sensors=PERFECT), each, seed=1)[0].frame for each in (servo, told)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in CONCEALABLE if name not in SENSORS])
 def test_every_effect_moves_the_machine_elsewhere(servo, told, nulls, name):
     machine = told if name in NEEDS_CONTROLLER else servo

@@ -127,6 +127,7 @@ def null(robot):
     return record_case(SwerveCase(**SHORT, sensors=PERFECT), robot, seed=1)[0].frame
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CONCEALABLE)
 def test_every_effect_acts_and_the_key_speaks_the_language_of_the_catalogue(robot, null, name):
     recording, key = record_case(SwerveCase(effects={name: {}}, **SHORT, sensors=PERFECT), robot, seed=1)

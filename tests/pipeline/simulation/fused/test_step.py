@@ -59,6 +59,7 @@ def test_the_compiled_racer_flies_as_the_eager_one():
     torch.testing.assert_close(regulated["integral"], regulating["integral"], rtol=1e-5, atol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", ["euler", "semi_implicit", "rk4"])
 def test_the_whole_control_step_is_written_down_as_it_is(integrator):
     """The graph that is compiled, run as it stands in double precision."""
@@ -115,6 +116,7 @@ def test_what_differs_from_machine_to_machine_travels_in_the_memory():
     )
 
 
+@pytest.mark.slow
 def test_the_same_step_is_compiled_once_and_another_apart():
     def fused(pull: float) -> FusedStep:
         state, action = torch.ones(2, 3), torch.ones(2, 3)
