@@ -44,6 +44,7 @@ def test_a_joint_under_constant_effort_accelerates_evenly(unit):
     np.testing.assert_allclose(path[:, 1], -1.0 + 1.5 * time, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_swerve_drive_straight_ahead_approaches_its_free_speed():
     machine, motor, gear = bare("swerve"), SWERVE.drive.motor, SWERVE.drive.gear_ratio
     volts = np.zeros((100, 8))

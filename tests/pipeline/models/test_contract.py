@@ -60,6 +60,7 @@ def test_parts_are_models_and_identified_parameters_are_those_of_targets(name):
     assert set(model.identified()) <= set(model.layout.targets)
 
 
+@pytest.mark.slow
 @every_model
 @every_kind
 def test_a_simulator_that_a_model_moves_goes_where_its_rollout_does(name, kind):

@@ -35,6 +35,7 @@ def regressed(frame, racer, effect):
     return (law * residual).sum() / (law**2).sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", STRENGTHS)
 def test_a_regression_on_a_perfect_recording_finds_what_the_key_says(racer, effect):
     case = PlantCase(effects={effect: STRENGTHS[effect]}, runs=5, duration=1.0, sensors=Sensors(scale=0.0))

@@ -46,6 +46,7 @@ def test_the_weight_of_the_entropy_changes_from_start_to_end():
     assert deviations["fading", 1.0] == deviations["none", 1.0]
 
 
+@pytest.mark.slow
 def test_twin_runs_with_one_seed_are_identical():
     first, second = (Training(PointMass(64), FEW, seed=3) for _ in range(2))
     assert first.run() == second.run()

@@ -84,6 +84,7 @@ def test_a_racer_with_idling_rotors_falls_as_galilei_says():
     assert lift < 0.02 * QUADROTOR.gravity
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "lag"), [("racer", 0.033), ("crazyflie_brushed", 0.07)])
 def test_the_commanded_rates_are_reached(name, lag):
     config = yaml.safe_load((CONF / f"{name}.yaml").read_text(encoding="utf-8"))

@@ -138,6 +138,7 @@ def everything(kind: str) -> Simulator:
     return Simulator(MACHINES[kind], tuple(FittedEffect(effect, effect.defaults()) for effect in effects))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", list(MACHINES))
 def test_a_simulator_reproduces_its_own_recording_and_the_nominal_one_does_not(kind):
     simulator = everything(kind)

@@ -120,6 +120,7 @@ def test_the_record_carries_the_hash_of_the_key_and_nothing_of_its_content(servo
     assert "backlash" not in recording.source
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CONCEALABLE)
 def test_the_key_speaks_the_language_of_the_catalogue(servo, told, name):
     machine = told if name in NEEDS_CONTROLLER else servo

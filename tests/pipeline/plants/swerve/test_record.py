@@ -149,6 +149,7 @@ def test_every_effect_acts_and_the_key_speaks_the_language_of_the_catalogue(robo
         assert parameter.low <= stated["value"] <= parameter.high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OUTSIDE)
 def test_what_is_outside_acts_and_has_no_name_in_the_catalogue(robot, null, name):
     assert name not in {effect.name for effect in effects_of("swerve")}

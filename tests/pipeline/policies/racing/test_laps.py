@@ -45,6 +45,7 @@ def test_laps_at_a_constant_speed_take_the_time_of_the_circle(environment):
     assert metrics["least_margin"] == pytest.approx(1.5, abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_race_goes_on_beyond_the_episodes_of_the_training():
     short = racing(2, settings=RacingSettings(flying=COARSE, starts=STILL, episode_steps=50))
     laps = fly_laps(short, Carried(short, speed=8.0), seed=0, laps=2, seconds=30.0)
