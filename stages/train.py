@@ -13,9 +13,7 @@ from simgap.platforms.settings import TRAINED, SimulatorSettings
 from simgap.runner import StageConfig, StageRun, stage
 
 if TYPE_CHECKING:
-    import pandas as pd
-
-    from simgap.models.contract import DynamicsModel, FitContext
+    from simgap.models.contract import DynamicsModel
     from simgap.models.layout import Layout
     from simgap.models.step_scores import NextValues
     from simgap.models.windows import Series
@@ -23,9 +21,6 @@ if TYPE_CHECKING:
 
 VALIDATION_SHARE = 0.2
 NAIVE = "/naive"  # ends the names of the errors of the assumption that nothing changes
-STEPS = "steps"  # beside the quantities: one-step scores by target
-GROUPS = "step_groups"  # beside the quantities: mean and variance of these over targets of one kind
-DISTRIBUTION = "distribution"  # beside the quantities: quantiles of the errors
 
 
 @dataclass
@@ -62,6 +57,7 @@ def _train(config: TrainStage, run: StageRun) -> None:
     from simgap.models.contract import FitContext, Provenance
     from simgap.models.layouts import layout_of
     from simgap.models.registry import model_class, model_settings
+    from simgap.models.scores import held_out_scores, one_step_scores
     from simgap.models.step_scores import next_values
     from simgap.models.storage import save_model
     from simgap.recordings.recording import read_recording
@@ -106,9 +102,10 @@ def _train(config: TrainStage, run: StageRun) -> None:
     run.log_metrics({"best_validation_loss": loss})
     with accelerated(model):
         after = next_values(model, machines, history)
-        scores = _scores(model, held, config.train, run, FitContext(config.seed))
+        scores = held_out_scores(model, held, config.train, FitContext(config.seed))
+        _write_traces(model, held, config.train, run)
     _write_residuals(after, before, _units(recording, layout, after), run)
-    scores |= _step_scores(after, before)
+    scores |= one_step_scores(after, before)
     _write_metrics(_finite(scores), run)
     run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
     remove_checkpoint(checkpoint)
@@ -159,69 +156,20 @@ def _machines(recording: "Recording", layout: "Layout") -> "dict[str, Series]":
     return {name: series_of(recording, layout, runs, [name]) for name in layout.machines()}
 
 
-def _step_scores(after: "dict[str, NextValues]", before: "dict[str, NextValues]") -> dict[str, Any]:
-    """Return the errors of one step, of each target and over those of one kind."""
-    from simgap.models.output_groups import group_scores
-    from simgap.models.step_scores import step_scores
-
-    steps = step_scores(after, before)
-    groups = group_scores(steps)
-    return {STEPS: steps} | ({GROUPS: groups} if groups else {})
-
-
 def _units(recording: "Recording", layout: "Layout", outputs: Iterable[str]) -> dict[str, str]:
     """Return the units of the outputs; that of all machines together is that of the first."""
     first = next(iter(layout.machines()))
     return {name: recording.units.get(name, recording.units.get(f"{name}{first}", "")) for name in outputs}
 
 
-def _scores(
-    model: "DynamicsModel", held: "Series", settings: Training, run: StageRun, context: "FitContext"
-) -> dict[str, Any]:
-    """Return the errors of many steps on held-out runs, and what else is asked for."""
-    from simgap.models.error_distribution import error_quantiles
-    from simgap.models.evaluation import rollout_errors
-    from simgap.models.free_run import free_run_scores, free_run_traces
-    from simgap.models.moving_window import moving_window_ratios
-    from simgap.models.residual_ratios import residual_ratios
-
-    history, most = settings.evaluation_history, settings.evaluation_windows
-    scores: dict[str, Any] = {**rollout_errors(model, held, settings.horizons, most, history)}
-    for name, part in model.parts().items():
-        scores[name] = rollout_errors(part, held, settings.horizons, most, history)
-    if settings.quantiles:
-        scores[DISTRIBUTION] = error_quantiles(
-            model, held, settings.horizons, settings.quantiles, most, history
-        )
-    if settings.free_run:
-        scores["free_run"] = free_run_scores(model, held, settings.free_run)
-        scores |= {"test_windows": _test_windows(model, held, settings)} if settings.test_windows else {}
-        _write_traces(free_run_traces(model, held, settings.free_run), run)
-    if parameters := model.identified():
-        scores["parameters"] = parameters
-    if settings.residual_ratios:
-        scores["residual_ratios"] = residual_ratios(model, held)
-    if settings.moving_window:
-        scores["moving_window"] = moving_window_ratios(model, held, settings, context)
-    return scores
-
-
-def _test_windows(model: "DynamicsModel", held: "Series", settings: Training) -> dict[str, Any]:
-    """Return the scores of free runs in each of the equal parts of the held-out time, from 1 on."""
-    from simgap.models.free_run import free_run_scores
-
-    parts = settings.test_windows
-    windows = (held.excerpt(1.0 / parts, number / parts) for number in range(parts))
-    return {
-        str(number): free_run_scores(model, window, settings.free_run)
-        for number, window in enumerate(windows, start=1)
-    }
-
-
-def _write_traces(traces: "pd.DataFrame", run: StageRun) -> None:
-    """Write the measured and modelled traces of a free run, and their figure."""
+def _write_traces(model: "DynamicsModel", held: "Series", settings: Training, run: StageRun) -> None:
+    """Write the measured and modelled traces of a free run, and their figure, where one is asked for."""
+    from simgap.models.free_run import free_run_traces
     from simgap.models.trace_figure import trace_figure
 
+    if not settings.free_run:
+        return
+    traces = free_run_traces(model, held, settings.free_run)
     traces.to_parquet(run.output / "free_run.parquet", index=False)
     (run.output / "free_run.svg").write_text(trace_figure(traces), encoding="utf-8")
 
