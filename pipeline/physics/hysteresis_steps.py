@@ -30,23 +30,35 @@ def deflections_along(travel: Array, displacement: float, asymmetry: float) -> A
     Returns:
         deflections, which are 0 at first, (axes, steps) in levels.
     """
-    loading, unloading = 1.0 + asymmetry, 1.0 - asymmetry
+    loading, unloading = _rates(asymmetry)
     deflections = np.empty_like(travel)
     for axis in range(travel.shape[0]):
         deflection = 0.0
         for step in range(travel.shape[1]):
-            left = abs(travel[axis, step]) / displacement
-            way = -1.0 if travel[axis, step] < 0.0 else 1.0
-            along = way * deflection
-            if along < 0.0:
-                unwound = min(left, _to_zero(along, unloading))
-                left -= unwound
-                along = 0.0 if left > 0.0 else _towards(along, unloading, unwound)
-            if left > 0.0:
-                along = _towards(along, loading, left)
-            deflection = way * min(max(along, -MOST), MOST)
+            deflection = _after(deflection, travel[axis, step] / displacement, loading, unloading)
             deflections[axis, step] = deflection
     return deflections
+
+
+@njit(cache=True)
+def _rates(asymmetry: float) -> tuple[float, float]:
+    """Return the rates of deflections that grow and that are taken back."""
+    size = math.hypot(1.0 + asymmetry, asymmetry)
+    return (1.0 + asymmetry) / size, (1.0 - asymmetry) / size
+
+
+@njit(cache=True)
+def _after(deflection: float, moved: float, loading: float, unloading: float) -> float:
+    """Return a deflection after a travel in one direction, in displacements."""
+    left, way = abs(moved), -1.0 if moved < 0.0 else 1.0
+    along = way * deflection
+    if along < 0.0:
+        unwound = min(left, _to_zero(along, unloading))
+        left -= unwound
+        along = 0.0 if left > 0.0 else _towards(along, unloading, unwound)
+    if left > 0.0:
+        along = _towards(along, loading, left)
+    return way * min(max(along, -MOST), MOST)
 
 
 @njit(cache=True)

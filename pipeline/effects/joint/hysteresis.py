@@ -4,9 +4,10 @@ The deflection depends on the distance moved and not on the speed, so it follows
 If the axis moves within a step, the wrench carries the deflection forward from the step's position to the present
 one.
 
-Along a way s in one direction, in displacements, the deflection a that counts in that direction has
-da/ds = 1 − (1 + asymmetry)·a while it grows (a ≥ 0) and da/ds = 1 − (1 − asymmetry)·a while it is taken back (a < 0).
-Both have solutions in closed form.
+Along a way s in one direction, in displacements, the deflection a that counts in that direction has da/ds = 1 − rate·a.
+The rate is (1 + asymmetry)/n while a grows (a ≥ 0), and (1 − asymmetry)/n while a is taken back (a < 0). Both have
+solutions in closed form. With n = hypot(1 + asymmetry, asymmetry) the level is the force at which a slightly uneven law
+settles, so that level and asymmetry are found apart from each other.
 """
 
 from collections.abc import Callable, Mapping
@@ -59,7 +60,8 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
     )
     needs = ("position",)
     formula = (
-        "torque = −level · z, dz/dt = (velocity − |velocity| · z − asymmetry · velocity · |z|) / displacement"
+        "torque = −level · z, dz/dt = (velocity − (|velocity| · z + asymmetry · velocity · |z|) / n) / displacement, "
+        "n = hypot(1 + asymmetry, asymmetry)"
     )
     source = (
         "Bouc 1967; Wen 1976, Method for random vibration of hysteretic systems (J. Eng. Mech. Div. 102), exponent 1, "
@@ -90,8 +92,8 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         return scan(level=[size * share for share in _LEVELS], displacement=between, asymmetry=_ASYMMETRIES)
 
     def statement(self, values: Mapping[str, float], position_unit: str = "rad") -> str:
-        """Return the sentence with what the force comes to in a long motion: the level over 1 + asymmetry."""
-        settling = 1.0 + values["asymmetry"]
+        """Return the sentence with what the force comes to in a long motion."""
+        settling, _ = _rates(values["asymmetry"])
         unit = self.units(position_unit)["level"]
         settled = f"settles at {values['level'] / settling:.3g} {unit}" if settling * _MOST > 1.0 else ""
         said = super().statement(values, position_unit)
@@ -129,6 +131,12 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         return on_axis(constants, -values["level"] * deflection)
 
 
+def _rates(asymmetry: Any) -> tuple[Any, Any]:
+    """Return the rates of deflections that grow and that are taken back."""
+    size = ((1.0 + asymmetry) ** 2 + asymmetry**2) ** 0.5
+    return (1.0 + asymmetry) / size, (1.0 - asymmetry) / size
+
+
 def _deflections(position: Tensor, displacement: float, asymmetry: float) -> Tensor:
     """Return the deflections along positions (blocks, samples), by the compiled loop."""
     from simgap.physics.hysteresis_steps import deflections_along  # its import takes longer than all effects
@@ -143,7 +151,7 @@ def _deflected(deflection: Tensor, travel: Tensor, values: Values) -> Tensor:
 
     What is held against the direction is taken back first; what is left of the travel loads.
     """
-    loading, unloading = 1.0 + values["asymmetry"], 1.0 - values["asymmetry"]
+    loading, unloading = _rates(values["asymmetry"])
     backwards, left = travel < 0.0, travel.abs() / values["displacement"]
     along = torch.where(backwards, -deflection, deflection)
     against, zero = along < 0.0, torch.zeros_like(along)
@@ -157,16 +165,20 @@ def _deflected(deflection: Tensor, travel: Tensor, values: Values) -> Tensor:
 def _towards(along: Tensor, rate: Tensor | float, left: Tensor) -> Tensor:
     """Return the solution of d along = (1 − rate·along) d left."""
     exponent = (rate * left).clamp(min=-_STEEPEST)
-    covered = left * _over(
-        exponent, lambda x: -torch.expm1(-x), (1.0, -1 / 2, 1 / 6, -1 / 24, 1 / 120, -1 / 720)
-    )
+    if isinstance(rate, Tensor):
+        series = (1.0, -1 / 2, 1 / 6, -1 / 24, 1 / 120, -1 / 720)
+        covered = left * _over(exponent, lambda x: -torch.expm1(-x), series)
+    else:
+        covered = -torch.expm1(-exponent) / rate if rate else left
     return along * torch.exp(-exponent) + covered
 
 
 def _to_zero(along: Tensor, rate: Tensor | float) -> Tensor:
     """Return the way from a deflection of at most 0 to 0; a long one where it leads away from it."""
     shrunk = (-rate * along).clamp(min=-1.0 + 1e-6)
-    return -along * _over(shrunk, torch.log1p, (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5, -1 / 6, 1 / 7))
+    if isinstance(rate, Tensor):
+        return -along * _over(shrunk, torch.log1p, (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5, -1 / 6, 1 / 7))
+    return torch.log1p(shrunk) / rate if rate else -along
 
 
 def _over(x: Tensor, function: Callable[[Tensor], Tensor], series: tuple[float, ...]) -> Tensor:

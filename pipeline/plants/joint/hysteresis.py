@@ -8,7 +8,7 @@ from simgap.plants.rotation import Array
 _FARTHEST = 30.0
 """Greatest displacement that is looked at, in those of the plant: along short ways both are springs."""
 _ASYMMETRIES = (-0.9, 3.0)
-_START = (2.0, 1.0)
+_START = (1.0, 1.0)
 """Displacement, in those of the plant, and asymmetry: an elastic unloading, and the same force where it yields."""
 
 
@@ -39,7 +39,8 @@ def nearest_law(position: Array, level: float, displacement: float) -> tuple[flo
     """Return level, displacement and asymmetry of the law that comes nearest to a `bouc_wen` along positions.
 
     The law is that of a diagnosis, with exponent 1: force = −level·z,
-    dz = (dx − |dx|·z − asymmetry·dx·|z|) / displacement. It is linear in the level.
+    dz = (dx − (|dx|·z + asymmetry·dx·|z|) / n) / displacement, n = hypot(1 + asymmetry, asymmetry). It is linear in the
+    level.
 
     Args:
         position: (steps, runs) rad or m.

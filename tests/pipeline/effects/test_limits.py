@@ -31,7 +31,7 @@ def torque_of(effect: Effect, values: dict[str, float]) -> Tensor:
     [
         ("stribeck_friction", {"extra_level": 0.3, "velocity": 300.0}, FRICTION),
         ("hysteresis", {"level": 0.3, "displacement": 0.02 * STEP, "asymmetry": 0.0}, FRICTION),
-        ("hysteresis", {"level": 0.15, "displacement": 0.02 * STEP, "asymmetry": -0.5}, FRICTION),
+        ("hysteresis", {"level": 0.15 * 2.0**0.5, "displacement": 0.02 * STEP, "asymmetry": -0.5}, FRICTION),
         ("hysteresis", {"level": 0.3, "displacement": 500.0, "asymmetry": 0.0}, SPRING),
         ("hysteresis", {"level": 0.3, "displacement": 500.0, "asymmetry": -1.4}, SPRING),
     ],
