@@ -79,7 +79,8 @@ def _within(signals: Signals, constants: Mapping[str, Any]) -> float:
     The acceleration is that of a sine with the recorded spreads, v²/x. By the inequality of Cauchy and Schwarz it is at
     most the true one, and noise in the velocity is not differentiated.
     """
-    if not {"position", "velocity"} <= signals.keys() or not {"inertia", "stiffness"} <= constants.keys():
+    numbers = {"inertia", "gravity_torque", "stiffness"}
+    if not {"position", "velocity"} <= signals.keys() or not numbers <= constants.keys():
         return 0.0
     position, spread = signals["position"], float(signals["position"].std(correction=0))
     acceleration = float(signals["velocity"].var(correction=0)) / max(spread, _LEAST)

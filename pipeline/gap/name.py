@@ -122,15 +122,19 @@ def _named(posterior: Posterior, base: Fit, missed: bool, least: float) -> tuple
         fitted = next(f for f in hypothesis.fit.simulator.free if f.effect.key == key)
         channel, share = _share(hypothesis.fit, fitted.effect, base, hypothesis.reading.problem)
         found.append(Named(fitted, calibrated(raw, missed), channel, share))
-    return tuple(sorted(found, key=_place))
+    return in_order(found)
 
 
-def _place(named: Named) -> tuple[float, float, float, str]:
-    """Return what orders names: of what is equally sure, first what fewer machines have, then what explains more.
+def in_order(named: Sequence[Named]) -> tuple[Named, ...]:
+    """Return names, the most probable first; of equally sure ones what fewer machines have, then what explains more.
 
     That a joint has some friction surprises nobody. Rounding of a sum of weights decides nothing.
     """
-    return -round(named.probability, _DIGITS), named.effect.prior_odds, -named.share, named.effect.key
+
+    def place(each: Named) -> tuple[float, float, float, str]:
+        return -round(each.probability, _DIGITS), each.effect.prior_odds, -each.share, each.effect.key
+
+    return tuple(sorted(named, key=place))
 
 
 def _share(found: Fit, effect: Effect, base: Fit, problem: Problem) -> tuple[int, float]:

@@ -9,7 +9,7 @@ _FARTHEST = 30.0
 """Greatest displacement that is looked at, in those of the plant: along short ways both are springs."""
 _ASYMMETRIES = (-0.9, 3.0)
 _START = (1.0, 1.0)
-"""Displacement, in those of the plant, and asymmetry: an elastic unloading, and the same force where it yields."""
+"""Displacement, in those of the plant, and asymmetry: the search begins at an elastic unloading, as the plant has."""
 
 
 def bouc_wen(strain: Array, travel: Array, displacement: float) -> Array:

@@ -124,7 +124,7 @@ def test_a_slide_has_no_weight_that_turns():
     assert not effect.wrench({"position": position}, effect.defaults(), numbers_of_a_slide)["force"].any()
 
 
-def resistance(position: Tensor, displacement: float, asymmetry: float = 0.0) -> Tensor:
+def resistance(position: Tensor, displacement: float, asymmetry: float | Tensor = 0.0) -> Tensor:
     """Return the torque of unit hysteresis along one path (samples,)."""
     effect = effect_by_key("joint", "hysteresis")
     values = {"level": 1.0, "displacement": displacement, "asymmetry": asymmetry}
@@ -179,6 +179,8 @@ def test_hysteresis_that_grows_without_end_is_said_to_and_stays_finite():
     assert said.endswith(", and does not settle; add hysteresis to the simulator.")
     position = numbers(0.0, 1e6, -1e6, 1e-9)
     torch.testing.assert_close(resistance(position, 0.01, -1.4)[1:], numbers(-MOST, MOST, -MOST))
+    followed = resistance(position, 0.01, torch.tensor(-1.4, dtype=torch.float64))  # without compiled code
+    torch.testing.assert_close(followed, resistance(position, 0.01, -1.4))
 
 
 @given(

@@ -91,6 +91,21 @@ def test_what_a_recording_does_not_show_has_no_size():
     assert sizes_of("joint", swung(driven="voltage"), {}).keys() == {"travel", "speed"}
 
 
+def test_near_a_resonance_the_effort_is_what_the_spring_and_the_inertia_take():
+    """A sine of 1 rad at 10 rad/s on a spring, driven by a hundredth of what the spring holds."""
+    angle = torch.linspace(0.0, 20.0 * torch.pi, 2001, dtype=torch.float64)[None, :-1]
+    signals = {"position": angle.sin(), "velocity": 10.0 * angle.cos(), "effort": 2.0 * angle.cos()}
+    rms = 0.5**0.5
+    for stiffness in (0.0, 200.0):  # the inertia alone takes as much
+        numbers = Simulator(Joint(2.0, 0.0, stiffness)).constants()
+        assert sizes_of("joint", signals, numbers)["effort"] == pytest.approx(200.0 * rms, rel=1e-3)
+    heavy = Simulator(Joint(1e-3, 50.0)).constants()
+    expected = 50.0 * float(angle.sin().sin().square().mean().sqrt())
+    assert sizes_of("joint", signals, heavy)["effort"] == pytest.approx(expected, rel=1e-6)
+    light = Simulator(Joint(1e-3)).constants()
+    assert sizes_of("joint", signals, light)["effort"] == pytest.approx(2.0 * rms, rel=1e-3)
+
+
 def found_from_its_starts(
     effect: Effect, signals: dict[str, Tensor], torque: np.ndarray, numbers: dict
 ) -> dict:

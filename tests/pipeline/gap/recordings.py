@@ -191,9 +191,9 @@ def flight(*effects: tuple[str, float]) -> Recording:
 
 
 def uneventful_flights() -> list[Recording]:
-    """Return two recordings of a plant without any concealed effect, eight flights each."""
-    every = flown((), seed=1, runs=16)
-    return [_with_holdout(of_runs(every, every.runs[part::2])) for part in range(2)]
+    """Return four recordings of a plant without any concealed effect, eight flights each."""
+    every = flown((), seed=1, runs=32)
+    return [_with_holdout(of_runs(every, every.runs[part::4])) for part in range(4)]
 
 
 def late(recording: Recording, samples: int) -> Recording:

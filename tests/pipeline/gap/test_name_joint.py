@@ -94,8 +94,8 @@ def test_of_a_quarter_of_a_second_nothing_is_said_but_that_it_is_too_short(plant
 
 
 def test_nothing_is_named_in_six_seconds_of_nothing():
-    """Six recordings: none is wrong here, where one in a thousand may be."""
-    for recording in joint_recordings(Plant(), list(range(6)), runs=1, duration=6.0):
+    """Twelve recordings: none is wrong here, where one in a thousand may be."""
+    for recording in joint_recordings(Plant(), list(range(12)), runs=1, duration=6.0):
         assert quick(recording, joint_simulator()).verdict == "none"
 
 
@@ -108,15 +108,15 @@ def test_nothing_is_named_in_six_seconds_of_nothing():
     ],
 )
 def test_both_of_a_pair_are_named(plant, truth):
-    found = diagnosed(plant, effects=(*FEW, *sorted(TIMING - {*FEW})))
+    found = diagnosed(plant)
     assert set(named(found)) == set(truth)
     for name, value in truth.items():
         assert value_of(found, name) == pytest.approx(value, rel=0.1)
 
 
 def test_nothing_is_named_where_nothing_is():
-    """Five recordings: with one false verdict in a hundred, none of five is wrong with 95 %, and none is here."""
-    for recording in joint_recordings(Plant(), list(range(5))):
+    """Ten recordings: with at most one false verdict in a hundred, none of ten is wrong with 90 %, and none is here."""
+    for recording in joint_recordings(Plant(), list(range(10))):
         found = quick(recording, joint_simulator())
         assert (found.verdict, named(found), found.unnamed) == ("none", [], [])
         assert found.validation.gap_closed == 0.0
@@ -124,9 +124,9 @@ def test_nothing_is_named_where_nothing_is():
 
 def test_two_wrong_numbers_do_not_conspire_to_be_friction_nor_the_reverse():
     """Motor constant and inertia wrong by one ratio damp a joint as viscous friction does: one cause is likelier."""
-    alone = diagnosed(Plant(viscous=0.05), effects=FEW)
+    alone = diagnosed(Plant(viscous=0.05))
     assert named(alone) == ["viscous_friction"]
-    both = diagnosed(Plant(inertia=1.4, motor_constant=0.9), effects=FEW)
+    both = diagnosed(Plant(inertia=1.4, motor_constant=0.9))
     assert set(named(both)) == {"inertia_error", "motor_constant_error"}
     assert both.verdict == "parameter_mismatch"
 
@@ -160,7 +160,7 @@ def test_clocks_that_are_a_tenth_of_a_sample_apart_are_no_cause(late):
     for column in ("position", "velocity"):
         series = frame[column].to_numpy().reshape(len(recording.runs), -1)
         frame[column] = (series - late * np.gradient(series, axis=1)).ravel()
-    found = quick(replace(recording, frame=frame), joint_simulator(), sorted({*FEW, *TIMING}))
+    found = quick(replace(recording, frame=frame), joint_simulator())
     assert (found.verdict, named(found)) == ("none", [])
     assert {fitted.effect.key for fitted in found.simulator.effects} <= TIMING
     assert any("not named" in warning for warning in found.warnings)
@@ -215,8 +215,7 @@ def test_friction_and_a_wrong_number_show_only_beside_a_load_and_a_delay():
     plant = Plant(
         friction=0.9, motor_constant=0.8, delay=0.02, other=lambda position, velocity: 1.2 + 0.0 * position
     )
-    loads = ("constant_load", "asymmetric_friction", "load_dependent_friction", "input_scale_error")
-    found = quick(joint_recording(plant), joint_simulator(), (*FEW, *loads))
+    found = quick(joint_recording(plant), joint_simulator())
     assert set(named(found)) == {"coulomb_friction", "motor_constant_error", "constant_load", "command_delay"}
     for name, value in {"coulomb_friction": 0.9, "motor_constant_error": 0.8, "constant_load": 1.2}.items():
         assert value_of(found, name) == pytest.approx(value, rel=0.05)

@@ -21,14 +21,6 @@ pytestmark = pytest.mark.slow
 _STEP = 0.01  # s
 _SAMPLES = 600
 _RUNS = 4
-_FRICTION = ("coulomb_friction@drive", "viscous_friction@drive", "stribeck_friction@drive")
-_DRIVE = [
-    *_FRICTION,
-    "current_limit@drive",
-    "motor_constant_error@drive",
-    "command_delay@drive",
-    "sensor_time_offset",
-]
 _CHASSIS = ("chassis_velocity_x", "chassis_velocity_y", "chassis_rate")
 
 
@@ -60,7 +52,7 @@ def drives(simulator: Simulator, random: np.random.Generator) -> pd.DataFrame:
 
 
 @functools.cache
-def diagnosed(key: str | None, name: str = "", value: float = 0.0, few: bool = False) -> Diagnosis:
+def diagnosed(key: str | None, name: str = "", value: float = 0.0) -> Diagnosis:
     effects = () if key is None else (FittedEffect(effect_by_key("swerve", key), {name: value}),)
     simulator = Simulator(
         swerve(), effects, settings={"drive_sliding_velocity": 0.05, "steer_sliding_velocity": 0.05}
@@ -69,21 +61,20 @@ def diagnosed(key: str | None, name: str = "", value: float = 0.0, few: bool = F
     split = {f"drive_{run}": "holdout" if run == 0 else "train" for run in range(_RUNS)}
     units = dict.fromkeys(frame.columns[2:], "1")
     recording = Recording(frame, "swerve", units, split=split, cleaned=True)
-    return quick(recording, Simulator(swerve()), _DRIVE if few else None)
+    return quick(recording, Simulator(swerve()))
 
 
 @pytest.mark.parametrize(
-    ("key", "name", "value", "few"),
+    ("key", "name", "value"),
     [
-        ("coulomb_friction@drive", "level", 1.5, False),
-        ("viscous_friction@drive", "coefficient", 0.05, True),
-        ("current_limit@drive", "limit", 20.0, True),
-        ("command_delay@drive", "delay", 0.05, True),
+        ("coulomb_friction@drive", "level", 1.5),
+        ("viscous_friction@drive", "coefficient", 0.05),
+        ("current_limit@drive", "limit", 20.0),
+        ("command_delay@drive", "delay", 0.05),
     ],
 )
-def test_what_the_drive_lacks_is_named_alone_with_its_value(key, name, value, few):
-    """Of the whole catalogue, and of what drive motors may have."""
-    found = diagnosed(key, name, value, few)
+def test_what_the_drive_lacks_is_named_alone_with_its_value(key, name, value):
+    found = diagnosed(key, name, value)
     assert found.verdict == "missing_physics"
     assert [candidate.effect.key for candidate in found.naming.named] == [key]
     fitted = {effect.effect.key: effect for effect in found.simulator.effects}[key]

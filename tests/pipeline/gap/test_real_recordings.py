@@ -103,6 +103,7 @@ def _case(shared_data: Path, name: str) -> tuple[Answer, dict]:
 )
 def test_what_a_real_machine_is_known_to_have_is_believed_and_nothing_else(shared_data, case):
     answer, known = _case(shared_data, case)
+    assert not known.get("top") or answer.effects[0].name in known["top"]
     believed = {effect.name: effect for effect in answer.effects if effect.probability >= 0.5}
     needed = [{need} if isinstance(need, str) else set(need) for need in known.get("need", [])]
     assert all(names & set(believed) for names in needed)
