@@ -43,6 +43,7 @@ def _concealed(config: ProveStage) -> dict[str, Concealed]:
         machines = {name: _composed(f"platform={name}")["platform"] for name in table["machines"]}
         for case in draw_cases(kind, table, config.prove.shares, machines, config.seed, config.prove.cases):
             name = f"{kind}-{config.seed}-{case.number:04d}"
+            case = case.begun_later if config.prove.begins_later else case
             tasks[name] = Concealed(case, config, folder.with_name(f"{folder.name}_keys") / f"{name}.json")
     return tasks
 
@@ -95,6 +96,11 @@ def _identity(task: Concealed | Published) -> str:
 
 def _command(config: ProveStage) -> str:
     kinds = ",".join(config.prove.kinds)
+    if config.prove.begins_later:
+        return (
+            f"simgap prove seed={config.seed} prove.cases={config.prove.cases} 'prove.kinds=[{kinds}]' "
+            "prove.begins_later=true"
+        )
     return f"make prove SEED={config.seed} CASES={config.prove.cases} KIND={kinds}"
 
 

@@ -37,7 +37,7 @@ def record(config: RecordStage, run: StageRun) -> None:
 def _made(config: RecordStage, run: StageRun) -> Any:
     """Run the configured case of the platform's kind; the key is written where no other stage reads."""
     from simgap.plants import case_from_config, record_case
-    from simgap.plants.fly import key_text
+    from simgap.plants.sealing import key_text
     from simgap.platforms import platform_from_config
 
     platform = platform_from_config(config.platform)
@@ -81,7 +81,7 @@ def record_sealed(case: Any, path: Path, sealed: Path) -> str:
     Returns:
         The recording's source, which names the hash of the key.
     """
-    from simgap.plants.fly import key_text
+    from simgap.plants.sealing import key_text
     from simgap.recordings.recording import write_recording
 
     recording, key = record_drawn(case)

@@ -209,7 +209,9 @@ def _check_mismatch(mismatch: dict[str, Any]) -> None:
 
 
 def _check_effect(effect: dict[str, Any], kind: str) -> None:
-    _keys(effect, "name subject probability acts_on parameters statement")
+    _keys({**effect, "runs": None}, "name subject probability acts_on parameters statement runs")
+    if "runs" in effect:
+        _check_runs(effect["runs"])
     assert effect["name"] in NAMES[kind]
     _check_subject(effect["name"], effect["subject"], kind)
     assert _number(effect["probability"], 0.0, 1.0)
@@ -222,6 +224,17 @@ def _check_effect(effect: dict[str, Any], kind: str) -> None:
         assert _number(parameter["std"], 0.0)
         assert isinstance(parameter["unit"], str)
         assert parameter["unit"]
+
+
+def _check_runs(runs: list[Any]) -> None:
+    """Assert that runs are names, of which one may be cut: from a time on, or until one."""
+    assert runs
+    cut = [run for run in runs if isinstance(run, dict)]
+    assert len(cut) <= 1
+    for run in cut:
+        assert set(run) in ({"run", "from"}, {"run", "until"})
+        assert _number(run.get("from", run.get("until")))
+    assert all(isinstance(run["run"] if isinstance(run, dict) else run, str) for run in runs)
 
 
 def _check_subject(name: str, subject: Any, kind: str) -> None:

@@ -34,6 +34,8 @@ class Effect:
         parameters: by name.
         statement: what it is and what to do, one sentence.
         subject: what the name is about: the number of a rotor or module, a group, a sensor; None if the name says that.
+        runs: in which it acts: a name each, or a mapping of `run` and `from` or `until`, s, where it begins or ends
+            within that run; empty if it acts in all.
     """
 
     name: str
@@ -42,6 +44,7 @@ class Effect:
     parameters: Mapping[str, Parameter]
     statement: str
     subject: str | None = None
+    runs: tuple[str | Mapping[str, Any], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -186,7 +186,11 @@ def _instead(result: Result, outcome: str) -> str:
 
 def overall(results: Sequence[Result]) -> dict[str, Share | float | int]:
     """Return the figures without a target."""
-    return {
+    begun = [right for result in scored(results) for right in result["score"].get("runs_right", ())]
+    later: dict[str, Share | float | int] = {}
+    if begun:
+        later["effects that begin later: named with the right runs"] = share_of(begun)
+    return later | {
         "decoys with the right verdict": share_of(
             r["score"]["verdict_right"] for r in scored(of(results, "decoy"))
         ),

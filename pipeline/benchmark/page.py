@@ -8,7 +8,7 @@ from typing import Any
 
 from simgap.artifacts import PROJECT_ROOT
 from simgap.benchmark import measures
-from simgap.benchmark.intervals import Share, quantile
+from simgap.benchmark.intervals import Share, quantile, share_of
 from simgap.benchmark.published import published_rows
 from simgap.benchmark.reliability import reliability_figure
 from simgap.benchmark.seeds import HEADING as SEEDS
@@ -107,7 +107,7 @@ def _other_rows(results: Sequence[measures.Result], kinds: Sequence[str]) -> lis
     every = measures.overall(results)
     each = [measures.overall(_of_kind(results, kind)) for kind in kinds]
     rows = [
-        [name, _text(value, False), *(_text(one[name], False) for one in each)]
+        [name, _text(value, False), *(_text(one.get(name, share_of(())), False) for one in each)]
         for name, value in every.items()
     ]
     closed = [measures.gaps_closed(_of_kind(results, kind)) for kind in kinds]

@@ -21,6 +21,7 @@ _FAILED: dict[str, Any] = {
     "found": 0.0,
     "stated": [],
     "errors": {},
+    "runs_right": [],
     "gap_closed": None,
     "verdict": None,
     "verdict_right": False,
@@ -60,7 +61,8 @@ def score_case(
         `concealed` and `named`: names, the latter with probabilities, most probable first; `outcome`: of `OUTCOMES`, or
         for cases without any effect `right`, `wrong` (an effect is named) or `failed`; `found`: share of the concealed
         effects that are named; `stated`: (probability, whether it is there) of every named effect; `errors`: relative
-        errors of parameters, by effect and parameter; `gap_closed`; `verdict`; `verdict_right`.
+        errors of parameters, by effect and parameter; `runs_right`: where effects act in some runs only, whether the
+        diagnosis lists these, for each that is named; `gap_closed`; `verdict`; `verdict_right`.
     """
     concealed = [effect_name(effect) for effect in key["effects"]]
     there = concealed + [effect_name(effect) for effect in key.get("beside", ())]
@@ -77,6 +79,7 @@ def score_case(
         "found": sum(found) / len(found) if found else None,
         "stated": [[probability, name in there] for name, probability in named.items()],
         "errors": parameter_errors(key, diagnosis, grouped),
+        "runs_right": runs_right(key, diagnosis, grouped),
         "gap_closed": diagnosis["fit"]["gap_closed"],
         "verdict": diagnosis["verdict"],
         "verdict_right": diagnosis["verdict"] == right_verdict(key),
@@ -120,6 +123,17 @@ def right_verdict(key: Mapping[str, Any]) -> str:
     if key.get("outside"):
         return "unexplained"
     return "parameter_mismatch" if names else "none"
+
+
+def runs_right(key: Mapping[str, Any], diagnosis: Mapping[str, Any], grouped: bool) -> list[bool]:
+    """Return of each concealed effect that is named whether the diagnosis lists the runs in which it acts.
+
+    Empty where all effects act in all runs.
+    """
+    acts = key.get("acts_in_runs")
+    concealed = {effect_name(effect) for effect in key["effects"]}
+    named = [effect for effect in diagnosis["effects"] if effect_name(effect, grouped) in concealed]
+    return [effect.get("runs") == acts for effect in named] if acts else []
 
 
 def parameter_errors(

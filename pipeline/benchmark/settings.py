@@ -27,6 +27,8 @@ class Benchmark:
     """Whether recordings and reports of the cases are kept."""
     write_docs: bool = False
     """Whether docs/proof.md is written."""
+    begins_later: bool = False
+    """Whether the effects of each case begin between two runs in the middle."""
     results: list[str] = field(default_factory=list)
     """Results of benchmarks that probabilities are calibrated on."""
     write_calibration: bool = False

@@ -21,6 +21,7 @@ CALIBRATION = _FOLDER / "calibration.yaml"
 """The file of the three numbers, and of what they were fitted to."""
 
 MODULES = (
+    "changes",
     "command_gain",
     "derived_noise",
     "fit",
@@ -32,6 +33,7 @@ MODULES = (
     "noise_ceiling",
     "posterior",
     "prepare",
+    "presence",
     "prior",
     "reading",
     "recent",

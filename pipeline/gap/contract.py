@@ -78,7 +78,13 @@ def _effect(diagnosis: Diagnosis, named: Named, fitted: FittedEffect) -> dict[st
             for name, value in fitted.values.items()
         },
     }
-    return entry | {"statement": effect.statement(fitted.values, unit) if is_told(entry) else UNTOLD}
+    statement = effect.statement(fitted.values, unit) if is_told(entry) else UNTOLD
+    presence = diagnosis.fitting.presence
+    if presence is None or effect.key not in presence.keys:
+        return entry | {"statement": statement}
+    where = presence.sentence(diagnosis.fitting.blocks.runs)
+    said = f"{statement.removesuffix('.')}; {where[0].lower()}{where[1:]}"
+    return entry | {"runs": presence.entries, "statement": said}
 
 
 def ambiguous(rivalry: Rivalry, fitted: Mapping[str, FittedEffect]) -> dict[str, Any]:

@@ -153,6 +153,7 @@ def diagnose(
         *undecided,
         *within_tolerance(naming, fitted.time_step),
         *on_limit,
+        *_part(problem),
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
         *_doubts(naming, problem, () if contradicted else memories, held_out),
@@ -277,12 +278,25 @@ def _shortness(problem: Problem) -> list[str]:
     return [f"only {seconds:.2g} s could be fitted; record at least {_SHORT:g} seconds"]
 
 
+def _part(problem: Problem) -> list[str]:
+    """Return what a person has to know of a simulator whose effects do not act in the whole recording."""
+    if problem.presence is None:
+        return []
+    names = " and ".join(key.partition("@")[0].replace("_", " ") for key in problem.presence.keys)
+    acts = "acts" if len(problem.presence.keys) == 1 else "act"
+    return [
+        f"{names} {acts} in a part of the recording, and the simulator is that of the machine then; for the machine at "
+        "other times, diagnose the other runs by themselves"
+    ]
+
+
 def _doubts(naming: Naming, problem: Problem, memories: Sequence[Memory], held_out: bool) -> list[str]:
     doubts = []
     if not held_out:
-        doubts.append(
-            "there is only one run: nothing could be held out, so the fit is judged on the data it was fitted to"
+        why = (
+            "there is only one run" if problem.presence is None else "no run with all effects was kept for it"
         )
+        doubts.append(f"{why}: nothing could be held out, so the fit is judged on the data it was fitted to")
     for named in naming.named:
         if isinstance(named.effect, MeasurementEffect) or named.effect.key not in naming.best.keys:
             continue

@@ -1,6 +1,6 @@
 """Gauss–Newton fit of effect parameters to a recording, with cluster-robust standard errors."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -10,6 +10,7 @@ from torch import Tensor
 from simgap.effects import Effect, Parameter, WrenchEffect
 from simgap.effects.sizes import size_of
 from simgap.gap.command_gain import CommandGain
+from simgap.gap.presence import Presence
 from simgap.gap.residuals import Inside, channels_on, residual_rows, row_weights, signals_inside
 from simgap.gap.row_noise import share_of_motion
 from simgap.gap.temper import Temper, energy_of
@@ -37,6 +38,7 @@ class Problem:
         counted: how rows count in a likelihood, see `simgap.gap.likelihood.counted_beside`; the same for all readings.
         nominal: the simulator whose rows keep their size; rows of all simulators do where it is None.
         is_axis: whether both sides of its equation stand for one effort.
+        presence: of effects that act in a part of the blocks; None: all effects act in all of them.
     """
 
     blocks: Blocks
@@ -49,6 +51,7 @@ class Problem:
     counted: Temper | None = None
     nominal: Simulator | None = None
     is_axis: bool = False
+    presence: Presence | None = None
 
     @cached_property
     def gain(self) -> CommandGain | None:
@@ -112,6 +115,31 @@ class Problem:
 
         It is in terms of the commands, see `simgap.gap.command_gain`.
         """
+        return self._where_present(simulator, self._rows)
+
+    @cached_property
+    def acts(self) -> Tensor:
+        """Whether all effects act in a block, (blocks,)."""
+        everywhere = torch.ones(len(self.blocks), dtype=torch.bool)
+        return everywhere if self.presence is None else self.presence.acts(self.blocks)
+
+    @property
+    def present(self) -> Tensor:
+        """The blocks in which all effects act, (present blocks,)."""
+        return torch.nonzero(self.acts).squeeze(1)
+
+    def _where_present(self, simulator: Simulator, series: Callable[[Simulator], Tensor]) -> Tensor:
+        """Return a series of a simulator, (blocks, ...), with each effect in the blocks in which it acts."""
+        if self.presence is None:
+            return series(simulator)
+        elsewhere = self.presence.without(simulator)
+        if elsewhere == simulator:
+            return series(simulator)
+        found = series(simulator)
+        acts = self.acts.reshape(-1, *(1,) * (found.dim() - 1))
+        return torch.where(acts, found, series(elsewhere))
+
+    def _rows(self, simulator: Simulator) -> Tensor:
         if self.gain is None:
             return residual_rows(simulator, self.blocks, self.functions)
         return self.gain.rows(simulator)
@@ -120,8 +148,13 @@ class Problem:
         """Return the columns of an effect that is linear here, (blocks, rows, channels, parameters), else None."""
         if simulator.is_linear_in(effect):
             assert isinstance(effect, WrenchEffect)
-            return _regressor_columns(simulator, effect, self) * self.factor(simulator)[:, None]
+            columns = self._where_present(simulator, lambda each: self._columns(each, effect))
+            partly = self.presence is not None and effect.key in self.presence.keys
+            return columns * self.acts[:, None, None, None] if partly else columns
         return None
+
+    def _columns(self, simulator: Simulator, effect: WrenchEffect) -> Tensor:
+        return _regressor_columns(simulator, effect, self) * self.factor(simulator)[:, None]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from simgap.effects import ParameterError
 from simgap.gap.fit import Fit, bounds_of
 from simgap.gap.likelihood import Likelihood
 from simgap.gap.prior import log_odds, log_prior, prior_precision
-from simgap.gap.reading import Reading
+from simgap.gap.reading import Reading, Timing
 from simgap.gap.resolution import is_short
 from simgap.simulation import FittedEffect, Simulator
 
@@ -44,7 +44,7 @@ class Hypothesis:
     prior: float
 
     @property
-    def place(self) -> tuple[tuple[bool, str], frozenset[str]]:
+    def place(self) -> tuple[Timing, frozenset[str]]:
         """What tells it from other hypotheses."""
         return self.reading.timing, self.keys
 

@@ -4,6 +4,7 @@ from typing import Any
 
 from simgap.gap.diagnosis import Diagnosis
 from simgap.gap.hypothesis import Hypothesis
+from simgap.gap.presence import Presence
 from simgap.simulation import FittedEffect
 
 _NOTED = 0.02
@@ -47,6 +48,7 @@ def hypotheses(diagnosis: Diagnosis) -> list[dict[str, Any]]:
             "unnamed": sorted(hypothesis.keys - hypothesis.names),
             "held": hypothesis.reading.held,
             "estimated": hypothesis.reading.driver or None,
+            "runs": _runs(hypothesis.reading.presence),
             "probability": weight,
             "score": hypothesis.score,
             "likelihood": hypothesis.likelihood.value,
@@ -55,6 +57,11 @@ def hypotheses(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         }
         for hypothesis, weight in list(zip(posterior.hypotheses, posterior.weights, strict=True))[:_MOST]
     ]
+
+
+def _runs(presence: Presence | None) -> dict[str, list[Any]] | None:
+    """Return where the effects of a hypothesis act that are there in a part of the recording, by their keys."""
+    return dict.fromkeys(presence.keys, presence.entries) if presence else None
 
 
 def _why_out(best: Hypothesis, other: Hypothesis) -> str:

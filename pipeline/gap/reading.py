@@ -17,6 +17,7 @@ from simgap.gap.fit import Problem, fit
 from simgap.gap.likelihood import LikelihoodOf, counted_beside
 from simgap.gap.noise_ceiling import noise_ceiling
 from simgap.gap.prepare import Prepared, prepare
+from simgap.gap.presence import Presence
 from simgap.gap.scales import Scales, scales_of
 from simgap.gap.settings import Gap
 from simgap.gap.starts import Starts
@@ -24,6 +25,9 @@ from simgap.gap.temper import WIDTHS
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.signals import COMMANDS
+
+Timing = tuple[bool, str, Presence | None]
+"""Whether commands are held, which driver was estimated, and which effects act in a part of the recording."""
 
 _FAST_CONTROLLER = 0.3
 """Odds that a multirotor's commands are held as long as its samples last: most controllers are faster than logs."""
@@ -39,6 +43,7 @@ class Reading:
         catalogue: effects that may be missing.
         odds: prior odds of this reading.
         driver: the signal that was estimated from the motion; empty where none was.
+        presence: of effects that act in a part of the recording; None: all effects act throughout.
     """
 
     held: bool
@@ -46,11 +51,12 @@ class Reading:
     catalogue: tuple[Effect, ...]
     odds: float = 1.0
     driver: str = ""
+    presence: Presence | None = None
 
     @property
-    def timing(self) -> tuple[bool, str]:
+    def timing(self) -> Timing:
         """What tells it from other readings."""
-        return self.held, self.driver
+        return self.held, self.driver, self.presence
 
     @property
     def nominal(self) -> Simulator:

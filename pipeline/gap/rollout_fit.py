@@ -96,7 +96,9 @@ def refit_through_rollouts(found: Fit, problem: Problem, horizon: float, folds: 
 
 
 def _rollout_problem(simulator: Simulator, problem: Problem, horizon: float) -> RolloutProblem:
-    part = torch.linspace(0, len(problem.blocks) - 1, min(_MOST_BLOCKS, len(problem.blocks))).round().long()
+    present = problem.present
+    drawn = torch.linspace(0, len(present) - 1, min(_MOST_BLOCKS, len(present))).round().long()
+    part = present[drawn]
     blocks = problem.blocks.take(part)
     steps = max(min(round(horizon / blocks.time_step), blocks.samples - 1), 1)
     inner = {name: blocks.inner(series)[:, : steps + 1] for name, series in blocks.signals.items()}

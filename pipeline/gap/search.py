@@ -11,11 +11,13 @@ import time
 from collections.abc import Sequence
 
 from simgap.effects import Effect, look_alikes_of
+from simgap.gap.changes import changed_reading, changes, refined
 from simgap.gap.fit import Fit, fit
 from simgap.gap.hypothesis import Hypothesis, idle_in, weigh
 from simgap.gap.latent_inputs import driven_readings
 from simgap.gap.neighbours import Neighbours
-from simgap.gap.reading import Reading
+from simgap.gap.presence import Presence
+from simgap.gap.reading import Reading, Timing
 from simgap.gap.refit import extend, remove, shrink
 from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect, Simulator
@@ -26,8 +28,10 @@ _MISSED = 10.0
 """Of log odds that a linearisation may miss: so much less promising sets are fitted, too."""
 _PROPOSALS, _MOST_PROPOSALS = 6, 18
 """Neighbours by two effects that are fitted for each hypothesis: that keep their promise, and in all."""
+_CHANGES = 2
+"""Effects in a part of the recording that are fitted for each hypothesis and keep their promise."""
 
-Place = tuple[tuple[bool, str], frozenset[str]]
+Place = tuple[Timing, frozenset[str]]
 
 
 def _with(reading: Reading, free: Sequence[FittedEffect]) -> Simulator:
@@ -67,7 +71,8 @@ class Search:
             settings: of the gap engine.
         """
         self.readings, self.settings = list(readings), settings
-        self.bases: dict[tuple[bool, str], Fit] = {}
+        self.bases: dict[Timing, Fit] = {}
+        self.changed: dict[tuple[Timing, Presence], Reading] = {}
         self.end = math.inf
         self.visited: dict[Place, Hypothesis] = {}
         self.expanded: set[Place] = set()
@@ -107,10 +112,12 @@ class Search:
         reading = centre.reading
         polished = self._visit(fit(centre.fit.simulator, reading.problem), reading)
         centre = max((centre, polished), key=lambda hypothesis: hypothesis.score)
+        plain = not reading.driver and reading.presence is None
         if not reading.driver:
             self._retime(centre)
-        if not reading.driver and reading.catalogue:
+        if plain and reading.catalogue:
             self._drive(centre)
+        self._throughout(centre)
         for key in centre.doubtful:
             self._without(centre, key)
             self._exchange(centre, key)
@@ -118,6 +125,8 @@ class Search:
         smaller = {key: (reading.timing, centre.keys - {key}) for key in centre.doubtful}
         dropped = {key: self.visited[place] for key, place in smaller.items() if place in self.visited}
         near = Neighbours(centre, added, dropped)
+        if not reading.driver:
+            self._change(near)
         fitted_sets = {keys for timing, keys in self.visited if timing == reading.timing}
         least = self.ranked[0].score - _WINDOW - _MISSED
         kept = 0
@@ -128,7 +137,8 @@ class Search:
 
     def _retime(self, centre: Hypothesis) -> None:
         """Visit the same effects under every other timing of the commands, and there those that it does not explain."""
-        for other in self.readings:
+        for timed in self.readings:
+            other = self._with_presence(timed, centre.reading.presence)
             if (other.timing, centre.keys) not in self.visited:
                 found = self._visit(fit(_with(other, centre.fit.simulator.free), other.problem), other)
                 for key in found.doubtful - found.names:
@@ -137,7 +147,8 @@ class Search:
     def _without(self, centre: Hypothesis, key: str) -> None:
         """Visit a hypothesis without one of its effects."""
         reading = centre.reading
-        if (reading.timing, centre.keys - {key}) not in self.visited:
+        partly = reading.presence is not None and key in reading.presence.keys
+        if not partly and (reading.timing, centre.keys - {key}) not in self.visited:
             effect = next(f.effect for f in centre.fit.simulator.free if f.effect.key == key)
             self._visit(shrink(centre.fit, effect, reading.problem, _known(reading, effect)), reading)
 
@@ -147,14 +158,29 @@ class Search:
         Beside the effect that it stands in for a look-alike does nothing, so that no linearisation there shows it.
         """
         reading = centre.reading
-        smaller = self.visited.get((reading.timing, centre.keys - {key}))
         effect = next(f.effect for f in centre.fit.simulator.free if f.effect.key == key)
+        if reading.presence is not None and key in reading.presence.keys:
+            self._exchange_in_part(centre, effect)
+        smaller = self.visited.get((reading.timing, centre.keys - {key}))
         if smaller is None:
             return
         for other in look_alikes_of(effect):
             place = reading.timing, smaller.keys | {other.key}
             if other in reading.catalogue and other.key not in centre.keys and place not in self.visited:
                 self._added(smaller, other)
+
+    def _exchange_in_part(self, centre: Hypothesis, effect: Effect) -> None:
+        """Visit a hypothesis with each look-alike in the place of an effect that acts in a part of the recording."""
+        presence = centre.reading.presence
+        assert presence is not None
+        others = tuple(f for f in centre.fit.simulator.free if f.effect.key != effect.key)
+        for other in look_alikes_of(effect):
+            unknown = _known(centre.reading, other) is None
+            if unknown and other in centre.reading.catalogue and other.key not in centre.keys:
+                reading = self._timed(centre.reading, presence.without_key(effect.key).joined_by(other.key))
+                if (reading.timing, centre.keys - {effect.key} | {other.key}) not in self.visited:
+                    smaller = fit(_with(reading, others), reading.problem)
+                    self._visit(extend(smaller, other, reading.problem, reading.starts), reading)
 
     def _drive(self, centre: Hypothesis) -> None:
         """Visit the same effects with one more whose driver was not recorded and is estimated."""
@@ -164,6 +190,50 @@ class Search:
                 driven = FittedEffect(effect, effect.defaults())
                 start = _with(reading, (*centre.fit.simulator.free, driven))
                 self._visit(fit(start, reading.problem), reading)
+
+    def _change(self, near: Neighbours) -> None:
+        """Visit the same effects with one of them, or one more, in a part of the recording only.
+
+        Beside a change, these join it.
+        """
+        least = self.ranked[0].score - _WINDOW
+        kept = 0
+        for change in changes(near):
+            if change.promise > least and kept < _CHANGES:
+                found = self._changed(near.centre, change.presence, change.effects)
+                if found.score > change.promise - _MISSED:
+                    kept += 1
+                    self._changed(near.centre, refined(found), found.fit.simulator.free)
+
+    def _throughout(self, centre: Hypothesis) -> None:
+        """Visit a hypothesis with a change without it, and with each of several effects of the change throughout."""
+        presence = centre.reading.presence
+        if presence is None:
+            return
+        several = presence.keys if len(presence.keys) > 1 else ()
+        for part in [None, *map(presence.without_key, several)]:
+            reading = self._timed(centre.reading, part)
+            if (reading.timing, centre.keys) not in self.visited:
+                self._visit(fit(_with(reading, centre.fit.simulator.free), reading.problem), reading)
+
+    def _changed(self, centre: Hypothesis, presence: Presence, effects: Sequence[FittedEffect]) -> Hypothesis:
+        reading = self._timed(centre.reading, presence)
+        return self._visit(fit(_with(reading, effects), reading.problem), reading)
+
+    def _timed(self, reading: Reading, presence: Presence | None) -> Reading:
+        """Return a reading with the timing of another one, in which some effects may act in a part of the recording."""
+        timed = next(each for each in self.readings if each.held == reading.held)
+        return self._with_presence(timed, presence)
+
+    def _with_presence(self, reading: Reading, presence: Presence | None) -> Reading:
+        """Return a reading in which some effects act in a part of the recording only, the same one every time."""
+        if presence is None:
+            return reading
+        place = reading.timing, presence
+        if place not in self.changed:
+            self.changed[place] = changed_reading(reading, presence)
+            self.bases[self.changed[place].timing] = self.bases[reading.timing]
+        return self.changed[place]
 
     def _added(self, centre: Hypothesis, effect: Effect) -> Hypothesis:
         reading = centre.reading
@@ -184,6 +254,9 @@ class Search:
         return hypothesis
 
     def _keep(self, hypothesis: Hypothesis) -> None:
+        presence = hypothesis.reading.presence
+        if presence is not None and not hypothesis.keys.issuperset(presence.keys):
+            return
         before = self.visited.get(hypothesis.place)
         if before is None or hypothesis.score > before.score:
             self.visited[hypothesis.place] = hypothesis

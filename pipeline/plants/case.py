@@ -73,6 +73,7 @@ class PlantCase:
             turning moves rotors through the air, and their in-plane forces twist the body. A real rotor has all
             of it; the damping of the turning is then `angular_drag`, which the key lists. 0 leaves forces alone.
         runs: number of flights.
+        begins_in_run: run from which on the effects act, counted from 1; those before hold no effect.
         duration: of each flight, s.
         rate: of the recording, Hz.
         slowest: peak speed of the gentlest flight, m/s.
@@ -97,6 +98,7 @@ class PlantCase:
     outside: dict[str, Any] = field(default_factory=dict)
     arm: float = 0.0
     runs: int = 10
+    begins_in_run: int = 1
     duration: float = 15.0
     rate: float = 100.0
     slowest: float = 2.0

@@ -71,6 +71,13 @@ class ConcealedCase:
         """The same machine and motion with every driver recorded."""
         return replace(self, hiding={})
 
+    @property
+    def begun_later(self) -> "ConcealedCase":
+        """The same machine and motion, whose effects begin between two runs in the middle; drawn by its own seed."""
+        runs = case_from_config(self.kind, self.record).runs
+        first = int(np.random.default_rng([self.seed, 1]).integers(2, max(runs, 3)))
+        return replace(self, record=self.record | {"begins_in_run": first})
+
     def scaled(self, effect: str, factor: float) -> "ConcealedCase":
         """Return the same machine and motion with an effect that many times as strong."""
         quantities, values = _known(self.kind, "effects")[effect], dict(self.record["effects"][effect])

@@ -1,7 +1,5 @@
 """Recording of a quadrotor case with a sealed answer key."""
 
-import hashlib
-import json
 from typing import Any
 
 import numpy as np
@@ -12,10 +10,10 @@ from simgap.plants.design import design
 from simgap.plants.dither import shake
 from simgap.plants.flight import fly_paths
 from simgap.plants.path import plan
+from simgap.plants.sealing import sealed
 from simgap.plants.sensing import record
 from simgap.plants.truth import answer_key
 from simgap.platforms import Quadrotor
-from simgap.recordings.contract import channel_units
 from simgap.recordings.recording import Recording
 
 
@@ -45,21 +43,4 @@ def fly(case: PlantCase, platform: Quadrotor, seed: int) -> tuple[Recording, dic
     log = fly_paths(airframe, platform, case, paths, dither, battery, for_plant)
     key = answer_key(airframe, platform, case, log)
     frame = record(log, platform, case, paths.names, charge, for_sensors)
-    units = channel_units("quadrotor")
-    recording = Recording(
-        frame=frame,
-        kind="quadrotor",
-        units={column: units[column] for column in frame.columns if column in units},
-        source=f"the project's own concealed plant, answer key sha256:{key_hash(key)}",
-    )
-    return recording, key
-
-
-def key_text(key: dict[str, Any]) -> str:
-    """Return a key as it is written to its file."""
-    return json.dumps(key, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
-
-
-def key_hash(key: dict[str, Any]) -> str:
-    """Return the SHA-256 of a key's file."""
-    return hashlib.sha256(key_text(key).encode()).hexdigest()
+    return sealed(frame, "quadrotor", key), key

@@ -8,6 +8,7 @@ from typing import Any, get_origin, get_type_hints
 from simgap.errors import InputError
 from simgap.plants.case import PlantCase
 from simgap.plants.joint.case import JointCase
+from simgap.plants.onset import with_onset
 from simgap.plants.rig.case import RigCase
 from simgap.plants.swerve.case import SwerveCase
 from simgap.platforms import Joint, Quadrotor, Swerve
@@ -88,7 +89,10 @@ def record_case(
     if _MACHINES.get(plant, plant) != platform.kind:
         remedy = "choose another record=NAME"
         raise InputError(f"is a case of another machine than a {platform.kind}", "record", remedy)
-    return _recorder(plant)(case, platform, seed)
+    record = _recorder(plant)
+    if isinstance(case, RigCase):
+        return record(case, platform, seed)
+    return with_onset(case, lambda each: record(each, platform, seed))
 
 
 def _recorder(plant: str) -> Callable[..., tuple[Recording, dict[str, Any]]]:

@@ -1,10 +1,11 @@
 """Sealing of a recording: it carries only the hash of its answer key."""
 
+import hashlib
+import json
 from typing import Any
 
 import pandas as pd
 
-from simgap.plants.fly import key_hash
 from simgap.recordings.contract import channel_units
 from simgap.recordings.recording import Recording
 
@@ -23,5 +24,20 @@ def sealed(frame: pd.DataFrame, kind: str, key: dict[str, Any], sliding: bool = 
         frame=frame,
         kind=kind,
         units={column: units[column] for column in frame.columns if column in units},
-        source=f"the project's own concealed plant, answer key sha256:{key_hash(key)}",
+        source=source_of(key),
     )
+
+
+def source_of(key: dict[str, Any]) -> str:
+    """Return what a recording of a concealed plant says of its source: the hash of its answer key."""
+    return f"the project's own concealed plant, answer key sha256:{key_hash(key)}"
+
+
+def key_text(key: dict[str, Any]) -> str:
+    """Return a key as it is written to its file."""
+    return json.dumps(key, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
+
+
+def key_hash(key: dict[str, Any]) -> str:
+    """Return the SHA-256 of a key's file."""
+    return hashlib.sha256(key_text(key).encode()).hexdigest()

@@ -63,7 +63,7 @@ def _explanation(entry: dict[str, Any], best: dict[str, Any], subjects: Mapping[
     return {
         "named": listed(named) if entry is best else _against(named, first),
         "small": listed(small),
-        "commands": _commands(entry),
+        "commands": _commands(entry, subjects),
         "probability": entry["probability"],
         "points": [points(entry[part], best[part]) for part in _PARTS],
     }
@@ -86,7 +86,9 @@ def _against(named: Sequence[str], first: Sequence[str]) -> str:
     )
 
 
-def _commands(entry: dict[str, Any]) -> str:
-    """Say how the commands act in a hypothesis, and what was estimated because nobody recorded it."""
+def _commands(entry: dict[str, Any], subjects: Mapping[str, str]) -> str:
+    """Say how commands act in a hypothesis, what was estimated, and which effects act in a part of the recording."""
     held = "held" if entry.get("held") else "as recorded"
-    return f"{held}, {spoken(entry['estimated'])} estimated" if entry.get("estimated") else held
+    estimated = [f"{spoken(entry['estimated'])} estimated"] if entry.get("estimated") else []
+    partly = [f"{key_in_words(key, subjects)} in a part of the recording" for key in entry.get("runs") or {}]
+    return ", ".join([held, *estimated, *partly])

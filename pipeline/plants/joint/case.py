@@ -53,6 +53,7 @@ class JointCase:
         sliding: whether the unit of position is m.
         references: what the joint is told to follow, in turn over the runs (see `REFERENCES`).
         runs: number of runs.
+        begins_in_run: run from which on the effects act, counted from 1; those before hold no effect.
         duration: of each run, s.
         rate: of the recording, Hz.
         amplitude: greatest position of the widest run, rad or m.
@@ -74,6 +75,7 @@ class JointCase:
     sliding: bool = False
     references: list[str] = field(default_factory=lambda: ["multisine", "chirp", "steps", "triangle"])
     runs: int = 10
+    begins_in_run: int = 1
     duration: float = 10.0
     rate: float = 200.0
     amplitude: float = 1.2

@@ -52,6 +52,7 @@ class SwerveCase:
         outside: the same for physics that the catalogue has no name for (see `effects.OUTSIDE`).
         manoeuvres: what is driven, in turn over the runs (see `MANOEUVRES`).
         runs: number of runs.
+        begins_in_run: run from which on the effects act, counted from 1; those before hold no effect.
         duration: of each run, s.
         rate: of the recording, Hz.
         speed: of the fastest wheel in the fastest run, m/s.
@@ -71,6 +72,7 @@ class SwerveCase:
     outside: dict[str, dict[str, float]] = field(default_factory=dict)
     manoeuvres: list[str] = field(default_factory=lambda: ["weave", "spin", "shuttle", "curve"])
     runs: int = 8
+    begins_in_run: int = 1
     duration: float = 10.0
     rate: float = 100.0
     speed: float = 3.0

@@ -14,7 +14,7 @@ import yaml
 from simgap.api.answer import Answer
 from simgap.api.diagnosing import diagnose
 from simgap.api.display import html, text
-from simgap.api.findings import Size, Unnamed, built
+from simgap.api.findings import Effect, Size, Unnamed, built
 from simgap.api.inputs import platform_config
 from simgap.api.simulators import load_simulator
 from simgap.errors import InputError
@@ -76,7 +76,9 @@ def test_an_answer_holds_what_the_file_holds(answer, saved):
 
 def _plain(value: object) -> object:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return dataclasses.asdict(value)
+        plain = dataclasses.asdict(value)
+        whole = isinstance(value, Effect) and not value.runs  # the file lists runs where these are not all
+        return {name: entry for name, entry in plain.items() if not (whole and name == "runs")}
     return [_plain(entry) for entry in value] if isinstance(value, tuple) else value
 
 
@@ -156,6 +158,19 @@ def test_plain_values_become_the_types_that_are_written_down():
     size = {"value": 0.2, "noise": 0.1, "unit": "N·m"}
     assert built(Unnamed, plain) == Unnamed("torque", ("t",), "0.2 t", 0.1)
     assert built(Unnamed, {**plain, "size": size}).size == Size(0.2, 0.1, "N·m")
+
+
+def test_an_effect_lists_the_runs_in_which_it_acts():
+    plain = {
+        "name": "rotor_fault",
+        "probability": 0.9,
+        "acts_on": "actuator",
+        "parameters": {},
+        "statement": "",
+    }
+    assert built(Effect, plain).runs == ()
+    runs = [{"run": "b", "from": 2.0}, "c"]
+    assert built(Effect, {**plain, "runs": runs}).runs == tuple(runs)
 
 
 def test_a_recording_of_another_kind_is_refused():

@@ -49,6 +49,15 @@ def test_the_right_name_first_is_right_and_its_value_is_compared():
     assert score["stated"] == [[0.9, True]]
 
 
+def test_the_runs_of_an_effect_are_right_where_they_are_listed():
+    late = key(DRAG) | {"acts_in_runs": ["b", "c"]}
+    found = diagnosis(("rotor_drag", 0.9, "force", {"coefficient": 0.4}), ("body_drag", 0.6, "force", {}))
+    assert score_case(late, found)["runs_right"] == [False]
+    found["effects"][0]["runs"] = ["b", "c"]
+    assert score_case(late, found)["runs_right"] == [True]
+    assert score_case(key(DRAG), found)["runs_right"] == []
+
+
 def test_what_comes_with_it_may_be_named_and_need_not_be():
     slip, creep = (effect(name, "drive", value=0.2) for name in ("wheel_slip", "tyre_creep"))
     case = key(slip) | {"beside": [creep]}

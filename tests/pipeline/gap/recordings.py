@@ -187,13 +187,13 @@ def flown(effects: tuple[tuple[str, float], ...], seed: int, runs: int) -> Recor
 
 def flight(*effects: tuple[str, float]) -> Recording:
     """Return eight short flights of a plant with these effects; the last two are held out."""
-    return _with_holdout(flown(effects, seed=0, runs=8))
+    return with_holdout(flown(effects, seed=0, runs=8))
 
 
 def uneventful_flights() -> list[Recording]:
     """Return four recordings of a plant without any concealed effect, eight flights each."""
     every = flown((), seed=1, runs=32)
-    return [_with_holdout(of_runs(every, every.runs[part::4])) for part in range(4)]
+    return [with_holdout(of_runs(every, every.runs[part::4])) for part in range(4)]
 
 
 def late(recording: Recording, samples: int) -> Recording:
@@ -239,10 +239,11 @@ def held_flights(time_constant: float) -> Recording:
         frame[column] += noise[column.rsplit("_", 1)[0]] * random.standard_normal(len(frame))
     frame.insert(0, "t", np.tile(np.arange(steps) * time_step, runs))
     frame.insert(0, "run", np.repeat(names, steps))
-    return _with_holdout(Recording(frame, "quadrotor", {}, source="the test's own flights", cleaned=True))
+    return with_holdout(Recording(frame, "quadrotor", {}, source="the test's own flights", cleaned=True))
 
 
-def _with_holdout(recording: Recording) -> Recording:
+def with_holdout(recording: Recording) -> Recording:
+    """Return a recording whose last two runs are held out."""
     runs = recording.runs
     split = {run: "holdout" if index >= len(runs) - 2 else "train" for index, run in enumerate(runs)}
     return replace(recording, split=split)

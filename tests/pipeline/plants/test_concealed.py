@@ -8,7 +8,7 @@ from simgap.errors import InputError
 from simgap.plants import case_from_config
 from simgap.plants.agenda import CATEGORIES
 from simgap.plants.concealed import KINDS, draw_cases, record_concealed
-from simgap.plants.fly import key_text
+from simgap.plants.sealing import key_text
 from simgap.platforms import platform_from_config
 from simgap.runner.compose import compose
 
@@ -70,6 +70,17 @@ def test_what_shows_only_beside_another_is_drawn_with_it():
     ]
     assert set(case.record["effects"]) == {"steady_wind", "body_drag"}
     assert case.wanted == ("steady_wind",)
+
+
+def test_effects_that_begin_later_begin_in_the_middle_of_the_same_case():
+    firsts = []
+    for case in drawn("joint", 8, clear=1.0):
+        later = case.begun_later
+        runs = case_from_config("joint", later.record).runs
+        firsts.append(later.record["begins_in_run"])
+        assert 2 <= firsts[-1] < runs
+        assert {**later.record, "begins_in_run": 1} == {**case.record, "begins_in_run": 1}
+    assert len(set(firsts)) > 1
 
 
 @pytest.mark.slow

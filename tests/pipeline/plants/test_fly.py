@@ -5,7 +5,8 @@ import pytest
 
 from simgap.errors import InputError
 from simgap.plants.case import PlantCase
-from simgap.plants.fly import fly, key_text
+from simgap.plants.fly import fly
+from simgap.plants.sealing import key_text
 from tests.pipeline.plants.reading import assert_read_as_written
 
 SHORT = {"runs": 3, "duration": 0.3}

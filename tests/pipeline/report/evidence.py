@@ -68,11 +68,11 @@ def _hypotheses(verdict: str, text: str) -> list[dict[str, Any]]:
     best = {"missing_physics": ["axial_inflow", "rotor_drag"], "parameter_mismatch": ["mass_error"]}
     named = [text] if text else best.get(verdict, [])
     entries = [
-        (named, ["command_delay"], False, None, 0.84, 500.0, -30.0, -6.0),
-        (named, [], True, text or "battery_voltage", 0.1, 496.0, -27.5, -6.7),
-        ([], [], False, None, 1e-60, 349.0, -12.0, -2.0),
+        (named, ["command_delay"], False, None, None, 0.84, 500.0, -30.0, -6.0),
+        (named, [], True, text or "battery_voltage", None, 0.1, 496.0, -27.5, -6.7),
+        ([], [], False, None, {"rotor_fault@3": ["b"]}, 1e-60, 349.0, -12.0, -2.0),
     ]
-    keys = ("effects", "unnamed", "held", "estimated", "probability", "likelihood", "occam", "prior")
+    keys = ("effects", "unnamed", "held", "estimated", "runs", "probability", "likelihood", "occam", "prior")
     return [dict(zip(keys, entry, strict=True)) | {"score": sum(entry[-3:])} for entry in entries]
 
 

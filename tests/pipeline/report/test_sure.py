@@ -53,6 +53,7 @@ def test_an_explanation_is_told_in_words(tmp_path):
     assert held["commands"] == "held, battery voltage estimated"
     assert held["named"] == "the same"
     assert (bare["named"], bare["small"]) == ("", "")
+    assert bare["commands"] == "as recorded, rotor fault (rotor 3) in a part of the recording"
 
 
 @pytest.mark.parametrize(

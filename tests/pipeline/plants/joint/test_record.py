@@ -8,9 +8,9 @@ import pytest
 from simgap.effects.catalogue import effects_of
 from simgap.errors import InputError
 from simgap.plants import record_case
-from simgap.plants.fly import key_text
 from simgap.plants.joint.case import JointCase, JointSensors
 from simgap.plants.joint.effects import CONCEALABLE, NEEDS_CONTROLLER, NEEDS_MOTOR, OUTSIDE
+from simgap.plants.sealing import key_text
 from simgap.platforms import Controller
 from tests.pipeline.plants.reading import assert_read_as_written
 

@@ -8,9 +8,9 @@ import pytest
 from simgap.errors import InputError
 from simgap.plants import case_from_config, record_case
 from simgap.plants.case import PlantCase, Sensors
-from simgap.plants.fly import key_text
 from simgap.plants.rig.case import Gimbal, Pilot, RigCase
 from simgap.plants.rig.sticks import Sticks
+from simgap.plants.sealing import key_text
 from tests.pipeline.plants.reading import assert_read_as_written
 
 

@@ -7,8 +7,8 @@ import pytest
 from simgap.effects.catalogue import effects_of
 from simgap.errors import InputError
 from simgap.plants import case_from_config, record_case
-from simgap.plants.fly import key_text
 from simgap.plants.joint.case import JointCase
+from simgap.plants.sealing import key_text
 from simgap.plants.swerve.case import SwerveCase, SwerveSensors
 from simgap.plants.swerve.effects import CONCEALABLE, OUTSIDE
 from tests.pipeline.plants.reading import assert_read_as_written
