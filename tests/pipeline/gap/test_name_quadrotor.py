@@ -1,5 +1,6 @@
 """Flights of the concealed plant, which is richer than the catalogue and flown in closed loop with noisy sensors."""
 
+import functools
 from dataclasses import replace
 
 import pytest
@@ -58,9 +59,20 @@ def blown(recording: Recording, wind_x: float, wind_y: float) -> Recording:
     return replace(recording, frame=frame)
 
 
+@functools.cache
+def in_a_wind() -> Diagnosis:
+    """Return the diagnosis of flights in a wind of 3 and −1.5 m/s that pushes through the drag of the rotors."""
+    return quick(blown(flight(("rotor_drag", 0.35)), 3.0, -1.5), Simulator(racer()))
+
+
 def test_a_wind_is_named_beside_the_drag_through_which_it_pushes():
-    found = quick(blown(flight(("rotor_drag", 0.35)), 3.0, -1.5), Simulator(racer()))
+    found = in_a_wind()
     assert set(named(found)) == {"rotor_drag", "steady_wind"}
+    assert value_of(found, "rotor_drag") == pytest.approx(0.35, rel=0.1)
+
+
+def test_the_speed_of_the_wind_is_its_push_over_the_drag():
+    found = in_a_wind()
     (wind,) = (f for f in found.simulator.effects if f.effect.key == "steady_wind")
     drag = value_of(found, "rotor_drag")
     assert wind.values["push_x"] / drag == pytest.approx(3.0, rel=0.1)
