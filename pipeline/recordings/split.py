@@ -53,7 +53,7 @@ def split_recording(frame: pd.DataFrame, kind: str, split: Split, seed: int = 0)
     """
     times = {run: rows["t"].to_numpy() for run, rows in by_run(frame)}
     runs = list(times)
-    if split.validation or split.holdout:
+    if split.validation or split.holdout or len(runs) < 2:
         return split_runs(runs, split, seed)
     seconds = {run: _duration(time) for run, time in times.items()}
     return split_runs(runs, split, seed, distances_of(frame), seconds, opposite_runs(frame, kind))

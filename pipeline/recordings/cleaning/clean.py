@@ -26,6 +26,7 @@ from simgap.recordings.cleaning.segments import drop_incomplete, drop_made_up, d
 from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.cleaning.spikes import erase_spikes
 from simgap.recordings.cleaning.straight import erase_straight
+from simgap.recordings.cleaning.table import ChannelTable
 from simgap.recordings.cleaning.work import RunUnderCleaning, changes_table
 from simgap.recordings.cleaning.wraps import mend_wraps
 from simgap.recordings.contract import required_channels
@@ -131,7 +132,7 @@ def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCle
         kind=recording.kind,
         time=time,
         columns=recording.channels,
-        values=_values(rows, recording.channels),
+        table=ChannelTable.of(rows, recording.channels),
         stretch=rows["segment"].to_numpy(copy=True)
         if "segment" in rows
         else np.zeros(len(time), dtype=np.int32),
@@ -148,14 +149,6 @@ def _take_up(recording: Recording, name: str, rows: pd.DataFrame) -> RunUnderCle
     if reason:
         run.drop(np.ones(len(time), dtype=bool), "missing", reason)
     return run
-
-
-def _values(rows: pd.DataFrame, channels: list[str]) -> np.ndarray:
-    """Return channels, (samples, channels), with each channel in one piece of memory."""
-    values = np.empty((len(rows), len(channels)), order="F")
-    for place, channel in enumerate(channels):
-        values[:, place] = rows[channel].to_numpy(dtype="float64")
-    return values
 
 
 def _clean_run(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> RunUnderCleaning:
@@ -218,14 +211,23 @@ def _frame(runs: list[RunUnderCleaning], recording: Recording) -> pd.DataFrame:
     lengths = [int(np.count_nonzero(run.dropped == 0)) for run in runs]
     columns: dict[str, object] = {
         "run": column_of_runs([run.name for run in runs], lengths, recording.frame["run"]),
-        "t": joined(lambda run: run.time.copy()),  # of the recording, where it was uniform
+        "t": _shared(joined(lambda run: run.time), recording.frame["t"]),
         "segment": joined(segment_numbers),
     }
     if INPUTS[recording.kind]:
         columns["filled"] = joined(lambda run: run.filled.astype(np.int64))
     for place, channel in enumerate(recording.channels):
-        columns[channel] = joined(lambda run, place=place: run.values[:, place])  # type: ignore[misc]
+        columns[channel] = (
+            runs[0].table.kept(place, kept[0])
+            if len(runs) == 1
+            else joined(lambda run, place=place: run.table.arrays[place])  # type: ignore[misc]
+        )
     return pd.DataFrame(columns, copy=False)
+
+
+def _shared(times: np.ndarray, like: pd.Series) -> pd.Series | np.ndarray:
+    """Return times as the column of the recording, if they are the same; else a copy of them."""
+    return like.reset_index(drop=True) if np.array_equal(times, like) else times.copy()
 
 
 def _kept(run: RunUnderCleaning) -> slice | np.ndarray:

@@ -1,6 +1,7 @@
 """Offset between the clocks of state and motor telemetry, estimated from the physics."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -101,16 +102,16 @@ def _offset(
     band = butter(2, [_BAND[0], min(_BAND[1], 0.8 * nyquist)], "band", fs=2 * nyquist, output="sos")
     edge = int(np.ceil((_EDGE + largest) / run.time_step))
     pieces = []
-    driving, driven = run.index(inputs), run.index(outputs)
     left = _MOST
     for first, past in unbroken(run).tolist():
         past = min(past, first + left)
-        measured = run.values[first:past, driven]
+        measured = run.rows(slice(first, past), outputs)
         if past - first > 4 * edge and np.isfinite(measured).all():
             if differentiate:
                 measured = np.gradient(measured, run.time_step, axis=0)
             if len(filtered.get(first, ())) != past - first:
-                filtered[first] = sosfiltfilt(band, run.values[first:past, driving] ** 2, axis=0)
+                driving = run.rows(slice(first, past), inputs)
+                filtered[first] = sosfiltfilt(band, driving**2, axis=0)
             pieces.append((filtered[first], sosfiltfilt(band, measured, axis=0)))
             left -= past - first
     if sum(len(motors) - 2 * edge for motors, _ in pieces) * run.time_step < _SHORTEST_FLIGHT:
@@ -144,16 +145,21 @@ def compare_clocks(
     def delayed(offset: float, derivative: bool = False) -> np.ndarray:
         return np.concatenate([_delay(*each, offset / time_step, derivative)[edge:-edge] for each in spectra])
 
-    def loss(offset: float) -> float:
+    @lru_cache(maxsize=4)  # the best offset is among the last ones that are tried
+    def fitted(offset: float) -> tuple[np.ndarray, np.ndarray]:
         inputs = delayed(offset)
-        return float(((measured - _regress(inputs, measured)) ** 2).mean())
+        return inputs, _gains(inputs, measured)
+
+    def loss(offset: float) -> float:
+        inputs, gains = fitted(offset)
+        return float(((measured - inputs @ gains) ** 2).mean())
 
     scaled = [(u, y / scale) for u, y in pieces]
     near, at_bound = _nearest_sample(scaled, spectra, int(largest / time_step), edge)
     bounds = ((near - 1) * time_step, (near + 1) * time_step)
     found = minimize_scalar(loss, bounds=bounds, method="bounded", options={"xatol": 1e-3 * time_step})
     offset = float(found.x)
-    error = _standard_error(delayed(offset), delayed(offset, True) / time_step, measured, time_step)
+    error = _standard_error(*fitted(offset), delayed(offset, True) / time_step, measured, time_step)
     return ClockOffset(offset, error, 1.0 - float(found.fun), at_bound)
 
 
@@ -170,9 +176,9 @@ def _nearest_sample(
     for (inputs, outputs), (spectrum, _) in zip(pieces, spectra, strict=True):
         inner = np.zeros_like(outputs)
         inner[edge:-edge] = outputs[edge:-edge]
-        length = 2 * (len(spectrum) - 1)
-        cross = np.conj(spectrum)[:, :, None] * np.fft.rfft(inner, axis=0, n=length)[:, None, :]
-        products += np.fft.irfft(cross, axis=0, n=length)[lags]  # (lags, inputs, outputs)
+        length = 2 * (spectrum.shape[1] - 1)
+        cross = np.conj(spectrum)[:, None] * np.fft.rfft(inner.T, n=length)
+        products += np.moveaxis(np.fft.irfft(cross, n=length)[..., lags], -1, 0)  # (lags, inputs, outputs)
         moments += inputs.T @ inputs
     gains = np.linalg.solve(moments + 1e-9 * np.trace(moments) * np.eye(count), products)
     best = int(np.argmax((products * gains).sum(axis=(1, 2))))
@@ -180,31 +186,34 @@ def _nearest_sample(
 
 
 def _spectrum(inputs: np.ndarray) -> tuple[np.ndarray, int]:
-    """Return the transform of the inputs, padded so that the delay does not wrap around, and their length."""
-    length = 2 * next_fast_len(len(inputs), real=True)
-    return np.fft.rfft(inputs, axis=0, n=length), len(inputs)
+    """Return the transforms of the inputs, and their length; they are padded so that the delay does not wrap around.
+
+    Each of them, (inputs, frequencies), is in one piece of memory, which is faster to transform.
+    """
+    return np.fft.rfft(inputs.T, n=2 * next_fast_len(len(inputs), real=True)), len(inputs)
 
 
 def _delay(spectrum: np.ndarray, count: int, samples: float, derivative: bool) -> np.ndarray:
-    """Return the inputs delayed by `samples`, or their derivative with respect to time in samples."""
-    length = 2 * (len(spectrum) - 1)
-    frequency = 2j * np.pi * np.fft.rfftfreq(length)[:, None]
-    shifted = spectrum * np.exp(-frequency * samples) * (frequency if derivative else 1.0)
-    return np.fft.irfft(shifted, axis=0, n=length)[:count]
+    """Return the inputs delayed by `samples`, (samples, inputs), or their derivative by time in samples."""
+    length = 2 * (spectrum.shape[1] - 1)
+    frequency = 2j * np.pi * np.fft.rfftfreq(length)
+    shifted = spectrum * np.exp(-frequency * samples)
+    if derivative:
+        shifted *= frequency
+    return np.fft.irfft(shifted, n=length)[:, :count].T
 
 
-def _regress(inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:
-    """Return the part of the outputs that the inputs explain."""
-    return inputs @ np.linalg.lstsq(inputs, outputs, rcond=None)[0]
+def _gains(inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:
+    """Return by how much each input explains each output, (inputs, outputs)."""
+    return np.linalg.lstsq(inputs, outputs, rcond=None)[0]
 
 
 def _standard_error(
-    inputs: np.ndarray, derivative: np.ndarray, outputs: np.ndarray, time_step: float
+    inputs: np.ndarray, gains: np.ndarray, derivative: np.ndarray, outputs: np.ndarray, time_step: float
 ) -> float:
-    gains = np.linalg.lstsq(inputs, outputs, rcond=None)[0]
     residual = outputs - inputs @ gains
     slope = -derivative @ gains  # of the prediction, per second of offset
-    slope = slope - _regress(inputs, slope)
+    slope = slope - inputs @ _gains(inputs, slope)
     score = (slope * residual).sum(axis=1)
     blocks = np.add.reduceat(score, np.arange(0, len(score), max(1, round(_BLOCK / time_step))))
     return float(np.sqrt((blocks**2).sum()) / (slope**2).sum())

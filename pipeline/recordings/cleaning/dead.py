@@ -40,7 +40,8 @@ def erase_dead(run: RunUnderCleaning) -> None:
 def _erase_alone(run: RunUnderCleaning) -> None:
     """Erase where one of four counted speeds repeats one value, not zero, while the other three change."""
     speeds = [column for column in SPEEDS.get(run.kind, []) if column in run.columns]
-    values = {column: run.column(column).copy() for column in speeds}
+    values = {column: run.column(column) for column in speeds}
+    alone = {}
     for column in speeds:
         rows = np.zeros(len(run.time), dtype=bool)
         for first, past in _held(run, values[column]):
@@ -48,6 +49,8 @@ def _erase_alone(run: RunUnderCleaning) -> None:
             changing = all(np.mean(np.diff(other) != 0) > _CHANGING for other in others)
             if others and changing and values[column][first] != 0:
                 rows[first - 1 : past] = True
+        alone[column] = rows
+    for column, rows in alone.items():
         _leave_out(run, column, rows)
 
 
@@ -133,14 +136,15 @@ def _largest_mean(values: np.ndarray, count: int) -> float:
 def _erase_empty_battery(run: RunUnderCleaning) -> None:
     if "battery_voltage" not in run.columns:
         return
-    volts = run.column("battery_voltage").copy()
+    volts = run.column("battery_voltage")
     known = volts[np.isfinite(volts)]
     if not len(known):
         return
     rows = volts < _EMPTY * float(np.median(known))
     if rows.any():
+        least = float(volts[rows].min())
         run.erase(rows, ["battery_voltage"], "dead", "no voltage of a battery")
         run.remarks.append(
-            f"Channel 'battery_voltage' falls to {float(volts[rows].min()):.3g} V in {int(rows.sum())} samples of run "
+            f"Channel 'battery_voltage' falls to {least:.3g} V in {int(rows.sum())} samples of run "
             f"{run.name!r}, which no battery does; these were left out."
         )

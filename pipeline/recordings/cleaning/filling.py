@@ -47,9 +47,10 @@ def fill(
 ) -> Lost | None:
     """Fill channels; return what they lack, which the next ones often lack as well: one message brings them all."""
     places = run.index(columns)
-    known = np.logical_and.reduce([np.isfinite(run.values[:, place]) for place in places])
+    known = np.logical_and.reduce([np.isfinite(run.table.arrays[place]) for place in places])
     if not known.any():
-        result.values[:, places] = np.nan
+        for place in places:
+            result.table.put(place, np.full(len(grid.time), np.nan))
         result.cause[:, places] = result.number("missing")
         return last
     if grid.complete and known.all():
@@ -68,9 +69,10 @@ def fill(
         new = mean_of_held(times, commands, grid.time[rows], result.time_step)
     for number, place in enumerate(places):
         if not grid.complete:
-            result.values[:, place] = run.values[grid.last, place]
-        result.values[lost.absent, place] = np.nan
-        result.values[rows, place] = new[:, number]
+            result.table.put(place, run.table.arrays[place][grid.last])
+        values = result.table.own(place)
+        values[lost.absent] = np.nan
+        values[rows] = new[:, number]
     _note_filled(run, result, grid, columns, lost)
     return lost
 
@@ -165,7 +167,7 @@ def _note_filled(
     absent, filled = lost.absent, lost.filled[lost.absent]
     for column in columns:
         place = run.columns.index(column)
-        wanting = filled | np.isnan(result.values[absent, place])
+        wanting = filled | np.isnan(result.table.arrays[place][absent])
         rows = absent[wanting]
         cause = np.where(grid.present[rows], run.cause[grid.nearest[rows], place], 0)
         cause[cause == 0] = run.number("absent")

@@ -23,7 +23,7 @@ def replace_averaged(run: RunUnderCleaning) -> None:
     """Put the rate of the position in the place of a velocity that is a moving average of it."""
     if run.kind != "joint" or "velocity" not in run.columns or len(run.time) < _FEWEST:
         return
-    velocity, position = run.channel("velocity", "position").T
+    velocity, position = run.column("velocity"), run.column("position")
     steps = np.diff(run.time)
     if np.isnan(velocity).any() or np.isnan(position).any() or np.ptp(steps) > 0.5 * run.time_step:
         return

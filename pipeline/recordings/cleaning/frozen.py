@@ -67,10 +67,10 @@ def _shorter(mask: np.ndarray, time: np.ndarray, longest: float) -> np.ndarray:
 def _repeated(run: RunUnderCleaning, columns: list[str]) -> np.ndarray:
     """Return which samples repeat the last one in every column."""
     same = run.stretch[1:] == run.stretch[:-1]
-    for place in run.index(columns):
+    for column in columns:
         if not same.any():
             break
-        values = run.values[:, place]
+        values = run.column(column)
         same &= values[1:] == values[:-1]
     return np.concatenate([[False], same])
 

@@ -26,9 +26,8 @@ def mend_halved(run: RunUnderCleaning) -> None:
     for column in SPEEDS.get(run.kind, []):
         if column not in run.columns:
             continue
-        values = run.column(column).copy()
-        for share, mend in ((0.5, _double), (0.0, _leave_out)):
-            rows = _dropped_to(share, values)
+        halves, zeros = (_dropped_to(share, run.column(column)) for share in (0.5, 0.0))
+        for rows, mend in ((halves, _double), (zeros, _leave_out)):
             if 0 < rows.sum() <= _LONGEST * len(rows):
                 mend(run, column, rows)
 

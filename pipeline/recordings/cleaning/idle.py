@@ -37,7 +37,10 @@ def drop_idle(run: RunUnderCleaning, min_idle: float) -> None:
     rates = [column for column in RATES[run.kind] if column in run.columns]
     if not inputs or not rates:
         return  # a servo that holds a position works, and without a rate nothing shows standstill
-    still = _below_share(run.channel(*inputs), _NO_INPUT) & _below_share(run.channel(*rates), _NO_MOTION)
+    still = np.logical_and.reduce(
+        [_below_share(run.column(column), _NO_INPUT) for column in inputs]
+        + [_below_share(run.column(column), _NO_MOTION) for column in rates]
+    )
     _drop(run, still, min_idle, still, "no input on any motor and no motion")
 
 
@@ -51,11 +54,10 @@ def _drop(run: RunUnderCleaning, rest: np.ndarray, least: float, wanted: np.ndar
 
 
 def _below_share(values: np.ndarray, share: float) -> np.ndarray:
-    """Return where every channel is below a share of its largest size; a channel that is missing does not
-    speak."""
+    """Return where a channel is not above a share of its largest size, (samples,); a missing value is not."""
     size = np.abs(values)
-    largest = np.nanmax(np.where(np.isfinite(size), size, 0.0), axis=0, initial=0.0)
-    return (~(size > share * largest)).all(axis=1)
+    largest = np.max(size, where=np.isfinite(size), initial=0.0)
+    return ~(size > share * largest)
 
 
 def _rotors_off(run: RunUnderCleaning) -> np.ndarray:

@@ -1,5 +1,7 @@
 """Unit quaternions with continuous sign."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from simgap.recordings.cleaning.channels import QUATERNIONS
@@ -14,31 +16,38 @@ def mend_quaternions(run: RunUnderCleaning) -> None:
     rotation."""
     for columns in QUATERNIONS:
         if run.has(columns):
-            places = np.array(run.index(columns))
             name = columns[0].removesuffix("_w")
             off = np.abs(run.length(columns) - 1.0)
             run.erase(off > _NO_ROTATION, columns, "quaternions", "norm too far from 1 for a rotation")
             slight = (off > _EXACT) & (off <= _NO_ROTATION)
-            run.values[np.ix_(slight, places)] /= np.linalg.norm(
-                run.values[np.ix_(slight, places)], axis=1, keepdims=True
-            )
+            _normalise(run, np.flatnonzero(slight), columns)
             detail = f"norm off by up to {off[slight].max():.2g}" if slight.any() else ""
             run.note("quaternions", name, "normalised", int(slight.sum()), detail)
-            flipped = _flipped(run.values[:, places])
-            run.values[np.ix_(flipped, places)] *= -1.0
-            run.note("quaternions", name, "sign made continuous", int(flipped.sum()))
+            flipped = np.flatnonzero(_flipped([run.column(column) for column in columns]))
+            for place in run.index(columns) if len(flipped) else ():
+                run.table.own(place)[flipped] *= -1.0
+            run.note("quaternions", name, "sign made continuous", len(flipped))
 
 
-def _flipped(quaternion: np.ndarray) -> np.ndarray:
+def _normalise(run: RunUnderCleaning, samples: np.ndarray, columns: list[str]) -> None:
+    if not len(samples):
+        return
+    quaternion = run.rows(samples, columns)
+    quaternion /= np.linalg.norm(quaternion, axis=1, keepdims=True)
+    for place, component in zip(run.index(columns), quaternion.T, strict=True):
+        run.table.own(place)[samples] = component
+
+
+def _flipped(quaternion: Sequence[np.ndarray]) -> np.ndarray:
     """Return which quaternions must be negated for neighbours to be alike, shape (samples,)."""
-    known = np.isfinite(quaternion).all(axis=1)
-    present = quaternion if known.all() else quaternion[known]
-    cosine = np.zeros(len(present[1:]))
-    for component in present.T:
+    known = np.logical_and.reduce([np.isfinite(component) for component in quaternion])
+    present = quaternion if known.all() else [component[known] for component in quaternion]
+    cosine = np.zeros(max(len(present[0]) - 1, 0))
+    for component in present:
         cosine += component[1:] * component[:-1]
-    other = np.zeros(len(present), dtype=bool)
+    other = np.zeros(len(present[0]), dtype=bool)
     other[1:] = np.cumsum(cosine < 0) % 2 == 1
-    flipped = np.zeros(len(quaternion), dtype=bool)
+    flipped = np.zeros(len(known), dtype=bool)
     flipped[known] = other
     return flipped
 

@@ -9,6 +9,7 @@ from simgap.recordings.cleaning.channels import INPUTS, QUATERNIONS, SLOW
 from simgap.recordings.cleaning.filling import Lost, fill
 from simgap.recordings.cleaning.grid import Grid, grid_of
 from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.cleaning.table import ChannelTable
 from simgap.recordings.cleaning.work import RunUnderCleaning
 
 FIFTH_DIFFERENCE = (-1.0, 5.0, -10.0, 10.0, -5.0, 1.0)  # by which white noise is told from motion
@@ -71,17 +72,18 @@ def resample(run: RunUnderCleaning, time_step: float, settings: Cleaning) -> Run
     are uniform already is filled in its place.
     """
     grid = grid_of(run, time_step, settings.jitter)
-    shape = len(grid.time), len(run.columns)
     result = RunUnderCleaning(
         run.name,
         run.kind,
         grid.time,
         run.columns,
-        run.values if grid.complete else np.zeros(shape, order="F"),
+        run.table if grid.complete else ChannelTable.empty(len(run.columns)),
         grid.stretch,
         run.needed,
         time_step,
-        cause=run.cause if grid.complete else np.zeros(shape, dtype=np.uint8, order="F"),
+        cause=run.cause
+        if grid.complete
+        else np.zeros((len(grid.time), len(run.columns)), dtype=np.uint8, order="F"),
         changes=run.changes,
         remarks=run.remarks,
         reasons=run.reasons,

@@ -1,5 +1,7 @@
 """Spikes: isolated samples that leave and return faster than the signal around them moves."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.ndimage import median_filter
 
@@ -68,15 +70,15 @@ def _least(run: RunUnderCleaning, column: str, usual: dict[str, float]) -> float
     if rates:
         name = " ".join(rates)
         if name not in usual:
-            usual[name] = _usual_speed(run.channel(*rates))
+            usual[name] = _usual_speed([run.column(rate) for rate in rates])
         return _OF_SPEED * usual[name] * run.time_step
-    low, high = np.nanquantile(run.channel(column), [0.01, 0.99])
+    low, high = np.nanquantile(run.column(column), [0.01, 0.99])
     return float(_OF_RANGE * (high - low))
 
 
-def _usual_speed(values: np.ndarray) -> float:
+def _usual_speed(rates: Sequence[np.ndarray]) -> float:
     """Return the size that 99 % of the known values do not exceed."""
-    speeds = np.abs(values).ravel(order="K")
+    speeds = np.abs(np.concatenate(rates))
     known = np.isfinite(speeds)
     speeds = speeds if known.all() else speeds[known]
     return float(np.quantile(speeds, 0.99, overwrite_input=True)) if len(speeds) else np.inf

@@ -1,9 +1,12 @@
 """A run during cleaning, with the list of its changes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
+
+from simgap.recordings.cleaning.table import ChannelTable
 
 CHANGE_COLUMNS = ("run", "step", "column", "reason", "samples", "seconds", "detail")
 """A change concerns `samples` values of `column`; where `column` is empty, whole samples that were added
@@ -24,7 +27,7 @@ class RunUnderCleaning:
         kind: quadrotor, swerve or joint.
         time: s, shape (samples,).
         columns: names of the channels.
-        values: shape (samples, channels); NaN where missing.
+        table: the channels, each (samples,); NaN where missing.
         stretch: number of the stretch a sample belongs to; between two stretches nothing is interpolated.
         needed: channels without which a sample is useless.
         time_step: s, the typical one.
@@ -43,7 +46,7 @@ class RunUnderCleaning:
     kind: str
     time: np.ndarray
     columns: list[str]
-    values: np.ndarray
+    table: ChannelTable
     stretch: np.ndarray
     needed: list[str]
     time_step: float
@@ -58,10 +61,11 @@ class RunUnderCleaning:
 
     def __post_init__(self) -> None:
         """Start with everything as recorded, where no causes are given."""
-        if self.cause.shape != self.values.shape:
-            self.cause = np.zeros(self.values.shape, dtype=np.uint8, order="F")
-            for place in range(len(self.columns)):
-                absent = np.isnan(self.values[:, place])
+        shape = len(self.time), len(self.columns)
+        if self.cause.shape != shape:
+            self.cause = np.zeros(shape, dtype=np.uint8, order="F")
+            for place, values in enumerate(self.table.arrays):
+                absent = np.isnan(values)
                 if absent.any():
                     self.cause[absent, place] = self.number("missing")
         self.dropped = np.zeros(len(self.time), dtype=np.uint8)
@@ -79,31 +83,36 @@ class RunUnderCleaning:
         return not self.dropped.all()
 
     def index(self, columns: list[str]) -> list[int]:
-        """Return where the channels stand in `values`."""
+        """Return where the channels stand in `table`."""
         return [self.columns.index(column) for column in columns]
 
     def has(self, columns: list[str]) -> bool:
         """Return whether every one of the channels is there."""
         return set(columns) <= set(self.columns)
 
+    @property
+    def values(self) -> np.ndarray:
+        """Return a copy of all channels, (samples, channels)."""
+        return self.channel(*self.columns)
+
     def column(self, name: str) -> np.ndarray:
-        """Return a channel, (samples,): no copy, so that it shows what is erased later."""
-        return self.values[:, self.columns.index(name)]
+        """Return a channel, (samples,), to be read: no copy, so that it may show what is erased later."""
+        return self.table.arrays[self.columns.index(name)]
 
     def channel(self, *columns: str) -> np.ndarray:
-        """Return a copy of channels, shape (samples, len(columns))."""
-        return self.values[:, self.index(list(columns))]
+        """Return a copy of channels, (samples, len(columns))."""
+        return self.rows(slice(None), columns)
 
-    def rows(self, samples: np.ndarray, columns: list[str]) -> np.ndarray:
-        """Return some samples of channels, (samples, len(columns))."""
-        return np.stack([self.values[samples, place] for place in self.index(columns)], axis=1)
+    def rows(self, samples: slice | np.ndarray, columns: Sequence[str]) -> np.ndarray:
+        """Return a copy of some samples of channels, (samples, len(columns)), each in one piece of memory."""
+        return np.stack([self.column(column)[samples] for column in columns]).T
 
     def length(self, columns: list[str]) -> np.ndarray:
         """Return the length of the vector that channels are the components of, shape (samples,)."""
         squared = np.zeros(len(self.time))
-        for place in self.index(columns):
-            squared += self.values[:, place] ** 2
-        return np.sqrt(squared)
+        for column in columns:
+            squared += self.column(column) ** 2
+        return np.sqrt(squared, out=squared)
 
     def erase(self, rows: np.ndarray, columns: list[str], step: str, reason: str, detail: str = "") -> None:
         """Erase values and record the change, once per channel.
@@ -118,8 +127,9 @@ class RunUnderCleaning:
         at = np.flatnonzero(rows)
         for column in columns:
             place = self.columns.index(column)
-            wanted = at[~np.isnan(self.values[at, place])]
-            self.values[wanted, place] = np.nan
+            wanted = at[~np.isnan(self.table.arrays[place][at])]
+            if len(wanted):
+                self.table.own(place)[wanted] = np.nan
             self.cause[wanted, place] = self.number(step)
             self.note(step, column, reason, len(wanted), detail)
 
@@ -133,8 +143,7 @@ class RunUnderCleaning:
             step: which step of cleaning does it.
             reason: why, one short sentence.
         """
-        place = self.columns.index(column)
-        self.values[rows, place] = values[rows]
+        self.table.own(self.columns.index(column))[rows] = values[rows]
         self.note(step, column, reason, int(rows.sum()))
 
     def drop(self, rows: np.ndarray, step: str, reason: str, detail: str = "") -> None:
@@ -172,10 +181,12 @@ class RunUnderCleaning:
 
 def changes_table(changes: list[Change]) -> pd.DataFrame:
     """Return the ledger as a table with the columns `CHANGE_COLUMNS`."""
-    table = pd.DataFrame(changes, columns=list(CHANGE_COLUMNS))
-    return table.astype(
-        {"samples": "int64", "seconds": "float64"}
-        | dict.fromkeys(("run", "step", "column", "reason", "detail"), "str")
+    types = {"samples": "int64", "seconds": "float64"}
+    return pd.DataFrame(
+        {
+            name: pd.Series([change[name] for change in changes], dtype=types.get(name, "str"))
+            for name in CHANGE_COLUMNS
+        }
     )
 
 

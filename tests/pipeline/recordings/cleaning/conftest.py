@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from simgap.recordings import Recording
+from simgap.recordings.cleaning.table import ChannelTable
 from simgap.recordings.cleaning.work import RunUnderCleaning
 from simgap.recordings.contract import COLUMNS, channel_units, needed_channels
 
@@ -29,7 +30,7 @@ def run_of(frame: pd.DataFrame, kind: str) -> RunUnderCleaning:
         kind=kind,
         time=time,
         columns=columns,
-        values=frame[columns].to_numpy(copy=True),
+        table=ChannelTable.of(frame, columns),
         stretch=np.zeros(len(time), dtype=np.int64),
         needed=needed_channels(kind, set(columns)),
         time_step=float(np.median(np.diff(time))),
