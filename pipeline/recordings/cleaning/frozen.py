@@ -109,7 +109,9 @@ def _unlikely(values: Sequence[np.ndarray], repeated: np.ndarray, moving: np.nda
     wanted[beside] = True
     places = np.flatnonzero(wanted)
     for column in values:
-        chance[places] *= _chances(np.abs(np.diff(column[newer])), places)
+        if not len(places):
+            break
+        chance[places] *= _chances(np.abs(np.diff(np.take(column, newer))), places)
         places = places[chance[places] >= _COINCIDENCE_LEVEL]  # no other channel makes it likelier again
     likelier = chance[beside].max(axis=0)  # of the two steps beside
     result[judged] = likelier < _COINCIDENCE_LEVEL
@@ -118,12 +120,13 @@ def _unlikely(values: Sequence[np.ndarray], repeated: np.ndarray, moving: np.nda
 
 def _chances(step: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Return the chance that the next sample of a channel is the same, at some of the steps between fresh samples."""
-    quantum = np.min(step, where=step > 0, initial=np.inf)
+    quantum = np.where(step > 0, step, np.inf).min()
     if not np.isfinite(quantum):
         return np.ones(len(places))
     step[np.isnan(step)] = 0.0
     windows = sliding_window_view(np.pad(step, _CHANGES_AROUND // 2, mode="edge"), _CHANGES_AROUND)[places]
-    usual = np.partition(windows, _CHANGES_AROUND // 2, axis=1)[:, _CHANGES_AROUND // 2]  # the median
+    windows.partition(_CHANGES_AROUND // 2, axis=1)
+    usual = windows[:, _CHANGES_AROUND // 2]  # the median
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(usual > 0, np.minimum(1.0, 0.5 * quantum / usual), 1.0)
 

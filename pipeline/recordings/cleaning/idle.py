@@ -1,5 +1,7 @@
 """Idle stretches: no input and no motion, or a quadrotor on the ground."""
 
+from functools import reduce
+
 import numpy as np
 
 from simgap.recordings.cleaning.channels import (
@@ -56,7 +58,7 @@ def _drop(run: RunUnderCleaning, rest: np.ndarray, least: float, wanted: np.ndar
 def _below_share(values: np.ndarray, share: float) -> np.ndarray:
     """Return where a channel is not above a share of its largest size, (samples,); a missing value is not."""
     size = np.abs(values)
-    largest = np.max(size, where=np.isfinite(size), initial=0.0)
+    largest = np.where(np.isfinite(size), size, 0.0).max(initial=0.0)
     return ~(size > share * largest)
 
 
@@ -65,9 +67,9 @@ def _rotors_off(run: RunUnderCleaning) -> np.ndarray:
     known = [group for group in groups if any(np.isfinite(run.column(name)).any() for name in group)]
     if not known:
         return np.zeros(len(run.time), dtype=bool)
-    strongest = np.maximum.reduce([run.column(name) for name in known[0]])
+    strongest = reduce(np.maximum, [run.column(name) for name in known[0]])
     finite = strongest[np.isfinite(strongest)]
-    typical = float(np.quantile(finite, 0.75)) if len(finite) else 0.0
+    typical = float(np.quantile(finite, 0.75, overwrite_input=True)) if len(finite) else 0.0
     return strongest < _OFF * typical
 
 

@@ -109,7 +109,7 @@ def find_spikes(
     np.abs(step, out=step)
     if not step.max() > _INTO * least:
         return result  # whatever its quanta and its noise are, which takes long to find out
-    floor = max(_QUANTA * np.min(step, where=step > 0, initial=np.inf), least)
+    floor = max(_QUANTA * np.where(step > 0, step, np.inf).min(), least)
     widths = range(1, _WIDEST + 1)
     if not any(len(_excursions(present, step, width, floor)) for width in widths):
         return result

@@ -15,24 +15,24 @@ _CHORD = 1e-4  # largest distance from the chord over the whole way
 
 def erase_straight(run: RunUnderCleaning, max_gap: float) -> None:
     """Erase what is a straight line, in every component at once, for longer than `max_gap` s."""
-    if run.kind != "quadrotor":
+    if run.kind != "quadrotor" or len(run.time) < 3:
         return
+    same = run.stretch[1:] == run.stretch[:-1]
+    longest = np.diff(run.time)[same].max(initial=0.0)
+    # A line has more inner samples than this, so that one of every so many tells whether there may be any.
+    every = max(1, int(max_gap / longest) - 1) if longest > 0.0 else 1
     for columns in _VECTORS:
         if run.has(columns):
-            rows = _straight(run.time, [run.column(name) for name in columns], run.stretch, max_gap)
+            values = [run.column(name) for name in columns]
+            rows = _straight(run.time, values, run.stretch, max_gap, every)
             run.erase(rows, columns, "straight", "straight line instead of measurements")
 
 
 def _straight(
-    time: np.ndarray, values: Sequence[np.ndarray], stretch: np.ndarray, max_gap: float
+    time: np.ndarray, values: Sequence[np.ndarray], stretch: np.ndarray, max_gap: float, every: int
 ) -> np.ndarray:
-    """Return the mask of samples inside made-up stretches, shape (samples,)."""
+    """Return the mask of samples inside made-up stretches, (samples,); one of `every` samples tells of each."""
     result = np.zeros(len(time), dtype=bool)
-    if len(time) < 3:
-        return result
-    longest = np.max(np.diff(time), where=stretch[1:] == stretch[:-1], initial=0.0)
-    # A line has more inner samples than this, so that one of every so many tells whether there may be any.
-    every = max(1, int(max_gap / longest) - 1) if longest > 0.0 else 1
     told = np.arange(every, len(time) - 1, every)
     told = told[_unbent(told, time, values, stretch)]
     if not len(told):
