@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from simgap.logs.common_times import step_of
 from simgap.logs.layouts.airframes import BETAFLIGHT_X, places_note
 from simgap.logs.layouts.powered import flights_of, full_thrust
 from simgap.logs.layouts.quad_x import Turning, directions_of, turning_of
@@ -38,8 +39,12 @@ def propose(log: Log, kind: str | None) -> Proposal | None:
         }
         return Proposal("quadrotor", {}, missing=missing)
     low, high = motor_range(log)
-    motion = np.stack([log.signals[f"gyroADC[{axis}]"].values for axis in range(3)], axis=1)
-    commands = np.clip(np.stack([log.signals[name].values - low for name in motors], 1) / (high - low), 0, 1)
+    # Each axis and motor in one piece of memory.
+    motion = np.stack([log.signals[f"gyroADC[{axis}]"].values for axis in range(3)]).T
+    commands = np.stack([log.signals[name].values for name in motors]).T
+    commands -= low
+    commands /= high - low
+    np.clip(commands, 0, 1, out=commands)
     time = log.signals[motors[0]].time
     flights = flights_of(log, time, commands)
     if not flights:
@@ -47,7 +52,7 @@ def propose(log: Log, kind: str | None) -> Proposal | None:
         return Proposal("quadrotor", {}, refusal=refusal)
     turning = turning_of(time, np.radians(motion), commands, flights)
     columns = {**_rates(log, turning), **_forces(log), **_motors(log, low, high), **_battery(log)}
-    step = float(np.median(np.diff(time)))
+    step = step_of(time)
     return Proposal(
         "quadrotor",
         columns,

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from simgap.logs.common_times import step_of
 from simgap.logs.log import Log, Span
 
 _SMOOTHED = 0.3  # s over which the commands are averaged
@@ -23,7 +24,7 @@ def flights_of(log: Log, time: NDArray[np.float64], commands: NDArray[np.float64
         time: of the commands, (samples,), s, increasing.
         commands: of the motors, 0 to 1, (samples, motors).
     """
-    step = float(np.median(np.diff(time)))
+    step = step_of(time)
     level = _averaged(commands.mean(axis=1), max(round(_SMOOTHED / step), 1))
     throttle = log.signals.get("rcCommand[3]")
     up = np.ones(len(time), bool)
@@ -64,10 +65,12 @@ def full_thrust(
 
 def _averaged(values: NDArray[np.float64], samples: int) -> NDArray[np.float64]:
     """Return the centred moving average; the ends are averages of what is there."""
-    total = np.concatenate([[0.0], np.cumsum(values)])
-    place = np.arange(len(values))
-    first, past = np.maximum(place - samples // 2, 0), np.minimum(place + samples // 2 + 1, len(values))
-    return np.asarray((total[past] - total[first]) / (past - first))
+    half, place = samples // 2, np.arange(len(values))
+    total = np.zeros(len(values) + 1)
+    np.cumsum(values, out=total[1:])
+    total = np.pad(total, half, mode="edge")
+    count = np.minimum(place + half + 1, len(values)) - np.maximum(place - half, 0)
+    return np.asarray((total[2 * half + 1 :] - total[: len(values)]) / count)
 
 
 def _stretches(time: NDArray[np.float64], carried: NDArray[np.bool_]) -> list[tuple[float, float]]:

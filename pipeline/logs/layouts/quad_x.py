@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from simgap.logs.common_times import step_of
 from simgap.logs.layouts.airframes import BETAFLIGHT_X, directions, mixer_of, reversed_
 from simgap.logs.log import Span
 
@@ -55,7 +56,7 @@ def turning_of(
     """
     from scipy.signal import butter, sosfiltfilt
 
-    step = float(np.median(np.diff(time)))
+    step = step_of(time)
     lags = [round(lag / step) for lag in np.linspace(*_LAGS, 15)]
     moments = np.zeros((len(lags), 3, 3))  # of asked, answered, and both
     if _BAND[1] >= 0.4 / step:

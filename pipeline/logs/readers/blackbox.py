@@ -166,7 +166,8 @@ def _signals(logs: Sequence[_Decoded], begins: NDArray[np.float64]) -> RecordSig
 
 def _signal(parts: Sequence["_Part"], time: NDArray[np.float64]) -> Signal:
     """Return a field of all logs, at its times."""
-    values = np.concatenate([part.scale * part.numbers for part in parts])
+    found = [np.asarray(part.scale * part.numbers, dtype=np.float64) for part in parts]
+    values = found[0] if len(found) == 1 else np.concatenate(found)
     return Signal(parts[0].name, time, values, parts[0].unit, parts[0].held)
 
 
