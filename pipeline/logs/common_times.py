@@ -65,7 +65,7 @@ def in_order(signal: Signal) -> Signal:
 
 def step_of(time: NDArray[np.float64]) -> float:
     """Return the median time between two samples, s; infinite for fewer than two."""
-    return float(np.median(np.diff(time))) if len(time) > 1 else np.inf
+    return float(np.median(np.diff(time), overwrite_input=True)) if len(time) > 1 else np.inf
 
 
 def values_at(signal: Signal, times: NDArray[np.float64], held: bool) -> NDArray[np.float64]:

@@ -60,7 +60,7 @@ def split_recording(frame: pd.DataFrame, kind: str, split: Split, seed: int = 0)
 
 
 def _duration(time: NDArray[np.float64]) -> float:
-    return len(time) * float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    return len(time) * float(np.median(np.diff(time), overwrite_input=True)) if len(time) > 1 else 0.0
 
 
 def split_runs(

@@ -160,9 +160,16 @@ def write_table(
     schema = pa.schema(fields, metadata=encoded)
     arrays = [_array(frame[entry.name], entry.type) for entry in schema]
     try:
-        # Measured numbers hardly repeat: a dictionary of them is built in vain.
-        pq.write_table(pa.Table.from_arrays(arrays, schema=schema), path, use_dictionary=_REPEATED)
-        pa.default_memory_pool().release_unused()
+        # Measured numbers hardly repeat: a dictionary of them is built in vain. The system's memory is that of NumPy's
+        # arrays, so that what they no longer need is used again.
+        pq.write_table(
+            pa.Table.from_arrays(arrays, schema=schema),
+            path,
+            use_dictionary=_REPEATED,
+            memory_pool=pa.system_memory_pool(),
+        )
+        for pool in (pa.default_memory_pool(), pa.system_memory_pool()):
+            pool.release_unused()
     except OSError as error:
         raise InputError(
             f"cannot be written ({error.strerror or error})",

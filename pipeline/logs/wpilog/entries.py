@@ -72,10 +72,10 @@ def _with_times(records: Records, remarks: list[str]) -> NDArray[np.bool_]:
     return usable
 
 
-def _by_entry(entry: NDArray[np.uint32], usable: NDArray[np.bool_]) -> NDArray[Any]:
+def _by_entry(entry: NDArray[np.unsignedinteger[Any]], usable: NDArray[np.bool_]) -> NDArray[Any]:
     """Return the usable records by their entry, each entry's in the order of the file."""
     short = (
-        entry.astype(np.uint16) if len(entry) and int(entry.max()) < 1 << 16 else entry
+        entry.astype(np.uint16) if entry.itemsize > 2 and len(entry) and int(entry.max()) < 1 << 16 else entry
     )  # sorted much faster
     order = np.argsort(short, kind="stable").astype(np.uint32 if len(entry) < 1 << 32 else np.int64)
     return order if usable.all() else order[usable[order]]

@@ -33,7 +33,7 @@ class Records:
 
     Attributes:
         raw: bytes of the file, and some more.
-        entry: number of the entry; 0 is a control record, (n,).
+        entry: number of the entry; 0 is a control record, (n,). Entry and size are as narrow as the file has them.
         begin: first byte of the content, whole numbers of 32 bits where these suffice, (n,).
         size: bytes of the content, (n,).
         time: µs, (n,).
@@ -41,9 +41,9 @@ class Records:
     """
 
     raw: bytearray
-    entry: NDArray[np.uint32]
+    entry: NDArray[np.unsignedinteger[Any]]
     begin: NDArray[Any]
-    size: NDArray[np.uint32]
+    size: NDArray[np.unsignedinteger[Any]]
     time: NDArray[np.int64]
     remarks: tuple[str, ...] = ()
 
@@ -77,11 +77,11 @@ def read_records(path: Path) -> Records:
         np.array(table, np.uint8)[bits] for table in (_ENTRY, _SIZE, _TIME)
     )
     places += 1
-    entry = _field(raw, places, entry_bytes, np.uint32)
+    entry = _field(raw, places, entry_bytes, _narrowest(entry_bytes))
     places += entry_bytes
-    size = _field(raw, places, size_bytes, np.uint32)
+    size = _field(raw, places, size_bytes, _narrowest(size_bytes))
     places += size_bytes
-    time = _field(raw, places, time_bytes, np.uint64).view(np.int64)
+    time = _field(raw, places, time_bytes, np.dtype(np.uint64)).view(np.int64)
     places += time_bytes
     return Records(raw, entry, places, size, time, remarks)
 
@@ -123,8 +123,13 @@ def _places(raw: bytearray, begin: int, end: int) -> tuple[NDArray[Any], tuple[s
     return places, ()
 
 
+def _narrowest(length: NDArray[np.uint8]) -> np.dtype[Any]:
+    """Return the narrowest type that holds whole numbers of one to four bytes each."""
+    return np.min_scalar_type((1 << 8 * int(length.max(initial=1))) - 1)
+
+
 def _field(
-    raw: bytearray, places: NDArray[Any], length: NDArray[np.uint8], dtype: type[np.unsignedinteger[Any]]
+    raw: bytearray, places: NDArray[Any], length: NDArray[np.uint8], dtype: np.dtype[Any]
 ) -> NDArray[Any]:
     """Return whole numbers of one to eight bytes, little end first."""
     masks = np.array([0, *((1 << 8 * count) - 1 for count in range(1, 9))], np.uint64)

@@ -64,7 +64,9 @@ def decode(entry: Entry, records: Records, schemas: Mapping[str, str]) -> Decode
 def cycle_of(signals: Mapping[str, Signal]) -> float:
     """Return the time of one cycle of the robot's program, s: the least of the signals' typical steps; 0 if unknown."""
     steps = [
-        float(np.median(np.diff(signal.time))) for signal in signals.values() if len(signal.time) > _LONGEST
+        float(np.median(np.diff(signal.time), overwrite_input=True))
+        for signal in signals.values()
+        if len(signal.time) > _LONGEST
     ]
     return min(steps, default=0.0)
 
@@ -81,7 +83,7 @@ def has_pause(signal: Signal, cycle: float, end: float) -> bool:
 
 
 def _signals(entry: Entry, records: Records, layout: Layout, is_array: bool) -> Decoded:
-    size, place = records.size[entry.records], entry.records
+    size, place = records.size[entry.records].astype(np.uint32), entry.records
     counts = size // layout.size
     right = size % layout.size == 0 if is_array else size == layout.size
     remarks = []

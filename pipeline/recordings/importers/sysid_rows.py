@@ -14,6 +14,7 @@ _DEEPEST = 100  # lists in lists; Arrow builds one builder in another for each
 _MOST_TEXTS = 64  # quotation marks: keys and few words; a bracket in a text may hide a list
 _LEVELS = np.zeros(256, dtype=np.int8)
 _LEVELS[ord("[")], _LEVELS[ord("]")] = 1, -1
+_OTHERS = bytes(set(range(256)) - set(b"[]"))  # no brackets
 
 
 def content_by_arrow(text: bytes) -> dict[str, Any] | None:
@@ -32,6 +33,14 @@ def content_by_arrow(text: bytes) -> dict[str, Any] | None:
         return None
     if table.num_rows != 1:
         return None
+    found = _content(table)
+    del table
+    pa.default_memory_pool().release_unused()
+    return found
+
+
+def _content(table: pa.Table) -> dict[str, Any] | None:
+    """Return the one row of a table; None where a value is anything unusual."""
     found: dict[str, Any] = {}
     for name in table.column_names:
         column = table.column(name).combine_chunks()
@@ -46,8 +55,8 @@ def _is_deep(text: bytes) -> bool:
     """Whether lists stand in lists to more than a few levels."""
     level = lowest = highest = 0
     for begin in range(0, len(text), _AT_ONCE):
-        steps = _LEVELS[np.frombuffer(text, np.uint8, min(_AT_ONCE, len(text) - begin), begin)]
-        levels = level + np.cumsum(steps[steps != 0], dtype=np.int64)
+        brackets = text[begin : begin + _AT_ONCE].translate(None, _OTHERS)
+        levels = level + np.cumsum(_LEVELS[np.frombuffer(brackets, np.uint8)], dtype=np.int64)
         if len(levels):
             level, lowest, highest = int(levels[-1]), min(lowest, levels.min()), max(highest, levels.max())
     return bool(highest - lowest > _DEEPEST)
