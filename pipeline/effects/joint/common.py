@@ -52,5 +52,17 @@ def driven_by(command: Signal, signals: Signals, constants: Values) -> dict[str,
     name = commanded(signals)
     if name == "effort":
         return {name: command}
-    per_volt = constants["torque_constant"] * constants["gear_ratio"] / constants["resistance"]
-    return {name: command, "effort": signals["effort"] + per_volt * (command - signals[name])}
+    return {
+        name: command,
+        "effort": signals["effort"] + effort_per_volt(constants) * (command - signals[name]),
+    }
+
+
+def effort_per_volt(constants: Values) -> Real | float:
+    """Return the effort of the nominal motor at standstill per volt, N·m/V or N/V."""
+    return constants["torque_constant"] * constants["gear_ratio"] / constants["resistance"]
+
+
+def back_emf_damping(constants: Values) -> Real | float:
+    """Return the effort that the nominal motor loses per velocity by its back-EMF, N·m·s/rad or N·s/m."""
+    return effort_per_volt(constants) * constants["torque_constant"] * constants["gear_ratio"]

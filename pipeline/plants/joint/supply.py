@@ -80,6 +80,15 @@ class Winding:
         self.temperature = self.temperature + excess * (step / _THERMAL_TIME)
 
 
+def kept_at_standstill(lost: Array) -> Array:
+    """Return the share of its torque that a motor under a voltage keeps at standstill.
+
+    Args:
+        lost: what the coefficient of its derating, times how much warmer it is, gives.
+    """
+    return (1.0 - (1.0 - COPPER_SHARE) * lost) / (1.0 + COPPER_SHARE * lost)
+
+
 def winding_of(work: float, runs: int, random: np.random.Generator) -> Winding:
     """Return the winding of each run, some cold, some warm from what went before."""
     return Winding(random.uniform(AMBIENT, _WARMEST_START, runs), work)

@@ -17,7 +17,7 @@ from simgap.plants.joint.case import JointCase
 from simgap.plants.joint.hysteresis import nearest_law
 from simgap.plants.joint.motion import SETTLING, STEP, Log
 from simgap.plants.joint.sensing import filtered
-from simgap.plants.joint.supply import AMBIENT
+from simgap.plants.joint.supply import AMBIENT, COPPER_SHARE, kept_at_standstill
 from simgap.platforms import Joint
 
 _SETTLED = round(SETTLING / STEP)  # steps before the recording, in which the filters settle
@@ -109,13 +109,15 @@ def _battery_sag(values: dict[str, float], answered: Answered) -> Stated:
 
 
 def _temperature_derating(values: dict[str, float], answered: Answered) -> Stated:
-    """Return the line through the share of the cold motor's effort that the warm one has."""
+    """Return the line through the share of the cold motor's torque at standstill that the warm one has."""
     log = answered.log
-    cold = log.cold_effort
-    warmer = cold * (log.temperature - AMBIENT)
-    columns = np.stack((cold.ravel(), -warmer.ravel()), axis=1)
-    (full, lost), *_ = np.linalg.lstsq(columns, log.effort.ravel(), rcond=None)
-    return {"coefficient": (lost, "1/K"), "reference": (AMBIENT - (1.0 - full) / lost, "°C")}
+    cold, warmer = log.cold_effort, log.temperature - AMBIENT
+    lost = values["coefficient"] * warmer
+    share = kept_at_standstill(lost) if answered.platform.motor else 1.0 - lost
+    columns = np.stack((cold.ravel(), -(cold * warmer).ravel()), axis=1)
+    (full, lost), *_ = np.linalg.lstsq(columns, (cold * share).ravel(), rcond=None)
+    found = {"coefficient": (lost, "1/K"), "reference": (AMBIENT - (1.0 - full) / lost, "°C")}
+    return found | {"magnets_share": (1.0 - COPPER_SHARE, "1")} if answered.platform.motor else found
 
 
 def _motor_inductance(values: dict[str, float], answered: Answered) -> Stated:

@@ -322,6 +322,22 @@ def test_a_motor_loses_its_coefficient_for_each_kelvin_above_its_reference():
     torch.testing.assert_close(found["effort"], numbers(1.0, 0.9, -1.8))
 
 
+def test_a_warm_motor_under_a_voltage_has_more_resistance_and_weaker_magnets():
+    """By Ohm's and Faraday's laws: K·(1 − 0.0012·δ) and R·(1 + 0.0039·δ) for δ kelvin, to the first order."""
+    effect, warmer = effect_by_key("joint", "temperature_derating"), 0.1
+    values = {"coefficient": 0.0051, "reference": 25.0, "magnets_share": 0.0012 / 0.0051}
+    motion = {"position": numbers(0.0, 0.1), "velocity": numbers(2.0, -3.0), "voltage": numbers(10.0, 6.0)}
+    signals = {name: value[None] for name, value in motion.items()} | {
+        "temperature": numbers(*[25.0 + warmer] * 2)[None]
+    }
+    found = Simulator(JOINT, (FittedEffect(effect, values),)).along_time(signals, 0.01)["effort"]
+    cold = constants("joint")
+    resistance = cold["resistance"] * (1.0 + 0.0039 * warmer)
+    constant = cold["torque_constant"] * cold["gear_ratio"] * (1.0 - 0.0012 * warmer)
+    expected = constant * (signals["voltage"] - constant * signals["velocity"]) / resistance
+    torch.testing.assert_close(found, expected, rtol=1e-6, atol=0.0)
+
+
 def test_current_rises_with_the_time_constant_of_the_winding():
     """After a step of the voltage the mean over each time step is that of 1 − e^(−t/τ)."""
     effect, time_step, lag = effect_by_key("joint", "motor_inductance"), 0.002, 0.005
