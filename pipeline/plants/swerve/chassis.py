@@ -181,4 +181,4 @@ def _tyres_of(effects: Concealed) -> Tyres:
     if "wheel_slip@drive" in effects:
         stiffness, height = (effects.get("wheel_slip@drive", name) for name in ("stiffness", "height"))
         return Tyres(friction, stiffness, height, cornering)
-    return Tyres(friction, 0.0, 0.0, cornering)
+    return Tyres(friction, 0.0, 0.0, cornering, CREEPING)

@@ -10,9 +10,9 @@ from simgap.plants.rotation import Array
 # wheels that disagree by a thousandth of a rad must not fight each other harder than real ones do.
 _ALONG, _ACROSS = 2e3, 4e2  # N of force per m/s of slip and per N of load
 _CREEP_SPEED = 0.15  # m/s, below which stiffness no longer grows as speed falls
-CREEPING = (
-    0.05  # m/s, the same where creep itself is concealed, so that it is one of speed at nearly all speeds
-)
+CREEPING = 0.05
+"""m/s, the same where creep or a side force is concealed: the force follows slip ratio and slip angle at nearly all
+speeds, as it does for tyres (Pacejka 2012, §1.2)."""
 
 
 @dataclass(frozen=True)
