@@ -15,6 +15,7 @@ import torch
 
 from simgap.gap.hypothesis import Hypothesis
 from simgap.gap.neighbours import Neighbours
+from simgap.gap.partly import Partly
 from simgap.gap.presence import Presence, beginning, ending
 from simgap.gap.reading import Reading
 from simgap.simulation import FittedEffect
@@ -125,14 +126,14 @@ def _weighed(near: Neighbours, keys: tuple[str, ...], place: Presence, blocks: B
     """Return the change by which effects act in a place, too, with what the linearisation promises of it."""
     before, presence = near.centre.reading.presence, place.joined_by(*keys)
     odds = _log_odds(presence, blocks) - (_log_odds(before, blocks) if before else 0.0)
-    promise = near.promise_where(keys, presence.acts(blocks)[near.part].numpy()) + odds
+    promise = Partly(near).promise(keys, presence.acts(blocks)[near.part].numpy()) + odds
     return Change(presence, near.starts_with(keys), promise)
 
 
 def _likeliest_in(near: Neighbours, place: Presence, keys: Sequence[str], blocks: Blocks) -> list[str]:
     """Return effects in the order of what each saves alone where it acts in a place."""
     acting = place.acts(blocks)[near.part].numpy()[None]
-    return sorted(keys, key=lambda key: -float(near.saved_where(key, acting).max()))
+    return sorted(keys, key=lambda key: -float(Partly(near).saved(key, acting).max()))
 
 
 def _likeliest(near: Neighbours, key: str, blocks: Blocks) -> list[tuple[float, str, Presence]]:
@@ -140,7 +141,7 @@ def _likeliest(near: Neighbours, key: str, blocks: Blocks) -> list[tuple[float, 
     tried = [*_beginnings_and_ends(blocks), *_scattered(near, key, blocks)]
     acting = np.stack([place.acts(blocks)[near.part].numpy() for place in tried])
     odds = np.array([_log_odds(place, blocks) for place in tried])
-    scores = near.saved_where(key, acting) + odds
+    scores = Partly(near).saved(key, acting) + odds
     best = {int(score.argmax()) for score in scores}
     return [(float(scores[:, place].max()), key, tried[place]) for place in sorted(best)]
 
@@ -158,7 +159,7 @@ def _scattered(near: Neighbours, key: str, blocks: Blocks) -> list[Presence]:
     if len(runs) < _FEWEST_RUNS:
         return []
     of_run = blocks.run[near.part].numpy()
-    shown = near.sizes_in(key, np.stack([of_run == run for run in runs]))
+    shown = Partly(near).sizes(key, np.stack([of_run == run for run in runs]))
     order = np.argsort(shown)[::-1]
     last = int(np.argmin(np.diff(shown[order])))
     chosen = sorted(runs[place] for place in order[: last + 1])

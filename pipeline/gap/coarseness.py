@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
-from simgap.gap.fit import Fit, Problem, excess_of
+from simgap.gap.fit import Fit, excess_of
+from simgap.gap.problem import Problem
 from simgap.gap.settings import BEYOND_NOISE
 from simgap.platforms.mechanism import Channel
 

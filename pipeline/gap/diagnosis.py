@@ -11,7 +11,7 @@ from simgap.effects import MeasurementEffect, ParameterError
 from simgap.gap.coarseness import coarse_axes, coarseness_of
 from simgap.gap.confusion import told_apart
 from simgap.gap.drift import drifts_of
-from simgap.gap.fit import Problem, channels_of, excess_of
+from simgap.gap.fit import channels_of, excess_of
 from simgap.gap.gains import folded, with_gains
 from simgap.gap.horizon import HorizonError, horizon_errors
 from simgap.gap.learned import LearnedResidual, learn, learned_rows
@@ -19,6 +19,7 @@ from simgap.gap.limits import at_limits, excessive_thrust, gains_said
 from simgap.gap.locate import Mismatch, locate
 from simgap.gap.name import Naming, name
 from simgap.gap.observable import observable, unjudged
+from simgap.gap.problem import Problem
 from simgap.gap.reading import readings_of
 from simgap.gap.regimes import Regime, regimes_of
 from simgap.gap.residuals import channels_on

@@ -7,7 +7,7 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from simgap.gap.fit import Problem
+from simgap.gap.problem import Problem
 from simgap.gap.regimes import Regime
 from simgap.physics.weak_form import WindowFunctions, mean_of
 from simgap.platforms.mechanism import Channel

@@ -15,7 +15,8 @@ from torch import Tensor
 
 from simgap.effects import ActuatorEffect, Effect, MeasurementEffect
 from simgap.effects.time_offset import TimeOffset
-from simgap.gap.fit import Fit, Problem
+from simgap.gap.fit import Fit
+from simgap.gap.problem import Problem
 from simgap.gap.row_noise import TOLERATED, noise_of_rows
 from simgap.gap.temper import Temper
 from simgap.simulation import Simulator

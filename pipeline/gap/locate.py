@@ -7,7 +7,7 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from simgap.gap.fit import Problem
+from simgap.gap.problem import Problem
 from simgap.gap.regimes import Regime, bin_of, mean_per_bin, quantile_edges
 from simgap.gap.row_noise import TOLERATED
 from simgap.physics.weak_form import mean_of

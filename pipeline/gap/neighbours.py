@@ -26,7 +26,7 @@ _BLOCKS = 60
 """Blocks that sets are scored on, drawn evenly: what is promising needs no more."""
 _WEIGHED = 60
 """Sets whose promise is worked out in full."""
-_RIDGE = 1e-9
+RIDGE = 1e-9
 """Of a column's own energy: two effects with the same column share it."""
 
 
@@ -84,7 +84,7 @@ class Neighbours:
         self.share = len(centre.fit.residual) / len(part)
         self.noise = centre.likelihood.noise[part]
         self.left = centre.likelihood.left[part]
-        self.mixture, self.present = self.temper.mixture(self.left, self.noise), self._value(self.left)
+        self.mixture, self.present = self.temper.mixture(self.left, self.noise), self.value(self.left)
         self.weights = [each.numpy() for each in _weights(centre, part)]
         self.totals = [np.einsum("bc,bcpq->pq", each, self.gram) for each in self.weights]
         for hypothesis in added:
@@ -96,7 +96,7 @@ class Neighbours:
         It may promise that a scale makes all rows vanish.
         """
         left = torch.from_numpy(self._left((), (_last(hypothesis).effect.key,)))
-        promised = float((self._value(left) - self.present).max())
+        promised = float((self.value(left) - self.present).max())
         return max(promised - (hypothesis.likelihood.value - self.centre.likelihood.value), 0.0)
 
     def _note(self, key: str, series: list[Tensor], columns: Tensor) -> None:
@@ -115,9 +115,9 @@ class Neighbours:
         costs = torch.tensor([self._cost(gone, come) for _, gone, come in moves], dtype=torch.float64)
         # The mixture of the centre ranks them, with what is usual smaller where less is left; the best have their own.
         likely = (
-            (self._value(left, self._scaled(left)).amax(-1) + costs).topk(min(_WEIGHED, len(moves))).indices
+            (self.value(left, self._scaled(left)).amax(-1) + costs).topk(min(_WEIGHED, len(moves))).indices
         )
-        promises = self.centre.score + self._value(left[likely]).amax(-1) - self.present + costs[likely]
+        promises = self.centre.score + self.value(left[likely]).amax(-1) - self.present + costs[likely]
         order = promises.argsort(descending=True)[:count].tolist()
         found = [(moves[int(likely[place])][0], float(promises[place])) for place in order]
         return [Proposal(keys, self._starts(keys), promise) for keys, promise in found]
@@ -132,83 +132,6 @@ class Neighbours:
     def starts_with(self, keys: Sequence[str]) -> tuple[FittedEffect, ...]:
         """Return the effects of the hypothesis and others, with values to start a fit from."""
         return self._starts(frozenset(self.mine).union(keys))
-
-    def promise_where(self, keys: Sequence[str], acting: NDArray[np.bool_]) -> float:
-        """Return the score that the linearisation gives the hypothesis with some effects in some blocks only.
-
-        Args:
-            keys: of the effects.
-            acting: in which blocks they act, (blocks,).
-        """
-        left = torch.from_numpy(np.stack([self._left_where(keys, acting, each) for each in self.weights]))
-        cost = sum(self.gain.get(key, 0.0) for key in keys)
-        return self.centre.score + float(self._value(left).max() - self.present) + cost
-
-    def saved_where(self, key: str, acting: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Return roughly what log likelihood an effect in some blocks only saves, (weightings, choices).
-
-        The values of all others stay.
-
-        Args:
-            key: of the effect.
-            acting: in which blocks it acts, (choices, blocks).
-        """
-        return self.share * 0.5 * np.stack([self._saved_where(key, acting, each) for each in self.weights])
-
-    def sizes_in(self, key: str, acting: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Return how much of an effect's first parameter some blocks show by themselves, without a sign, (choices,).
-
-        Args:
-            key: of the effect.
-            acting: the blocks, (choices, blocks).
-        """
-        own = self.columns[key][0 if key in self.mine else 1]
-        _, alike = self.weights
-        wanted = np.einsum("bc,bcq->b", alike, self.gram[..., own, self._beside([key])])
-        there = np.einsum("bc,bc->b", alike, self.gram[..., own, own])
-        return np.abs(acting @ wanted) / np.maximum(acting @ there, 1e-300)
-
-    def _beside(self, keys: Sequence[str]) -> list[int]:
-        """Return the columns whose sum is left where effects are absent."""
-        return [0, *(self.offset[key] for key in keys if key in self.mine)]
-
-    def _saved_where(
-        self, key: str, acting: NDArray[np.bool_], weight: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        own, absent = self.columns[key], self._beside([key])
-        total = np.einsum("bc,bcpq->bpq", weight, self.gram[..., [*absent, *own], :][..., [*absent, *own]])
-        first = len(absent)
-        without = total[:, :first, :first].sum((1, 2)) - total[:, 0, 0]
-        slope = acting @ total[:, first:, 0]
-        square = np.einsum("ab,bpq->apq", acting.astype(float), total[:, first:, first:])
-        size = np.einsum("app->ap", square)
-        square = square + (_RIDGE * size + 1e-300)[..., None] * np.eye(len(own))
-        gained = np.einsum("ap,ap->a", slope, np.linalg.solve(square, slope[..., None])[..., 0])
-        return gained - ~acting @ without
-
-    def _left_where(
-        self, keys: Sequence[str], acting: NDArray[np.bool_], weight: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Return the mean squares that a regression with effects in some blocks leaves, (blocks, channels)."""
-        every = dict.fromkeys([*self.mine, *keys])
-        chosen = [column for each in every for column in self.columns[each]]
-        kept = np.array([float(each not in keys) for each in every for _ in self.columns[each]])
-        there, elsewhere = (
-            np.einsum("bc,bcpq->pq", weight[part], self.gram[part]) for part in (acting, ~acting)
-        )
-        cross = np.ix_(chosen, chosen)
-        square = there[cross] + kept[:, None] * kept * elsewhere[cross]
-        square = square + np.diag(_RIDGE * np.diag(square) + 1e-300)
-        target = there[chosen, 0] + kept * elsewhere[np.ix_(chosen, self._beside(keys))].sum(1)
-        step = np.linalg.solve(square, target)
-        left = np.empty(self.gram.shape[:2])
-        for part, moved, taken in ((acting, [0], step), (~acting, self._beside(keys), kept * step)):
-            change = np.zeros(self.gram.shape[-1])
-            change[moved] = 1.0
-            change[chosen] -= taken
-            used = np.flatnonzero(change)
-            left[part] = (self.gram[part][..., used[:, None], used] @ change[used]) @ change[used]
-        return left
 
     def _moves(self) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
         """Yield which effects go and which come: at most two of each, and more than one in all."""
@@ -239,13 +162,13 @@ class Neighbours:
         change[moved] = 1.0
         if chosen:
             square = total[np.ix_(chosen, chosen)]
-            square = square + np.diag(_RIDGE * np.diag(square) + 1e-300)
+            square = square + np.diag(RIDGE * np.diag(square) + 1e-300)
             change[chosen] -= np.linalg.solve(square, total[chosen] @ change)
         used = np.flatnonzero(change)
         part, kept = change[used], self.gram[..., used[:, None], used]
         return (kept @ part) @ part
 
-    def _value(self, left: Tensor, mixture: Mixture | None = None) -> Tensor:
+    def value(self, left: Tensor, mixture: Mixture | None = None) -> Tensor:
         """Return the log likelihood of all blocks, (...,), of some whose mean squares are left."""
         floored = torch.maximum(left, self.noise)
         mixture = mixture or self.temper.mixture(floored, self.noise)

@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from simgap.effects import Effect, WrenchEffect
-from simgap.gap.fit import Problem, law_series
+from simgap.gap.problem import Problem, law_series
 from simgap.gap.residuals import channel_series
 from simgap.gap.sample_noise import sample_noise
 from simgap.simulation import FittedEffect, Simulator

@@ -6,7 +6,7 @@ import torch
 
 from simgap.effects.sizes import sizes_of
 from simgap.errors import InputError
-from simgap.gap.fit import Problem
+from simgap.gap.problem import Problem
 from simgap.gap.residuals import quadrature_of_rows
 from simgap.gap.resolution import resolution_of, resolved, with_resolution
 from simgap.gap.row_noise import noise_of_rows

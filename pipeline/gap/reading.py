@@ -13,11 +13,12 @@ import torch
 
 from simgap.effects import Effect
 from simgap.gap.candidates import candidates_for
-from simgap.gap.fit import Problem, fit
+from simgap.gap.fit import fit
 from simgap.gap.likelihood import LikelihoodOf, counted_beside
 from simgap.gap.noise_ceiling import noise_ceiling
 from simgap.gap.prepare import Prepared, prepare
 from simgap.gap.presence import Presence
+from simgap.gap.problem import Problem
 from simgap.gap.scales import Scales, scales_of
 from simgap.gap.settings import Gap
 from simgap.gap.starts import Starts

@@ -8,7 +8,6 @@ from torch import Tensor
 from simgap.effects import Effect
 from simgap.gap.fit import (
     Fit,
-    Problem,
     bounded_newton_step,
     bounds_of,
     columns_of,
@@ -19,6 +18,7 @@ from simgap.gap.fit import (
     values_of,
     with_values,
 )
+from simgap.gap.problem import Problem
 from simgap.gap.starts import Starts, some_of
 from simgap.simulation import FittedEffect, Simulator
 

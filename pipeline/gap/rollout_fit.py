@@ -12,8 +12,9 @@ import torch
 from torch import Tensor
 
 from simgap.effects import Effect
-from simgap.gap.fit import Fit, Problem, fit, jacobian_of, parameters_of
+from simgap.gap.fit import Fit, fit, jacobian_of, parameters_of
 from simgap.gap.horizon import state_noise
+from simgap.gap.problem import Problem
 from simgap.gap.scoring import cross_validated, folds_of, log_score
 from simgap.simulation import FittedEffect, Simulator, replay
 from simgap.simulation.motion import motion_of

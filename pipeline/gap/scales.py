@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from simgap.effects import Effect, Parameter, effects_of
 from simgap.effects.sizes import POWERS, size_of
-from simgap.gap.fit import Problem
+from simgap.gap.problem import Problem
 from simgap.simulation import Simulator
 
 _SHARE_OF_SIGNAL = 0.3

@@ -14,7 +14,7 @@ from simgap.effects import Effect, look_alikes_of
 from simgap.gap.changes import changed_reading, changes, refined
 from simgap.gap.fit import Fit, fit
 from simgap.gap.hypothesis import Hypothesis, idle_in, weigh
-from simgap.gap.latent_inputs import driven_readings
+from simgap.gap.latent_inputs import driven_again, driven_readings
 from simgap.gap.neighbours import Neighbours
 from simgap.gap.presence import Presence
 from simgap.gap.reading import Reading, Timing
@@ -184,12 +184,13 @@ class Search:
 
     def _drive(self, centre: Hypothesis) -> None:
         """Visit the same effects with one more whose driver was not recorded and is estimated."""
-        for reading, effects in driven_readings(centre, self.settings):
+        for reading, effect in driven_readings(centre, self.settings):
             self.bases.setdefault(reading.timing, fit(reading.nominal, reading.problem))
-            for effect in effects:
-                driven = FittedEffect(effect, effect.defaults())
-                start = _with(reading, (*centre.fit.simulator.free, driven))
-                self._visit(fit(start, reading.problem), reading)
+            start = _with(reading, (*centre.fit.simulator.free, FittedEffect(effect, effect.defaults())))
+            found = self._visit(fit(start, reading.problem), reading)
+            if effect.key in found.keys and found.score > centre.score - _MISSED:
+                again = driven_again(found, centre.reading)
+                self._visit(fit(_with(again, found.fit.simulator.free), again.problem), again)
 
     def _change(self, near: Neighbours) -> None:
         """Visit the same effects with one of them, or one more, in a part of the recording only.

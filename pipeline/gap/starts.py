@@ -11,7 +11,8 @@ import torch
 from torch import Tensor
 
 from simgap.effects import Effect
-from simgap.gap.fit import Fit, Problem, bounded_newton_step, bounds_of, effect_jacobian
+from simgap.gap.fit import Fit, bounded_newton_step, bounds_of, effect_jacobian
+from simgap.gap.problem import Problem
 from simgap.gap.temper import energy_of
 from simgap.simulation import FittedEffect, Simulator
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from scipy import stats
 from torch import Tensor
 
-from simgap.gap.fit import Problem
+from simgap.gap.problem import Problem
 from simgap.physics.weak_form import mean_of
 from simgap.platforms.mechanism import Channel
 

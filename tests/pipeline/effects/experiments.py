@@ -7,7 +7,8 @@ from torch import Tensor
 
 from simgap.effects import Effect, MeasurementEffect
 from simgap.effects.shift import shift_in_time
-from simgap.gap.fit import Fit, Problem, fit
+from simgap.gap.fit import Fit, fit
+from simgap.gap.problem import Problem
 from simgap.gap.residuals import residual_rows
 from simgap.gap.temper import temper_of
 from simgap.physics import rotations

@@ -7,7 +7,7 @@ import torch
 
 from simgap.effects import Effect, effect_by_key
 from simgap.gap.diagnosis import Diagnosis, diagnose
-from simgap.gap.fit import Problem
+from simgap.gap.problem import Problem
 from simgap.gap.residuals import quadrature_of_rows
 from simgap.gap.row_noise import noise_of_rows
 from simgap.gap.scoring import independent_clusters

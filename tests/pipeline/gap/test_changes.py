@@ -10,8 +10,9 @@ import torch
 
 from simgap.gap.contract import diagnosis_document
 from simgap.gap.diagnosis import diagnose
-from simgap.gap.fit import Problem, fit
+from simgap.gap.fit import fit
 from simgap.gap.presence import Presence
+from simgap.gap.problem import Problem
 from simgap.gap.reading import readings_of
 from simgap.gap.search import Search
 from simgap.gap.settings import Gap

@@ -4,7 +4,8 @@ import torch
 from scipy import stats
 
 from simgap.effects import effect_by_key
-from simgap.gap.fit import Problem, clustered_covariance, fit, jacobian_of, values_of
+from simgap.gap.fit import clustered_covariance, fit, jacobian_of, values_of
+from simgap.gap.problem import Problem
 from simgap.gap.refit import extend, shrink
 from simgap.gap.residuals import residual_rows
 from simgap.gap.temper import temper_of

@@ -8,8 +8,9 @@ import pytest
 import torch
 
 from simgap.effects import effect_by_key
-from simgap.gap.fit import Fit, Problem, clustered_covariance, fit, jacobian_of
+from simgap.gap.fit import Fit, clustered_covariance, fit, jacobian_of
 from simgap.gap.likelihood import LikelihoodOf
+from simgap.gap.problem import Problem
 from simgap.gap.reading import Reading, readings_of
 from simgap.gap.residuals import channels_on
 from simgap.gap.settings import Gap

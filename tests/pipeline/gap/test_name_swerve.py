@@ -13,7 +13,7 @@ from simgap.platforms.swerve import SteerAxis
 from simgap.recordings.recording import Recording
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.motion import motion_of
-from tests.pipeline.gap.problems import quick
+from tests.pipeline.gap.problems import named, quick
 from tests.pipeline.simulation.drives import driven
 
 pytestmark = pytest.mark.slow
@@ -30,8 +30,13 @@ def swerve() -> Swerve:
     return Swerve(54.0, 5.0, corners, 0.0508, SwerveAxis(6.75, motor), SteerAxis(12.8, motor, 0.05))
 
 
-def drives(simulator: Simulator, random: np.random.Generator) -> pd.DataFrame:
-    """Drive to and fro while the modules stand as the motion demands; the commands are held between samples."""
+def drives(
+    simulator: Simulator, random: np.random.Generator, supply: tuple[float, ...] = (1.0,) * _RUNS
+) -> pd.DataFrame:
+    """Drive to and fro while the modules stand as the motion demands; the commands are held between samples.
+
+    The drive motors get a share of their commands, run by run; the steering motors get theirs.
+    """
     states, commands = driven(simulator, _RUNS, _SAMPLES, _STEP, seed=7)
     signals = motion_of(simulator.platform).signals(states, simulator.constants())
     noise = {"drive_velocity": 0.3, "steer_velocity": 0.01, "steer_angle": 0.001}
@@ -39,8 +44,8 @@ def drives(simulator: Simulator, random: np.random.Generator) -> pd.DataFrame:
     for run in range(_RUNS):
         columns: dict[str, object] = {"run": f"drive_{run}", "t": np.arange(_SAMPLES) * _STEP}
         for wheel in range(4):
-            for name in ("drive_voltage", "steer_voltage"):
-                columns[f"{name}_{wheel + 1}"] = commands[name][run, :, wheel].numpy()
+            for name, share in (("drive_voltage", supply[run]), ("steer_voltage", 1.0)):
+                columns[f"{name}_{wheel + 1}"] = commands[name][run, :, wheel].numpy() / share
             for name, size in noise.items():
                 measured = signals[name][run, :, wheel].numpy() + random.normal(0, size, _SAMPLES)
                 columns[f"{name}_{wheel + 1}"] = measured
@@ -57,11 +62,14 @@ def diagnosed(key: str | None, name: str = "", value: float = 0.0) -> Diagnosis:
     simulator = Simulator(
         swerve(), effects, settings={"drive_sliding_velocity": 0.05, "steer_sliding_velocity": 0.05}
     )
-    frame = drives(simulator, np.random.default_rng(7))
+    return quick(recorded(drives(simulator, np.random.default_rng(7))), Simulator(swerve()))
+
+
+def recorded(frame: pd.DataFrame) -> Recording:
+    """Return drives as a cleaned recording, of which the first one is held out."""
     split = {f"drive_{run}": "holdout" if run == 0 else "train" for run in range(_RUNS)}
     units = dict.fromkeys(frame.columns[2:], "1")
-    recording = Recording(frame, "swerve", units, split=split, cleaned=True)
-    return quick(recording, Simulator(swerve()))
+    return Recording(frame, "swerve", units, split=split, cleaned=True)
 
 
 @pytest.mark.parametrize(
@@ -87,3 +95,8 @@ def test_a_drive_that_lacks_nothing_gets_no_name():
     found = diagnosed(None)
     assert not found.naming.named
     assert found.verdict == "none"
+
+
+def test_a_battery_that_the_drive_motors_alone_follow_is_named_though_nobody_recorded_it():
+    frame = drives(Simulator(swerve()), np.random.default_rng(7), supply=(1.0, 0.9, 0.97, 0.84))
+    assert named(quick(recorded(frame), Simulator(swerve()))) == ["battery_sag@drive"]

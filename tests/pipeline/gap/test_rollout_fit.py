@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from simgap.gap.fit import Fit, Problem, fit
+from simgap.gap.fit import Fit, fit
+from simgap.gap.problem import Problem
 from simgap.gap.rollout_fit import refit_through_rollouts
 from simgap.simulation import FittedEffect
 from tests.pipeline.gap.problems import of_joint, problem_of
