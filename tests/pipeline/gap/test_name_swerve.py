@@ -99,4 +99,5 @@ def test_a_drive_that_lacks_nothing_gets_no_name():
 
 def test_a_battery_that_the_drive_motors_alone_follow_is_named_though_nobody_recorded_it():
     frame = drives(Simulator(swerve()), np.random.default_rng(7), supply=(1.0, 0.9, 0.97, 0.84))
-    assert named(quick(recorded(frame), Simulator(swerve()))) == ["battery_sag@drive"]
+    rivals = ["battery_sag", "motor_constant_error", "mass_error", "current_limit", "viscous_friction"]
+    assert named(quick(recorded(frame), Simulator(swerve()), rivals)) == ["battery_sag@drive"]
