@@ -22,6 +22,7 @@ from tests.contract_checker import check_diagnosis
 from tests.pipeline.gap.recordings import (
     TIME_STEP,
     Plant,
+    flight,
     joint_recording,
     joint_simulator,
     motion,
@@ -178,3 +179,23 @@ def test_columns_of_an_effect_that_acts_in_a_part_are_the_slopes_of_the_rows(hal
     slope = -(problem.residual(moved) - problem.residual(simulator)) / 0.01
     torch.testing.assert_close(problem.regressors(simulator, effect)[..., 0], slope, rtol=1e-6, atol=1e-9)
     assert float(fit(simulator, problem).values[0]) == pytest.approx(0.0, abs=2e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["joint", "quadrotor"])
+def test_every_effect_may_act_in_a_part_of_a_recording(kind):
+    """Elsewhere rows and columns are those of the simulator without it."""
+    is_joint = kind == "joint"
+    recording = joint_recording(Plant(), runs=6) if is_joint else flight()
+    reading = readings_of(recording, joint_simulator() if is_joint else Simulator(racer(), ()), Gap())[0]
+    problem = reading.problem
+    for effect in reading.catalogue:
+        presence = Presence((effect.key,), problem.blocks.runs[3:])
+        partly = replace(problem, presence=presence)
+        simulator = reading.nominal.with_effects((FittedEffect(effect, effect.defaults()),))
+        elsewhere = ~partly.acts
+        assert bool(elsewhere.any()), effect.key
+        rows = partly.residual(simulator)[elsewhere]
+        torch.testing.assert_close(rows, problem.residual(reading.nominal)[elsewhere], msg=effect.key)
+        columns = partly.regressors(simulator, effect)
+        assert columns is None or not columns[elsewhere].any(), effect.key
