@@ -32,6 +32,7 @@ class Effect(ABC):
         needs: signals that the effect requires to be simulated and tested.
         excluded_by: signals beside which it can be neither simulated nor tested.
         driver: the slow signal among them that may be estimated if it was not recorded.
+        driver_is_late: whether its load changes the driver late only.
         driver_at_rest: the parameter, or the constant of the platform, that holds the driver's value at which the
             effect does nothing.
         formula: the law, as in a textbook.
@@ -49,6 +50,7 @@ class Effect(ABC):
     needs: ClassVar[tuple[str, ...]] = ()
     excluded_by: ClassVar[tuple[str, ...]] = ()
     driver: ClassVar[str] = ""
+    driver_is_late: ClassVar[bool] = False
     driver_at_rest: ClassVar[str] = ""
     prior_odds: ClassVar[float] = 0.15
     """Odds that a machine of the kind has the effect to a notable degree and its model lacks it."""
@@ -90,7 +92,7 @@ class Effect(ABC):
         return True
 
     def load(self, signals: Signals, constants: Values) -> Signal | None:
-        """Return the load that changes the effect's driver at once, in any unit, or None if there is none."""
+        """Return the load that changes the effect's driver, at once or late, in any unit, or None if there is none."""
         return None
 
     def starts(self) -> list[dict[str, float]]:

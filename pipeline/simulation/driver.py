@@ -69,7 +69,8 @@ def with_drivers(simulator: Simulator, signals: Signals) -> Simulator:
         return simulator.with_effects(tuple(others))
     constants = simulator.constants()
     moved = simulator.mechanism.actuate(dict(signals), constants)
-    laws = [_law(effect, signals[name], effect.load(moved, constants)) for name, effect in driven.items()]
+    loads = {name: None if e.driver_is_late else e.load(moved, constants) for name, e in driven.items()}
+    laws = [_law(effect, signals[name], loads[name]) for name, effect in driven.items()]
     return simulator.with_effects((*others, *laws))
 
 

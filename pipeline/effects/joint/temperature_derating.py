@@ -35,6 +35,7 @@ class TemperatureDerating(ActuatorEffect):
     needs = ("effort", "temperature")
     excluded_by = ("position_command",)  # of a position loop a weaker motor is a lower gain
     driver = "temperature"
+    driver_is_late = True  # a winding has a heat capacity
     driver_at_rest = "reference"
     formula = (
         "effort_effective = (1 − x) · (effort + s · x · back-EMF damping · velocity), "

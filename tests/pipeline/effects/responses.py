@@ -99,3 +99,8 @@ def assert_same(first: Mapping[str, Tensor], second: Mapping[str, Tensor], rtol:
     for name, value in first.items():
         size = float(value.detach().abs().max()) if value.numel() else 0.0
         torch.testing.assert_close(value, second[name], rtol=rtol, atol=rtol * max(size, 1e-9), msg=name)
+
+
+def numbers(*values: float) -> Tensor:
+    """Return a signal of these values, (values,)."""
+    return torch.tensor(values, dtype=torch.float64)

@@ -43,6 +43,21 @@ def test_a_battery_that_rises_with_its_load_has_a_level_only():
     assert law.values["level"] == pytest.approx(float(signals["battery_voltage"].mean()))
 
 
+def test_a_winding_that_its_load_warms_late_has_a_level_only():
+    derating = effect_by_key("joint", "temperature_derating")
+    simulator = Simulator(MACHINES["joint"], (FittedEffect(derating, derating.defaults()),))
+    load = torch.linspace(0.0, 1.0, 50, dtype=torch.float64)[None]
+    signals = {
+        "effort": load,
+        "position": 0.0 * load,
+        "velocity": 0.0 * load,
+        "temperature": 40.0 + 5.0 * load**2,
+    }
+    (law,) = with_drivers(simulator, signals).of_type(SimulatedDriver)
+    assert law.values["giving"] == 0.0
+    assert law.values["level"] == pytest.approx(float(signals["temperature"].mean()))
+
+
 def test_what_is_given_is_not_simulated():
     signals = flown(15.0, 1.0)
     simulator = with_drivers(SAGGING, signals)
