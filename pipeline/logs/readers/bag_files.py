@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +21,9 @@ _AT_ONCE = 20_000  # messages
 _FETCHED = 500  # rows of a database at once: so few are still near the processor when they are packed
 _BYTES_AT_ONCE = 1 << 24  # of messages that come one by one, or of a database
 
+Reads = Callable[[Packed], Iterator[Columns]]
+"""What reads the numbers of messages."""
+
 
 @dataclass(frozen=True)
 class Channel:
@@ -34,7 +38,7 @@ class Channel:
 
     topic: str
     type: str
-    columns: Callable[[Packed], Iterator[Columns]] | None
+    columns: Reads | None
     reason: str = ""
 
 
@@ -240,6 +244,7 @@ class _Mcap:
         self._schemas: dict[int, Any] = {}
         self._channels: dict[int, Channel] = {}
         self._messages = compiled.for_size(mcap.messages, size)
+        self._in_json = partial(json_columns, large=size >= compiled.LARGE)
 
     def blocks(self, content: NDArray[np.uint8], place: int = 0) -> Iterator[Block]:
         """Yield the messages of the file, or of a chunk of it.
@@ -277,7 +282,7 @@ class _Mcap:
         if kind == mcap.SCHEMA:
             self._schemas[entry.id] = entry
         elif entry.id not in self._channels:
-            self._channels[entry.id] = _mcap_channel(entry, self._schemas.get(entry.schema_id))
+            self._channels[entry.id] = _mcap_channel(entry, self._schemas.get(entry.schema_id), self._in_json)
 
     def _block(self, content: NDArray[np.uint8], places: NDArray[np.int64]) -> Block:
         sizes, which, times = mcap.heads(content, places)
@@ -286,13 +291,13 @@ class _Mcap:
         return Block(self._channels, which, times, Packed(content, places + mcap.DATA, sizes))
 
 
-def _mcap_channel(channel: Any, schema: Any) -> Channel:
+def _mcap_channel(channel: Any, schema: Any, in_json: Reads) -> Channel:
     from rosbags.typesys.msg import normalize_msgtype
 
     name = schema.name if schema is not None else ""
     encoding = channel.message_encoding
     if encoding == "json":
-        return Channel(channel.topic, name or "JSON", json_columns)
+        return Channel(channel.topic, name or "JSON", in_json)
     if encoding not in ("cdr", "ros1"):
         return Channel(
             channel.topic, name or encoding, None, f"messages in {encoding or 'no encoding'} are not read"

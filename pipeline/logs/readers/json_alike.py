@@ -1,7 +1,8 @@
-"""Messages in JSON that are all alike, read at once by Arrow's parser. Anything unusual is left to a slower reader."""
+"""Messages in JSON that are all alike, read at once. Anything unusual is left to a slower reader."""
 
 import io
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,10 @@ import pyarrow as pa
 import pyarrow.json as arrow_json
 from numpy.typing import NDArray
 
+from simgap.logs.readers.json_pattern import columns_of_pattern, numbered
 from simgap.logs.readers.packed import Columns, Packed
 from simgap.logs.readers.ros_steps import LONGEST
+from simgap.recordings.alike_texts import between_numbers
 
 NAMES = ("name", "names", "joint_name", "joint_names")  # of the elements of the arrays beside them
 LATEST = 9e9  # s; the year 2255, of which the nanoseconds fit a whole number of 64 bits
@@ -23,8 +26,29 @@ class _UnlikeError(ValueError):
     """The messages are not alike."""
 
 
-def columns_alike(messages: Packed) -> Columns | None:
-    """Return the numbers of messages with the same names in the same order; None where some differ, or are damaged."""
+def columns_alike(messages: Packed, large: bool = False) -> Columns | None:
+    """Return the numbers of messages with the same names in the same order; None where some differ, or are damaged.
+
+    Args:
+        messages: in JSON.
+        large: whether the file is so large that what has to be compiled first is faster.
+    """
+    found = None
+    if large and len(messages):
+        between = tuple(between_numbers(messages.message(0)))
+        example = _example(between)
+        found = columns_of_pattern(messages, between, example) if example is not None else None
+    return _parsed(messages) if found is None else found
+
+
+@lru_cache
+def _example(between: tuple[bytes, ...]) -> Columns | None:
+    """Return what is found in a message with so many numbers."""
+    return _parsed(Packed.of([numbered(between)]))
+
+
+def _parsed(messages: Packed) -> Columns | None:
+    """Return the numbers of messages by Arrow's parser; None where some differ, or are damaged."""
     longest = np.flatnonzero(messages.sizes > _DEEPEST)  # only these can be that deep
     if messages.sizes.sum() > _LONGEST or any(_is_deep(messages.message(row)) for row in longest.tolist()):
         return None

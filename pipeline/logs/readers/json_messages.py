@@ -13,12 +13,16 @@ from simgap.logs.readers.ros_steps import LONGEST
 _NANOSECONDS = 1_000_000_000
 
 
-def json_columns(messages: Packed) -> Iterator[Columns]:
+def json_columns(messages: Packed, large: bool = False) -> Iterator[Columns]:
     """Yield the numbers of messages, those with the same names at once; what is no JSON object is left out.
 
     Arrays beside a list of names are named by it.
+
+    Args:
+        messages: in JSON.
+        large: whether the file is so large that what has to be compiled first is faster.
     """
-    together = columns_alike(messages)
+    together = columns_alike(messages, large)
     if together is not None:
         yield together
         return

@@ -1,8 +1,10 @@
 """Files of WPILib's SysId, as it wrote them until 2023: JSON with rows of time, volts, position and velocity."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simgap.logs.log import Log, Signal, Span
 from simgap.recordings.importers.sysid_json import load, runs_of
@@ -28,12 +30,12 @@ def read(path: Path) -> Log:
         spans.append(Span(name, begin, end))
         times.append(time)
         begin = end + _PAUSE
-    clock = np.concatenate(times)
+    clock = _joined(times)
     signals = {
         name: Signal(
             name,
             clock,
-            np.concatenate([getattr(run, name) for run in runs.values()]),
+            _joined([getattr(run, name) for run in runs.values()]),
             unit,
             held=name == "voltage",
         )
@@ -41,3 +43,7 @@ def read(path: Path) -> Log:
     }
     facts = {key: str(content[key]) for key in _FACTS if key in content}
     return Log(FORMAT, str(path), signals, tuple(spans), facts)
+
+
+def _joined(parts: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    return np.ascontiguousarray(parts[0]) if len(parts) == 1 else np.concatenate(parts)

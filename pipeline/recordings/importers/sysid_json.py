@@ -10,6 +10,7 @@ import pandas as pd
 
 from simgap.errors import InputError
 from simgap.recordings.importers.columns import check_options
+from simgap.recordings.importers.sysid_alike import content_of_rows
 from simgap.recordings.importers.sysid_rows import content_by_arrow
 from simgap.recordings.importers.sysid_units import SORTS, UNITS, Samples, described, readings_of, scale_of
 from simgap.recordings.recording import Recording, recording_from_frame
@@ -71,8 +72,7 @@ def load(path: Path) -> dict[str, Any]:
         InputError: when it is no JSON, or no SysId data.
     """
     try:
-        text = path.read_bytes()
-        content = content_by_arrow(text) or json.loads(text.decode())
+        content = content_of_rows(path) or _parsed(path.read_bytes())
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(
             f"cannot be read as JSON ({error})", str(path), "give the file that SysId saved"
@@ -93,6 +93,10 @@ def load(path: Path) -> dict[str, Any]:
     return content
 
 
+def _parsed(text: bytes) -> Any:
+    return content_by_arrow(text) or json.loads(text.decode())
+
+
 def _is_there(rows: Any) -> bool:
     """Whether a test has rows: a list, or an array that Arrow read."""
     return len(rows) > 0 if isinstance(rows, np.ndarray) else bool(rows)
@@ -109,7 +113,7 @@ def runs_of(content: Mapping[str, Any], path: Path) -> dict[str, Samples]:
         if not _is_there(content.get(test)):
             continue
         try:
-            rows = np.array(content[test], dtype=float)
+            rows = np.asarray(content[test], dtype=float)
         except (TypeError, ValueError, OverflowError):
             raise InputError(
                 "holds rows that are not numbers", f"{path}, {test}", "record the test again"

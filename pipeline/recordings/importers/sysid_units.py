@@ -150,17 +150,18 @@ def _speed_at_supply(runs: Sequence[Samples]) -> float | None:
 
     Friction is left out: a step of voltage alone does not tell it from the other two, and the order of size is enough.
     """
-    parts, targets = [], []
+    parts, targets, moved = [], [], 0
     for run in runs:
         if len(run.time) < 3:
             continue
         moving = np.abs(run.velocity) > 0.1 * np.abs(run.velocity).max()
+        moved += int(moving.sum())
         rate = np.gradient(run.velocity, run.time)
-        parts.append(np.column_stack([run.velocity, rate])[moving])
-        targets.append(run.voltage[moving])
-    if not parts or sum(map(len, targets)) < 3:
+        usable = moving & np.isfinite(run.velocity) & np.isfinite(rate) & np.isfinite(run.voltage)
+        parts.append(np.stack([run.velocity[usable], rate[usable]]))
+        targets.append(run.voltage[usable])
+    if moved < 3:
         return None
-    table, target = np.concatenate(parts), np.concatenate(targets)
-    usable = np.isfinite(table).all(1) & np.isfinite(target)
-    constants = np.linalg.lstsq(table[usable], target[usable], rcond=None)[0]
+    table, target = np.concatenate(parts, axis=1).T, np.concatenate(targets)
+    constants = np.linalg.lstsq(table, target, rcond=None)[0]
     return float(_SUPPLY / constants[0]) if constants[0] > 0 else None

@@ -14,7 +14,7 @@ from simgap import compiled
 from simgap.errors import InputError
 from simgap.logs.formats import read_log
 from simgap.logs.readers.mcap_records import messages
-from tests.pipeline.logs.bag_writer import ROS2, write_ros2
+from tests.pipeline.logs.bag_writer import ROS2, write_json, write_ros2
 from tests.pipeline.logs.damage import damaged
 from tests.pipeline.logs.test_bag import swinging
 from tests.pipeline.logs.test_crazyflie import TWO, encoded
@@ -31,8 +31,11 @@ def test_few_bytes_are_left_to_python() -> None:
 def contents(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     """Return a log of each format whose loop can be compiled, by the ending of its name."""
     bag = write_ros2(tmp_path_factory.mktemp("bag") / "cdr", swinging(ROS2), mcap=True)
+    states = (("/joint", 0.01 * n, {"name": ["elbow"], "position": [0.1 * n]}) for n in range(50))
+    text = write_json(tmp_path_factory.mktemp("text") / "text.mcap", states)
     checked, cut = encoded(TWO), encoded(TWO, checksum=False)
-    return {".ulg": CONTENT, ".mcap": (bag / "cdr.mcap").read_bytes(), ".bin": checked, ".cut.bin": cut}
+    bags = {".mcap": (bag / "cdr.mcap").read_bytes(), ".text.mcap": text.read_bytes()}
+    return {".ulg": CONTENT, ".bin": checked, ".cut.bin": cut} | bags
 
 
 def _told(path: Path) -> list[object]:
@@ -45,7 +48,7 @@ def _told(path: Path) -> list[object]:
     return [*signals, log.remarks, log.spans, dict(log.facts)]
 
 
-@pytest.mark.parametrize("suffix", [".ulg", ".mcap", ".bin", ".cut.bin"])
+@pytest.mark.parametrize("suffix", [".ulg", ".mcap", ".text.mcap", ".bin", ".cut.bin"])
 @settings(max_examples=30)
 @given(data=st.data())
 def test_compiled_and_plain_loops_read_the_same(

@@ -8,9 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simgap.logs.readers import json_messages
+from simgap.logs.readers import json_alike, json_messages
 from simgap.logs.readers.json_alike import columns_alike
+from simgap.logs.readers.json_messages import json_columns
 from simgap.logs.readers.packed import Columns, Packed
+from tests.pipeline.logs.damage import damaged
 
 
 def packed(*contents: Any) -> Packed:
@@ -19,7 +21,7 @@ def packed(*contents: Any) -> Packed:
 
 def one_by_one(messages: Packed, monkeypatch: pytest.MonkeyPatch) -> list[Columns]:
     with monkeypatch.context() as patch:
-        patch.setattr(json_messages, "columns_alike", lambda messages: None)
+        patch.setattr(json_messages, "columns_alike", lambda messages, large: None)
         return list(json_messages.json_columns(messages))
 
 
@@ -51,9 +53,12 @@ STATE = {
         {"huge": 12345678901234567890, "small": 1e-300},
     ],
 )
-def test_both_parsers_tell_the_same(more: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("large", [False, True])
+def test_both_parsers_tell_the_same(
+    more: dict[str, Any], large: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     messages = packed(*(STATE | more | {"count": count, "value": 0.1 * count} for count in range(5)))
-    found = columns_alike(messages)
+    found = columns_alike(messages, large)
     assert found is not None
     (expected,) = one_by_one(messages, monkeypatch)
     assert_same(found, expected)
@@ -73,13 +78,37 @@ def test_both_parsers_tell_the_same(more: dict[str, Any], monkeypatch: pytest.Mo
         b'{"name": ["elbow", "wrist"],\n"position": [0.1, 2.0]}',
     ],
 )
-def test_messages_that_are_not_alike_are_left_to_the_slower_reader(other: Any) -> None:
+@pytest.mark.parametrize("large", [False, True])
+def test_messages_that_are_not_alike_are_left_to_the_slower_reader(other: Any, large: bool) -> None:
     messages = packed({"name": ["elbow", "wrist"], "position": [0.1, 2.0]}, other)
-    assert columns_alike(messages) is None
+    assert columns_alike(messages, large) is None
     assert sum(len(part.rows) for part in json_messages.json_columns(messages)) in (1, 2)
 
 
 numbers = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(2**60), 2**60) | st.booleans()
+
+
+UNSTAMPED = {"name": ["elbow", "wrist"], "position": [0.1, 2], "note": 'at "7"', "deep": [{"x": -1e-3}]}
+
+
+def test_messages_that_differ_in_their_numbers_only_need_no_parser(monkeypatch: pytest.MonkeyPatch) -> None:
+    messages = packed(*(UNSTAMPED | {"count": count} for count in range(5)))
+    (expected,) = one_by_one(messages, monkeypatch)
+    assert columns_alike(messages, large=True) is not None  # the example is parsed
+    monkeypatch.setattr(json_alike, "_parsed", lambda messages: None)
+    found = columns_alike(messages, large=True)
+    assert found is not None
+    assert_same(found, expected)
+
+
+@given(data=st.data())
+def test_damaged_messages_are_read_as_before(data: st.DataObject) -> None:
+    text = json.dumps(UNSTAMPED).encode()
+    messages = packed(text, data.draw(damaged(text)), text)
+    for found, expected in zip(
+        json_columns(messages, large=True), json_columns(messages, large=False), strict=True
+    ):
+        assert_same(found, expected)
 
 
 @settings(deadline=None, max_examples=40)
