@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.fft import next_fast_len
+from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 from scipy.optimize import minimize_scalar
 from scipy.signal import butter, sosfiltfilt
 
@@ -96,10 +96,9 @@ def _offset(
 
     The inputs of whole stretches are kept in `filtered`, by their first samples, for the next outputs.
     """
-    nyquist = 0.5 / run.time_step
-    if _BAND[0] >= 0.5 * nyquist:
+    band = _filter(run.time_step)
+    if band is None:
         return None
-    band = butter(2, [_BAND[0], min(_BAND[1], 0.8 * nyquist)], "band", fs=2 * nyquist, output="sos")
     edge = int(np.ceil((_EDGE + largest) / run.time_step))
     pieces = []
     left = _MOST
@@ -117,6 +116,17 @@ def _offset(
     if sum(len(motors) - 2 * edge for motors, _ in pieces) * run.time_step < _SHORTEST_FLIGHT:
         return None
     return compare_clocks(pieces, run.time_step, largest, edge)
+
+
+@lru_cache(maxsize=4)
+def _filter(time_step: float) -> np.ndarray | None:
+    """Return the filter of the band, as sections; None where the samples are too far apart for it."""
+    nyquist = 0.5 / time_step
+    if _BAND[0] >= 0.5 * nyquist:
+        return None
+    return np.asarray(
+        butter(2, [_BAND[0], min(_BAND[1], 0.8 * nyquist)], "band", fs=2 * nyquist, output="sos")
+    )
 
 
 def compare_clocks(
@@ -177,8 +187,8 @@ def _nearest_sample(
         inner = np.zeros_like(outputs)
         inner[edge:-edge] = outputs[edge:-edge]
         length = 2 * (spectrum.shape[1] - 1)
-        cross = np.conj(spectrum)[:, None] * np.fft.rfft(inner.T, n=length)
-        products += np.moveaxis(np.fft.irfft(cross, n=length)[..., lags], -1, 0)  # (lags, inputs, outputs)
+        cross = np.conj(spectrum)[:, None] * rfft(inner.T, n=length)
+        products += np.moveaxis(irfft(cross, n=length)[..., lags], -1, 0)  # (lags, inputs, outputs)
         moments += inputs.T @ inputs
     gains = np.linalg.solve(moments + 1e-9 * np.trace(moments) * np.eye(count), products)
     best = int(np.argmax((products * gains).sum(axis=(1, 2))))
@@ -190,17 +200,26 @@ def _spectrum(inputs: np.ndarray) -> tuple[np.ndarray, int]:
 
     Each of them, (inputs, frequencies), is in one piece of memory, which is faster to transform.
     """
-    return np.fft.rfft(inputs.T, n=2 * next_fast_len(len(inputs), real=True)), len(inputs)
+    return rfft(inputs.T, n=2 * next_fast_len(len(inputs), real=True)), len(inputs)
 
 
 def _delay(spectrum: np.ndarray, count: int, samples: float, derivative: bool) -> np.ndarray:
     """Return the inputs delayed by `samples`, (samples, inputs), or their derivative by time in samples."""
     length = 2 * (spectrum.shape[1] - 1)
-    frequency = 2j * np.pi * np.fft.rfftfreq(length)
-    shifted = spectrum * np.exp(-frequency * samples)
+    frequency = _frequencies(length)
+    turn = np.empty(len(frequency), dtype=np.complex128)
+    np.cos(-samples * frequency, out=turn.real)
+    np.sin(-samples * frequency, out=turn.imag)
+    shifted = spectrum * turn
     if derivative:
-        shifted *= frequency
-    return np.fft.irfft(shifted, n=length)[:, :count].T
+        shifted *= 1j * frequency
+    return irfft(shifted, n=length, overwrite_x=True)[:, :count].T
+
+
+@lru_cache(maxsize=4)
+def _frequencies(length: int) -> np.ndarray:
+    """Return the frequencies of a transform, rad per sample, (frequencies,)."""
+    return np.asarray(2.0 * np.pi * rfftfreq(length))
 
 
 def _gains(inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:

@@ -79,16 +79,20 @@ def _position_jump(run: RunUnderCleaning) -> np.ndarray:
     """Way of the position within `_JUMP_TIME` beyond what the velocity accounts for, m."""
     back = max(1, round(_JUMP_TIME / run.time_step))
     time_step, other = np.diff(run.time), run.stretch[1:] != run.stretch[:-1]
-    squared = np.zeros(len(run.time))
+    squared, drift = np.zeros(len(run.time)), np.empty(len(run.time))
     for names in zip(POSITION, VELOCITY, strict=True):
         position, velocity = (run.column(name) for name in names)
-        step = np.diff(position) - 0.5 * (velocity[1:] + velocity[:-1]) * time_step
+        told = velocity[1:] + velocity[:-1]
+        told *= 0.5
+        told *= time_step
+        step = np.diff(position)
+        step -= told
         step[other | np.isnan(step)] = 0.0
-        drift = np.zeros(len(run.time))
+        drift[0] = 0.0
         np.cumsum(step, out=drift[1:])
         drift[back:] -= drift[:-back].copy()  # before `back` samples have passed, since the first one
-        squared += drift**2
-    return np.sqrt(squared)
+        squared += np.square(drift, out=drift)
+    return np.sqrt(squared, out=squared)
 
 
 def _onset(time: np.ndarray, alarm: np.ndarray) -> int | None:

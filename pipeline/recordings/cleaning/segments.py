@@ -10,7 +10,10 @@ _GAP_ROUNDING = 1.0 - 1e-9
 def drop_incomplete(run: RunUnderCleaning) -> None:
     """Drop samples in which a required channel is missing for too long to interpolate."""
     for column, place in zip(run.needed, run.index(run.needed), strict=True):
-        rows = np.isnan(run.column(column)) & (run.dropped == 0)
+        rows = np.isnan(run.column(column))
+        if not rows.any():
+            continue
+        rows &= run.dropped == 0
         causes = run.cause[:, place]
         for cause in sorted(run.reasons[number] for number in np.unique(causes[rows])):
             run.drop(

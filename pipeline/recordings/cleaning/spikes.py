@@ -52,7 +52,7 @@ def erase_spikes(run: RunUnderCleaning) -> None:
         if column in COMMANDS | SLOW or column in INPUTS[run.kind]:
             continue
         values = run.column(column)
-        if np.count_nonzero(np.isfinite(values)) < _FEWEST_SAMPLES:
+        if np.count_nonzero(np.isfinite(values)) < _FEWEST_SAMPLES or _stands_still(values):
             continue
         rows = find_spikes(values, run.time, _least(run, column, usual), _integral(run, column))
         if rows.any():
@@ -60,6 +60,11 @@ def erase_spikes(run: RunUnderCleaning) -> None:
             worst = values[rows][np.argmax(np.abs(values[rows]))]
             run.erase(rows, quaternion, "spikes", "isolated implausible sample", f"up to {worst:.4g}")
             usual.clear()
+
+
+def _stands_still(values: np.ndarray) -> bool:
+    """Return whether a channel never leaves its value, so that what is usual of it need not be found out."""
+    return bool(np.fmin.reduce(values) == np.fmax.reduce(values))
 
 
 def _least(run: RunUnderCleaning, column: str, usual: dict[str, float]) -> float:

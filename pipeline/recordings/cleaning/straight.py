@@ -44,9 +44,9 @@ def _straight(
     straight = np.zeros(len(time), dtype=bool)
     straight[rows] = _unbent(rows, time, values, stretch)
     lines = stretches_of(straight) - np.array([1, 0])  # the neighbours lie on the line too
-    for first, last in lines[np.diff(time[lines])[:, 0] > max_gap]:
-        if _on_chord(time[first : last + 1], [column[first : last + 1] for column in values]):
-            result[first + 1 : last + 1] = True
+    lines = lines[np.diff(time[lines])[:, 0] > max_gap]
+    for first, last in lines[_on_chord(lines, time, values)]:
+        result[first + 1 : last + 1] = True
     return result
 
 
@@ -67,9 +67,17 @@ def _unbent(
     return np.asarray(inside & (moving >= 2))
 
 
-def _on_chord(time: np.ndarray, values: Sequence[np.ndarray]) -> bool:
-    share = (time - time[0]) / (time[-1] - time[0])
-    ways = [(column, column[-1] - column[0]) for column in values]
-    return all(
-        bool(np.abs(column - column[0] - share * way).max() <= _CHORD * np.abs(way)) for column, way in ways
-    )
+def _on_chord(lines: np.ndarray, time: np.ndarray, values: Sequence[np.ndarray]) -> np.ndarray:
+    """Return of which lines, rows of their first and last samples, all samples lie on the chord, (lines,)."""
+    first, last = lines.T
+    lengths = last - first + 1
+    begins = np.cumsum(lengths) - lengths
+    line = np.repeat(np.arange(len(lines)), lengths)
+    rows = np.arange(len(line)) + (first - begins)[line]
+    share = (time[rows] - time[first][line]) / (time[last] - time[first])[line]
+    result = np.ones(len(lines), dtype=bool)
+    for column in values if len(lines) else ():
+        way = column[last] - column[first]
+        off = np.abs(column[rows] - column[first][line] - share * way[line])
+        result &= np.maximum.reduceat(off, begins) <= _CHORD * np.abs(way)
+    return result

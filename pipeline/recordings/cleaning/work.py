@@ -109,9 +109,9 @@ class RunUnderCleaning:
 
     def length(self, columns: list[str]) -> np.ndarray:
         """Return the length of the vector that channels are the components of, shape (samples,)."""
-        squared = np.zeros(len(self.time))
+        squared, square = np.zeros(len(self.time)), np.empty(len(self.time))
         for column in columns:
-            squared += self.column(column) ** 2
+            squared += np.square(self.column(column), out=square)
         return np.sqrt(squared, out=squared)
 
     def erase(self, rows: np.ndarray, columns: list[str], step: str, reason: str, detail: str = "") -> None:

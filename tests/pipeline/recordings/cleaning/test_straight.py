@@ -37,3 +37,18 @@ def test_short_lines_smooth_motion_and_constants_are_left(flight, as_run):
     run = as_run(frame, "quadrotor")
     erase_straight(run, 0.1)
     assert not run.changes
+
+
+def test_of_several_lines_those_that_bend_slowly_are_left(flight, as_run):
+    frame = flight()
+    bent = 0.5 + 0.2 * np.linspace(0, 1, 101) + 0.02 * np.linspace(0, 1, 101) ** 2
+    lines = {200: np.linspace(0, 1, 31), 400: bent, 600: np.linspace(1, -1, 41), 800: np.linspace(0, 2, 21)}
+    for first, line in lines.items():
+        for share, column in enumerate(BODY_RATE, 1):
+            frame.loc[first : first + len(line) - 1, column] = share * line
+    run = as_run(frame, "quadrotor")
+    erase_straight(run, 0.1)
+    gone = set(np.flatnonzero(np.isnan(run.column("body_rate_x"))))
+    for first, line in lines.items():
+        inside = set(range(first + 1, first + len(line) - 1))
+        assert inside <= gone if first != 400 else not inside & gone
