@@ -3,7 +3,7 @@
 import difflib
 from collections.abc import Iterator
 from collections.abc import Mapping as AbstractMapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,11 +25,31 @@ from simgap.recordings.units import conversion, factor_and_offset
 _FEWEST = 2  # samples of a run
 
 
+@dataclass(frozen=True)
+class Converted:
+    """The columns of a log in the contract's units, each at its own times; the log is no longer needed.
+
+    Attributes:
+        columns: by name.
+        mapping: that named them.
+        rate: of the recording, samples per second; None for that of a column.
+        spans: of the runs.
+        sliding: whether a joint's position is in metres.
+        path: of the log, to name in an error.
+        remarks: what was damaged, left out or made.
+    """
+
+    columns: dict[str, Signal]
+    mapping: Mapping
+    rate: float | None
+    spans: tuple[Span, ...]
+    sliding: bool
+    path: str
+    remarks: tuple[str, ...]
+
+
 def recording_of(log: Log, mapping: Mapping, platform: AbstractMapping[str, Any] | None = None) -> Recording:
     """Return the columns that a mapping names, as a recording in the contract's units.
-
-    Each run has the times of its slowest measured column that is required, or of the mapping's `rate`. Held signals
-    keep their last value, faster ones are averaged, others interpolated, never over a gap of their own.
 
     Args:
         log: as it was read.
@@ -38,6 +58,15 @@ def recording_of(log: Log, mapping: Mapping, platform: AbstractMapping[str, Any]
 
     Raises:
         InputError: when a signal is missing, a unit does not fit, or no run has samples of all columns.
+    """
+    return at_common_times(converted(log, mapping, platform))
+
+
+def converted(log: Log, mapping: Mapping, platform: AbstractMapping[str, Any] | None = None) -> Converted:
+    """Return the columns that a mapping names; the arguments are those of `recording_of`.
+
+    Raises:
+        InputError: when a signal is missing, or a unit does not fit.
     """
     mapping = with_ratios(mapping, platform)
     rate = None if log.tabular and "t" not in mapping.columns else mapping.rate
@@ -49,13 +78,32 @@ def recording_of(log: Log, mapping: Mapping, platform: AbstractMapping[str, Any]
         {column: _converted(log, source, expected[column], column) for column, source in sources.items()}
     )
     spans = mapping.windows or log.spans or (_whole(columns, log),)
-    found = [(span.name, _run(dict(columns), span, mapping, rate)) for span in spans[:-1]]
-    found.append((spans[-1].name, _run(columns, spans[-1], mapping, rate)))
-    runs = [(name, run) for name, run in found if run is not None]
+    return Converted(columns, mapping, rate, spans, sliding, log.path, (*log.remarks, *remarks))
+
+
+def at_common_times(found: Converted) -> Recording:
+    """Return columns as a recording.
+
+    Each run has the times of its slowest measured column that is required, or of the mapping's `rate`. Held signals
+    keep their last value, faster ones are averaged, others interpolated, never over a gap of their own.
+
+    Args:
+        found: of a log; the columns are taken out of it, so that none is held twice.
+
+    Raises:
+        InputError: when no run has samples of all columns.
+    """
+    columns, mapping, spans = found.columns, found.mapping, found.spans
+    parts = [(span.name, _run(dict(columns), span, mapping, found.rate)) for span in spans[:-1]]
+    parts.append((spans[-1].name, _run(columns, spans[-1], mapping, found.rate)))
+    runs = [(name, run) for name, run in parts if run is not None]
     if not runs:
-        raise InputError("no run has samples of all columns", log.path, "correct the mapping, or its runs")
-    remarks = [*log.remarks, *remarks, *_left_out(spans, {name for name, _ in runs}), *_integrated(sources)]
-    return recording_from_frame(_frame(runs), mapping.kind, sliding=sliding, warnings=remarks, where=log.path)
+        raise InputError("no run has samples of all columns", found.path, "correct the mapping, or its runs")
+    left_out = _left_out(spans, {name for name, _ in runs})
+    remarks = [*found.remarks, *left_out, *_integrated(mapping.columns)]
+    return recording_from_frame(
+        _frame(runs), mapping.kind, sliding=found.sliding, warnings=remarks, where=found.path
+    )
 
 
 def signal_of(log: Log, name: str) -> Signal:
@@ -129,7 +177,7 @@ def _run(
     Each column is taken out of `columns` when it is at those times, so that none is held twice.
     """
     times = base_times({name: _within(signal, span) for name, signal in columns.items()}, mapping.kind, rate)
-    times = times[times >= span.begin]  # a held value may be from before
+    times = times[np.searchsorted(times, span.begin) :]  # a held value may be from before
     if len(times) < _FEWEST:
         return None
     values = {}
@@ -164,7 +212,7 @@ def _within(signal: Signal, span: Span, beside: bool = False) -> Signal:
     return replace(signal, time=signal.time[first:past], values=signal.values[first:past])
 
 
-def _integrated(sources: dict[str, Source]) -> Iterator[str]:
+def _integrated(sources: AbstractMapping[str, Source]) -> Iterator[str]:
     for column, source in sources.items():
         if source.integrate:
             yield f"Column {column!r} was integrated from {source.signal!r}, from zero in each run."

@@ -41,11 +41,14 @@ def base_times(signals: Mapping[str, Signal], kind: str, rate: float | None) -> 
         return np.empty(0)
     begin = max(time[0] for time in bounds)
     end = min(time[-1] for time in bounds) if measured else max(time[-1] for time in bounds)
+    if not begin <= end:
+        return np.empty(0)
     if rate is not None:
         return np.arange(begin, end, 1.0 / rate)
     slowest = max(measured, key=lambda name: step_of(measured[name]), default="")
     times = signals[slowest].time if measured else _changes(bounds)
-    return times[(times >= begin) & (times <= end)]
+    first, past = np.searchsorted(times, begin), np.searchsorted(times, end, side="right")
+    return times[first:past]
 
 
 def _changes(times: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
@@ -119,8 +122,8 @@ def commanded_at(signal: Signal, times: NDArray[np.float64]) -> NDArray[np.float
     if not len(time) or not np.isfinite(step):
         return values_at(signal, times, held=True)
     margin = _CYCLE * step
-    if np.array_equal(time, times) and (time[1:] >= time[:-1] + step - margin).all():
-        return values  # one command at each of the times
+    if np.array_equal(time, times) and _apart(time, step, margin):
+        return values
     kept, changes = np.empty(len(times)), np.empty(len(times), dtype=bool)
     for first in range(0, len(times), _BLOCK):
         part = slice(first, first + _BLOCK)
@@ -132,6 +135,12 @@ def commanded_at(signal: Signal, times: NDArray[np.float64]) -> NDArray[np.float
         return kept
     kept[changes] = mean_of_held(time, values[:, None], times[changes], step)[:, 0]
     return kept
+
+
+def _apart(time: NDArray[np.float64], step: float, margin: float) -> bool:
+    """Whether no time but the next one comes before a step has passed, less a margin."""
+    parts = (time[first : first + _BLOCK + 1] for first in range(0, len(time), _BLOCK))
+    return all((part[1:] >= part[:-1] + step - margin).all() for part in parts)
 
 
 def _last(

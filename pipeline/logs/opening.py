@@ -36,7 +36,7 @@ def open_recording(
     Raises:
         InputError: when the log cannot be used, or a person has to say which signal is which column.
     """
-    from simgap.logs.apply import recording_of
+    from simgap.logs.apply import at_common_times, converted, recording_of
 
     if mapping is not None:
         return recording_of(read_log(path), mapping_for(path, mapping, kind), platform)
@@ -46,7 +46,9 @@ def open_recording(
     log = read_log(path)
     proposal = propose(log, kind)
     _require(log, proposal, path)
-    return recording_of(log, proposal.mapping(), platform)
+    columns = converted(log, proposal.mapping(), platform)
+    del log  # and the memory of it
+    return at_common_times(columns)
 
 
 def mapping_for(path: Path, mapping: Path, kind: str | None = None) -> Mapping:

@@ -16,7 +16,8 @@ def runs_of_one_clock(run: pd.Series, time: pd.Series) -> tuple[pd.Series, list[
         run: name of each row.
         time: s, of each row.
     """
-    if not (np.diff(time.to_numpy()) < 0).any():
+    times = time.to_numpy()
+    if not (times[1:] < times[:-1]).any():
         return run, []
     codes = pd.factorize(run)[0]
     order = np.argsort(codes, kind="stable")

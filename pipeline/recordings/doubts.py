@@ -43,10 +43,10 @@ def _without_position(frame: pd.DataFrame, kind: str) -> Iterator[str]:
 def _gaps(frame: pd.DataFrame) -> Iterator[str]:
     for run, samples in by_run(frame):
         time = samples["t"].to_numpy()
-        steps = np.diff(time)
-        if len(steps) < 2:
+        if len(time) < 3:
             continue
-        typical = float(np.median(steps))
+        typical = float(np.median(np.diff(time), overwrite_input=True))
+        steps = np.diff(time)
         if typical > _GAP_SECONDS:
             yield f"Run {run!r} has one sample every {typical:.3g} s: are the times in milliseconds instead of seconds?"
         wide = steps > max(_GAP_SECONDS, _GAP_STEPS * typical)

@@ -207,15 +207,16 @@ def _check_time(frame: pd.DataFrame, where: str) -> None:
         )
     names, edges = stretches_of_runs(frame["run"])
     if len(set(names)) == len(names):
-        steps = np.diff(frame["t"].to_numpy(), prepend=-np.inf)
-        steps[edges[:-1]] = np.inf
+        time = frame["t"].to_numpy()
+        wrong = np.append(False, time[1:] <= time[:-1])
+        wrong[edges[:-1]] = False
     else:
-        steps = frame.groupby("run", sort=False)["t"].diff().to_numpy()
-    wrong = steps <= 0
+        wrong = (frame.groupby("run", sort=False)["t"].diff() <= 0).to_numpy()
     if wrong.any():
         row = int(np.argmax(wrong))
-        what = "the same time appears twice" if steps[row] == 0 else f"time goes back by {-steps[row]:.6g} s"
-        raise InputError(what, location(where, frame, row, "t"), clock_remedy(wrong, bool(steps[row] == 0)))
+        step = frame["t"][frame["run"] == frame["run"].iloc[row]].diff()[row]
+        what = "the same time appears twice" if step == 0 else f"time goes back by {-step:.6g} s"
+        raise InputError(what, location(where, frame, row, "t"), clock_remedy(wrong, bool(step == 0)))
 
 
 def _whole_numbers(frame: pd.DataFrame, column: str, where: str) -> pd.Series:

@@ -4,7 +4,8 @@ Source: the documentation of LeRobotDataset at huggingface.co/docs/lerobot.
 """
 
 import json
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,15 @@ from numpy.typing import NDArray
 
 from simgap.errors import InputError
 from simgap.logs.log import Log, Signal, Span
+from simgap.logs.records import RecordSignals
 
 _TIME, _EPISODE = "timestamp", "episode_index"
 _UNUSED = ("frame_index", "index", "task_index", "next.done")
 _MOST = 200_000_000  # numbers of a data set that are read, 1.6 GB: 300 hours of twelve joints at 15 Hz
 _WIDEST = 1000  # elements of a feature; more than any robot has joints
+Numbers = NDArray[np.floating[Any]]
+"""As they are stored: most data sets have 32 bits."""
+
 _BETWEEN = 1.0  # s from one episode to the next, so that they share no time
 
 
@@ -42,14 +47,14 @@ def read(path: Path) -> Log:
     mixed = bool((np.diff(episodes) < 0).any())
     order = np.argsort(episodes, kind="stable") if mixed else slice(None)
     times, spans = _times(episodes[order], _sorted(columns.get(_TIME), order), fps, str(path))
-    signals = {
-        signal.name: signal
+    made = {
+        label: signal
         for name, values in columns.items()
         if name != _TIME
-        for signal in _signals(name, values[order], times, _labels(info, name))
+        for label, signal in _signals(name, values[order], times, _labels(info, name))
     }
     facts = {key: str(info[key]) for key in ("robot_type", "codebase_version", "fps") if info.get(key)}
-    return Log("LeRobot", str(path), signals, spans, facts)
+    return Log("LeRobot", str(path), RecordSignals({}, made), spans, facts)
 
 
 def _folder(path: Path) -> Path | None:
@@ -78,9 +83,9 @@ def _files(path: Path) -> list[Path]:
     return files
 
 
-def _columns(files: list[Path], unused: Collection[str], where: str) -> dict[str, NDArray[np.float64]]:
+def _columns(files: list[Path], unused: Collection[str], where: str) -> dict[str, Numbers]:
     """Return the numbers of each column but the unused ones, (frames,) or (frames, elements)."""
-    parts: dict[str, list[NDArray[np.float64]]] = {}
+    parts: dict[str, list[Numbers]] = {}
     total = 0
     for file in files:
         found, count = _of_file(file, unused, _MOST - total)
@@ -99,7 +104,7 @@ def _columns(files: list[Path], unused: Collection[str], where: str) -> dict[str
         ) from None
 
 
-def _of_file(path: Path, unused: Collection[str], most: int) -> tuple[dict[str, NDArray[np.float64]], int]:
+def _of_file(path: Path, unused: Collection[str], most: int) -> tuple[dict[str, Numbers], int]:
     """Return the columns of one file that hold numbers, and how many numbers that are."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -139,15 +144,13 @@ def _is_numeric(kind: Any) -> bool:
     return bool(pa.types.is_floating(inner) or pa.types.is_integer(inner) or pa.types.is_boolean(inner))
 
 
-def _array(column: Any) -> NDArray[np.float64] | None:
+def _array(column: Any) -> Numbers | None:
     """Return a column as (frames,) or (frames, elements); None where its rows differ in length."""
     import pyarrow as pa
 
     if not (pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type)):
-        with np.errstate(invalid="ignore"):  # a signalling NaN
-            return np.asarray(column.to_numpy(zero_copy_only=False), dtype="float64")
-    with np.errstate(invalid="ignore"):  # a signalling NaN
-        values = np.asarray(column.flatten().to_numpy(zero_copy_only=False), dtype="float64")
+        return _numbers(column)
+    values = _numbers(column.flatten())
     width, rest = divmod(len(values), len(column)) if len(column) else (0, 0)
     if rest or not 0 < width <= _WIDEST:
         return None
@@ -156,14 +159,18 @@ def _array(column: Any) -> NDArray[np.float64] | None:
     return values.reshape(len(column), width)
 
 
-def _sorted(
-    values: NDArray[np.float64] | None, order: NDArray[np.int64] | slice
-) -> NDArray[np.float64] | None:
+def _numbers(column: Any) -> Numbers:
+    """Return numbers in 32 bits where they are stored so, else in 64 bits."""
+    values = column.to_numpy(zero_copy_only=False)
+    return values if values.dtype == np.float32 else np.asarray(values, dtype=np.float64)
+
+
+def _sorted(values: Numbers | None, order: NDArray[np.int64] | slice) -> Numbers | None:
     return None if values is None else values[order]
 
 
 def _times(
-    episodes: NDArray[np.float64], stamps: NDArray[np.float64] | None, fps: float, where: str
+    episodes: Numbers, stamps: Numbers | None, fps: float, where: str
 ) -> tuple[NDArray[np.float64], tuple[Span, ...]]:
     """Return the time of each frame, s, and the episodes, one behind the other."""
     if stamps is None and not fps > 0:
@@ -174,9 +181,10 @@ def _times(
     times = np.empty(len(episodes))
     spans = []
     begin = 0.0
+    told = np.empty(0) if stamps is None else stamps.astype(np.float64)
     for first, after in zip(starts, [*starts[1:], len(episodes)], strict=True):
         # Timestamps are stored with 24 bits; fps, where it is known, says them exactly.
-        own = np.arange(after - first) / fps if fps > 0 else np.asarray(stamps)[first:after]
+        own = np.arange(after - first) / fps if fps > 0 else told[first:after]
         times[first:after] = begin + own - own[0]
         spans.append(Span(f"episode_{episodes[first]:.0f}", begin, float(times[after - 1])))
         begin = float(times[after - 1]) + _BETWEEN
@@ -184,15 +192,21 @@ def _times(
 
 
 def _signals(
-    name: str, values: NDArray[np.float64], times: NDArray[np.float64], labels: list[str]
-) -> Iterator[Signal]:
-    held = name == "action"
+    name: str, values: Numbers, times: NDArray[np.float64], labels: list[str]
+) -> Iterator[tuple[str, Callable[[], Signal]]]:
+    """Yield the name of each signal, and what makes it."""
     if values.ndim == 1:
-        yield Signal(name, times, values, held=held)
+        yield name, partial(_signal, name, times, values, name == "action")
         return
     marks = labels if len(labels) == values.shape[1] else [str(place) for place in range(values.shape[1])]
     for mark, column in zip(marks, values.T, strict=True):
-        yield Signal(f"{name}[{mark}]", times, np.ascontiguousarray(column), held=held)
+        label = f"{name}[{mark}]"
+        yield label, partial(_signal, label, times, column, name == "action")
+
+
+def _signal(name: str, times: NDArray[np.float64], values: Numbers, held: bool) -> Signal:
+    with np.errstate(invalid="ignore"):  # a signalling NaN
+        return Signal(name, times, np.ascontiguousarray(values, dtype=np.float64), held=held)
 
 
 def _labels(info: Mapping[str, Any], feature: str) -> list[str]:

@@ -141,3 +141,19 @@ def test_the_real_data_set(shared_data: Path) -> None:
     assert proposal is not None
     assert proposal.columns["position"].source.signal == "observation.state[shoulder_lift]"
     assert not proposal.is_sure  # nothing beyond 100: degrees or percent
+
+
+def test_numbers_are_those_of_the_file_and_times_add_up_in_64_bits(tmp_path: Path) -> None:
+    stored = table(0)
+    episodes = pa.array(np.repeat([0, 1], FRAMES))
+    both = pa.concat_tables([stored, stored]).set_column(4, "episode_index", episodes)
+    path = tmp_path / "file-000.parquet"
+    pq.write_table(both, path)
+    log = read_log(path)
+    signal = log.signals["observation.state[1]"]
+    assert signal.values.dtype == signal.time.dtype == np.float64
+    own = stored["timestamp"].to_numpy().astype(np.float64)
+    expected = np.concatenate([own, own[-1] + 1.0 + own])
+    np.testing.assert_array_equal(signal.time, expected)
+    values = np.stack(stored["observation.state"].to_pylist())[:, 1]
+    np.testing.assert_array_equal(signal.values, np.tile(values, 2))
