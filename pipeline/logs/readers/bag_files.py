@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from simgap import compiled
 from simgap.artifacts.plain_yaml import read_yaml
 from simgap.logs.readers import mcap_records as mcap
+from simgap.logs.readers.bag_database import messages_of, opened, topics_of
 from simgap.logs.readers.json_messages import json_columns
 from simgap.logs.readers.packed import Columns, Packed
 from simgap.logs.readers.ros_messages import MessageType
 
 _AT_ONCE = 20_000  # messages
-_FETCHED = 500  # rows of a database at once: so few are still near the processor when they are packed
 _BYTES_AT_ONCE = 1 << 24  # of messages that come one by one, or of a database
 
 Reads = Callable[[Packed], Iterator[Columns]]
@@ -123,38 +123,17 @@ def _block(channels: dict[int, Channel], messages: list[tuple[int, int, bytes]])
 
 
 def _of_database(path: Path) -> Iterator[Block]:
-    import sqlite3
-
-    from rosbags.rosbag2 import Reader
-
-    with Reader(path) as reader:
-        channels = {entry.id: _channel_of(entry, padded=True) for entry in reader.connections}
-    with closing(sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)) as database:
-        (count,) = database.execute("SELECT COUNT(*) FROM messages").fetchone()
+    with closing(opened(path)) as database:
+        channels = {
+            topic.number: _ros_channel(topic.name, topic.type, topic.text, topic.written_in, padded=True)
+            for topic in topics_of(database)
+        }
+        ((count,),) = database.execute("SELECT COUNT(*) FROM messages")
         at_once = min(1 + _BYTES_AT_ONCE * count // path.stat().st_size, _AT_ONCE)
-        rows = database.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp")
-        for which, times, messages in _in_stretches(rows, at_once):
+        for which, times, messages in messages_of(database, at_once):
             known = np.flatnonzero(np.isin(which, list(channels)))
             if len(known):
                 yield Block(channels, which[known], times[known], messages[known])
-
-
-def _in_stretches(rows: Any, at_once: int) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], Packed]]:
-    """Yield topics, times and messages of a database, many at a time."""
-    fetched = min(_FETCHED, at_once)
-    while found := rows.fetchmany(fetched):
-        which: list[int] = []
-        times: list[int] = []
-        sizes: list[int] = []
-        data: list[bytes] = []
-        while found:
-            some, moments, messages = zip(*found, strict=True)
-            which += some
-            times += moments
-            sizes += map(len, messages)
-            data.append(b"".join(messages))
-            found = rows.fetchmany(fetched) if len(which) < at_once else []
-        yield np.array(which), np.array(times, dtype=np.int64), Packed.joined(data, sizes)
 
 
 def _of_bag1(path: Path) -> Iterator[Block]:
