@@ -53,7 +53,7 @@ class Topic:
         """
         stamps = np.full(len(rows), np.nan)
         for part in found:
-            places = np.searchsorted(rows, part.rows)
+            places = np.arange(len(rows)) if len(found) == 1 else np.searchsorted(rows, part.rows)
             if part.stamps is not None:
                 stamps[places] = (part.stamps + shifts[places]) * _NANOSECOND
             for names, values in part.blocks:

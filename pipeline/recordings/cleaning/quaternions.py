@@ -45,10 +45,11 @@ def _flipped(quaternion: Sequence[np.ndarray]) -> np.ndarray:
     cosine = np.zeros(max(len(present[0]) - 1, 0))
     for component in present:
         cosine += component[1:] * component[:-1]
-    other = np.zeros(len(present[0]), dtype=bool)
-    other[1:] = np.cumsum(cosine < 0) % 2 == 1
-    flipped = np.zeros(len(known), dtype=bool)
-    flipped[known] = other
+    flipped, turns = np.zeros(len(known), dtype=bool), cosine < 0
+    if turns.any():
+        other = np.zeros(len(present[0]), dtype=bool)
+        other[1:] = np.cumsum(turns) % 2 == 1
+        flipped[known] = other
     return flipped
 
 

@@ -27,8 +27,7 @@ def typical_step(time: np.ndarray) -> float:
     A mean of the steps would accumulate the jitter at both ends of every loss.
     """
     steps = np.diff(time)
-    middle = (len(steps) - 1) // 2
-    median = float(np.partition(steps, middle)[middle])  # one of the steps, however they scatter
+    median = float(np.quantile(steps, 0.5, method="lower"))  # one of the steps, however they scatter
     numbers = np.maximum(np.round(steps / median), 1.0)
     place = np.concatenate([[0.0], np.cumsum(numbers)])
     step = _common_slope(place, time, np.flatnonzero(numbers > _LONG_LOSS) + 1)
