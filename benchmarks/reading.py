@@ -52,18 +52,18 @@ start included; 2 million records a second for importing and for cleaning; and m
 {verdict}
 
 The times leave out what is imported and compiled once. From 8 MiB on, a loop over the records of ULog, MCAP and
-Crazyflie logs is compiled: that takes half a second the first time, and 0.4 s in each later process.
+Crazyflie logs is compiled, and over JSON that repeats but for its numbers: that takes half a second the first time, and
+0.4 s in each later process. JSON whose messages differ otherwise, or bear stamps or booleans, is left to Arrow's
+parser, which takes three times as long.
 
 Where importing misses its rate, what is left is the work of a library, or spread over all columns:
 
-- SysId and MCAP in JSON: Arrow's parser takes more than half of the time.
-- ROS 2 bags: SQLite hands out rows one by one, which takes a third of the time; that `rosbags` counts the messages as
-  it opens a file, a fifth.
-- Blackbox: the numbers of a frame are as long as they have to be. Decoding them takes a quarter of the time, a tenth is
-  Parquet, and the rest is resampling to one rate, column by column.
+- ROS 2 bags: SQLite hands out rows one by one, which takes half of the time.
+- Blackbox: the numbers of a frame are as long as they have to be. Decoding them takes a third of the time, a tenth is
+  Parquet, and the rest is finding out what the signals are, and resampling to one rate, column by column.
 
 Cleaning looks at every number: a quadrotor has four to seven times the columns of a joint, and an offset between two
-clocks is estimated of it, which takes some 0.045 s however long the recording is. A recording takes 8 bytes a number in
+clocks is estimated of it, which takes some 0.04 s however long the recording is. A recording takes 8 bytes a number in
 memory; cleaning copies those columns that it changes. That is several times the file where this is compressed, or holds
 numbers of two or four bytes.
 """

@@ -4,6 +4,8 @@ from collections.abc import Mapping as AbstractMapping
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
+
 from simgap.errors import InputError
 from simgap.logs.formats import format_of, read_log
 from simgap.logs.log import Log
@@ -47,7 +49,8 @@ def open_recording(
     proposal = propose(log, kind)
     _require(log, proposal, path)
     columns = converted(log, proposal.mapping(), platform)
-    del log  # and the memory of it
+    del log
+    pa.default_memory_pool().release_unused()
     return at_common_times(columns)
 
 
