@@ -93,6 +93,13 @@ def test_a_concealed_driver_is_not_recorded():
         assert set(shown) - set(hidden)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_some_machine_can_conceal_whatever_pair_is_drawn(kind):
+    every = len(PROVE[kind]["effects"]) ** 2 // 2  # cards are drawn in turn, all before one comes again
+    pairs = {frozenset(case.subject.names) for case in drawn(kind, every, pair=1.0)}
+    assert not pairs & {frozenset(pair) for pair in PROVE[kind]["apart"]}
+
+
 def test_effects_that_no_machine_has_together_are_refused():
     table = PROVE["joint"] | {
         "effects": {
