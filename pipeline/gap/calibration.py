@@ -33,6 +33,7 @@ MODULES = (
     "neighbours",
     "noise_ceiling",
     "partly",
+    "passed_noise",
     "posterior",
     "prepare",
     "presence",

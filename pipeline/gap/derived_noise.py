@@ -22,20 +22,22 @@ _SEED = 0
 
 def noise_of_derived(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:
     """Return the standard deviation that the noise of position and input gives each channel's rows, (channels,)."""
-    position = blocks.signals["position"]
-    size = sample_noise(blocks.inner(position), blocks.noise_kept).sqrt()
-    random = torch.Generator().manual_seed(_SEED)
-    noise = size * torch.randn(position.shape, generator=random, dtype=position.dtype)
-    shaken = {
-        "position": position + noise,
-        "velocity": blocks.signals["velocity"] + _slope(noise, blocks.time_step),
-    }
-    moved = replace(blocks, signals=blocks.signals | shaken)
+    moved = shaken_position(blocks)
     changed = residual_rows(simulator, moved, functions) - residual_rows(simulator, blocks, functions)
     variance = changed.square().mean((0, 1))
     if "position_command" not in blocks.signals:
         variance = variance + _of_input(simulator, blocks, functions)
     return variance.sqrt()
+
+
+def shaken_position(blocks: Blocks, share: float = 1.0) -> Blocks:
+    """Return blocks whose position holds a share of its white noise again, and whose velocity is derived from it."""
+    position = blocks.signals["position"]
+    size = share * sample_noise(blocks.inner(position), blocks.noise_kept).sqrt()
+    random = torch.Generator().manual_seed(_SEED)
+    noise = size * torch.randn(position.shape, generator=random, dtype=position.dtype)
+    velocity = blocks.signals["velocity"] + _slope(noise, blocks.time_step)
+    return replace(blocks, signals=blocks.signals | {"position": position + noise, "velocity": velocity})
 
 
 def _of_input(simulator: Simulator, blocks: Blocks, functions: WindowFunctions) -> Tensor:

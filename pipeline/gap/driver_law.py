@@ -68,9 +68,9 @@ class DriverLaw:
         least squares to the other stretches of the run, so that no stretch contributes to its own estimate.
         """
         load = self._load(problem.blocks)
-        fallen = 0.0
+        fallen: Tensor | float = 0.0
         if load is not None:
-            fallen = self.at_once * load + self.late * lagged(problem.blocks, load, self.lag)  # type: ignore[assignment]
+            fallen = self.at_once * load + self.late * lagged(problem.blocks, load, self.lag)
         line = constant(problem.blocks, self.rest)
         for _ in range(_PASSES):
             before = self._residual(problem, line - fallen)

@@ -14,17 +14,19 @@ import torch
 from torch import Tensor
 
 from simgap.effects import ActuatorEffect, Effect, MeasurementEffect
-from simgap.effects.time_offset import TimeOffset
 from simgap.gap.fit import Fit
+from simgap.gap.passed_noise import PassedNoise
 from simgap.gap.problem import Problem
+from simgap.gap.recent import Recent
 from simgap.gap.row_noise import TOLERATED, noise_of_rows
 from simgap.gap.temper import Temper
 from simgap.simulation import Simulator
 
-_SENT = "motor_command"
 _INEXACT = 0.05
 """Of what a law explains: textbook laws of friction and drag hold to a twentieth, so that what is left below it is
 evidence for no other one."""
+_KEPT = 8
+"""Simulators whose passed noise is remembered."""
 _NOTHING = 1e-24
 """Mean square of what does not move at all."""
 
@@ -76,6 +78,8 @@ class LikelihoodOf:
         self.base = problem.residual(nominal)
         self.temper = problem.counted or counted_beside(problem, self.base)
         self.untouched = self._untouched(nominal)
+        self.passed = PassedNoise(problem.blocks, problem.functions)
+        self._passed_bare = Recent[Tensor](_KEPT)
 
     def __call__(self, fitted: Fit) -> Likelihood:
         """Return the likelihood of a fit: of each channel, that of the side of its equation on which it is lower.
@@ -122,20 +126,19 @@ class LikelihoodOf:
         """Return the mean square of the noise that a simulator passes on, and of what it filters out, (channels,) each.
 
         An effect that filters a noisy input lowers the residual and explains nothing: the noise that it removes is
-        added again, with what it would cost by chance. Filters on commands that a program sent are exempt, for such
-        commands hold no noise. Where an effect takes an input away altogether, its noise goes with it.
+        added again, with what it would cost by chance. Commands that a program sent hold no noise, so that filters on
+        them remove none. Where an effect takes an input away altogether, its noise goes with it.
         """
         blocks, functions = self.problem.blocks, self.problem.functions
         bare = simulator.with_effects(tuple(f for f in simulator.effects if not _filters(f.effect)))
-        obeying = simulator.with_effects(
-            tuple(f for f in simulator.effects if not _filters_sent(f.effect, blocks.held))
-        )
         nominal, size = self.problem.noise.square(), self.problem.factor(simulator) ** 2
         # A simulator whose forces jump looks noisy by itself: the quieter one shows what the sensors' noise can be.
         floor = torch.minimum(size * noise_of_rows(bare, blocks, functions).square(), nominal)
-        heard = floor if obeying == bare else size * noise_of_rows(obeying, blocks, functions).square()
         noise = TOLERATED * floor.clamp_min(_NOTHING) + self.problem.quadrature.square()
-        return noise, (floor - heard).clamp_min(0.0)
+        if bare == simulator:
+            return noise, torch.zeros_like(floor)
+        heard, whole = self.passed(simulator), self._passed_bare.of(bare.effects, lambda: self.passed(bare))
+        return noise, floor * (1.0 - heard / whole.clamp_min(1e-300)).clamp_min(0.0)
 
     def _enlargement(self, noise: Tensor) -> Tensor:
         """Return the factors of rows at which their noise is that of the nominal simulator, at least 1, (channels,).
@@ -175,10 +178,3 @@ def _filters(effect: Effect) -> bool:
     """Whether an effect mixes samples of a signal: it averages, delays or shifts it between samples."""
     mixing = isinstance(effect, ActuatorEffect) and (effect.remembers or effect.smooths_commands)
     return mixing or isinstance(effect, MeasurementEffect)
-
-
-def _filters_sent(effect: Effect, held: bool) -> bool:
-    """Whether it mixes commands that a program sent: a multirotor's always are, a voltage may be measured."""
-    if isinstance(effect, TimeOffset):
-        return held or _SENT in effect.on_command_clock
-    return isinstance(effect, ActuatorEffect) and _filters(effect) and (held or _SENT in effect.needs)

@@ -143,12 +143,12 @@ class Problem:
 
     def regressors(self, simulator: Simulator, effect: Effect) -> Tensor | None:
         """Return the columns of an effect that is linear here, (blocks, rows, channels, parameters), else None."""
-        if simulator.is_linear_in(effect):
-            assert isinstance(effect, WrenchEffect)
-            columns = self._where_present(simulator, lambda each: self._columns(each, effect))
-            partly = self.presence is not None and effect.key in self.presence.keys
-            return columns * self.acts[:, None, None, None] if partly else columns
-        return None
+        if not simulator.is_linear_in(effect):
+            return None
+        assert isinstance(effect, WrenchEffect)
+        if self.presence is not None and effect.key in self.presence.keys:
+            return self._columns(simulator, effect) * self.acts[:, None, None, None]
+        return self._where_present(simulator, lambda each: self._columns(each, effect))
 
     def _columns(self, simulator: Simulator, effect: WrenchEffect) -> Tensor:
         return _regressor_columns(simulator, effect, self) * self.factor(simulator)[:, None]

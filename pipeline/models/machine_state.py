@@ -11,7 +11,7 @@ from simgap.models.layout import Layout
 from simgap.models.swerve_layout import four
 from simgap.physics.shapes import Signals
 from simgap.platforms import Platform, Swerve
-from simgap.platforms.swerve_mechanism import chassis_velocity_from_wheels
+from simgap.platforms.swerve_mechanism import SwerveMechanism, twist_from_wheels
 from simgap.simulation.motion import SwerveMotion
 
 _SIGNALS = {"motor_speed": "rotor_speed"}  # names of signals where they are not those of the columns
@@ -97,8 +97,9 @@ class SwerveState(SwerveChassisState):
     parts: ClassVar = {"drive": slice(0, 4), "steer": slice(4, 8), "angle": slice(8, 12)}
 
     def _twist(self, own: Tensor) -> Tensor:
-        drive, angle = own[..., self.parts["drive"]], own[..., self.parts["angle"]]
-        return chassis_velocity_from_wheels(drive, angle, self.platform)
+        names = {"drive_velocity": "drive", "steer_velocity": "steer", "steer_angle": "angle"}
+        wheels = {name: own[..., self.parts[part]] for name, part in names.items()}
+        return twist_from_wheels(wheels, SwerveMechanism(self.platform).constants())
 
 
 _STATES: dict[str, tuple[str, type[MachineState]]] = {

@@ -17,13 +17,15 @@ import torch
 from torch import Tensor
 
 from simgap.physics.shapes import Matrix, PerModule, Vector
-from simgap.platforms.swerve_kinematics import lateral_matrix, lateral_matrix_rate
+from simgap.platforms.swerve_kinematics import lateral_matrix, lateral_matrix_rate, rolling_speed
 
 _SHARPNESS = 400.0
-"""Of P = (1 + k·S²)⁻¹, S = L̃ᵀL̃ without unit. Its eigenvalues are the squared sines by which the wheels stand across a
-motion, summed: about 2 or more across, where a part of 1/(1 + 4k) = 0.06 % passes, and 4·δ² along wheels that disagree
-by δ, where 16·k·δ⁴ = 0.06 % is lost to δ = 1°."""
+"""Of P = (1 + k·S⁴)⁻¹, S = L̃ᵀL̃ without unit. Its eigenvalues are the squared sines by which the wheels stand across a
+motion, summed: 1 or more across, where a part of 1/(1 + k) = 0.25 % passes at most, and 4·δ² along wheels that disagree
+by δ, where 256·k·δ⁸ = 0.1 % is lost to δ = 6°. Such wheels drag, which is a matter of their side forces. With S² more
+was lost to 2°, and misaligned wheels took another motor constant."""
 
+_BLUR = 2.5e-3  # squared sines by which wheels seem to stand across the motion that they allow: sensor noise
 _FLOOR = (
     1e-4  # added to the eigenvalues of S, which may be 0: wheels that disagree by 0.3° stand as much across
 )
@@ -51,9 +53,11 @@ def rolling_projection(
     across = _indices_first(lateral_matrix(angle, positions) / lengths)
     rate = _indices_first(lateral_matrix_rate(angle, turning, positions) / lengths)
     square, half = _product(across.transpose(0, 1), across), _product(rate.transpose(0, 1), across)
-    turned = _product(square, half + half.transpose(0, 1))
-    projection = _inverse(_unit_matrix(square) + _SHARPNESS * _product(square, square))
-    changed = _product(projection, _product(turned + turned.transpose(0, 1), projection))
+    squared = _product(square, square)
+    turned = _rate_of_square(square, half + half.transpose(0, 1))
+    turned = _rate_of_square(squared, turned)
+    projection = _inverse_beside_fourth(square, squared)
+    changed = _product(projection, _product(turned, projection))
     to_momentum = lengths[:, None] / lengths
     found = projection, -_SHARPNESS * changed
     both = [to_momentum * matrix.movedim((0, 1), (-2, -1)) for matrix in found]
@@ -61,19 +65,24 @@ def rolling_projection(
 
 
 def along_the_wheels(twist: Vector, angle: PerModule, constants: Mapping[str, Any]) -> Vector:
-    """Return the component of a twist with the least side slip, (..., 3).
+    """Return the component of a twist that side slip hinders least, (..., 3).
 
-    Measured wheel angles never agree exactly. The motion with the least side slip is the eigenvector of the least
-    eigenvalue of S. One step of inverse iteration leads there from a measured twist.
+    Measured wheel angles never agree exactly. Side forces of equally loaded tyres grow with slip angles (Pacejka 2012,
+    Tire and vehicle dynamics, §1.2), so side slip hinders least the eigenvector of the least eigenvalue of S, with the
+    rows of L̃ over the square root of each wheel's rolling speed. One step of inverse iteration leads there from a
+    measured twist.
 
     Args:
         twist: measured, (..., 3).
         angle: of the wheels, (..., 4) rad.
-        constants: with `mass` kg, `inertia` kg·m² and `module_positions` (4, 2) m.
+        constants: with `mass` kg, `inertia` kg·m², `module_positions` (4, 2) m and `creep` m/s, below which side forces
+            grow with slip speeds.
     """
-    lengths = _lengths(angle, constants)
+    lengths, positions = _lengths(angle, constants), constants["module_positions"]
     scaled = twist * lengths
-    across = _indices_first(lateral_matrix(angle, constants["module_positions"]) / lengths)
+    grip = torch.hypot(rolling_speed(twist, angle, positions), angle.new_tensor(constants["creep"])).rsqrt()
+    grip = grip / grip.square().mean(-1, keepdim=True).sqrt()
+    across = _indices_first(grip[..., None] * lateral_matrix(angle, positions) / lengths)
     square = _product(across.transpose(0, 1), across)
     easy = _inverse(_unit_matrix(square) * _FLOOR + square) * scaled.movedim(-1, 0)
     easy = easy.sum(1).movedim(0, -1)
@@ -95,7 +104,7 @@ def twist_across(speed: PerModule, angle: PerModule, constants: Mapping[str, Any
     across = _indices_first(lateral_matrix(angle, constants["module_positions"]) / lengths)
     square = _product(across.transpose(0, 1), across)
     pushed = (across * speed.movedim(-1, 0)[:, None]).sum(0)
-    twist = (_inverse(_unit_matrix(square) / _SHARPNESS + square) * pushed).sum(1)
+    twist = (_inverse(_unit_matrix(square) * _BLUR + square) * pushed).sum(1)
     return twist.movedim(0, -1) / lengths
 
 
@@ -115,6 +124,22 @@ def _unit_matrix(matrix: Tensor) -> Tensor:
 def _indices_first(matrix: Tensor) -> Tensor:
     """Return matrices (..., rows, columns) with their indices first."""
     return matrix.movedim((-2, -1), (0, 1)).contiguous()
+
+
+def _inverse_beside_fourth(matrix: Tensor, squared: Tensor) -> Tensor:
+    """Return (1 + k·S⁴)⁻¹ of symmetric matrices S (3, 3, ...) with their squares.
+
+    By its factors 1 ± √(2√k)·S + √k·S², of which each loses half as many digits as the whole.
+    """
+    root = _SHARPNESS**0.5
+    even, odd = _unit_matrix(matrix) + root * squared, (2.0 * root) ** 0.5 * matrix
+    return _product(_inverse(even + odd), _inverse(even - odd))
+
+
+def _rate_of_square(matrix: Tensor, rate: Tensor) -> Tensor:
+    """Return the rate of the squares of symmetric matrices (3, 3, ...) that change at a rate."""
+    half = _product(matrix, rate)
+    return half + half.transpose(0, 1)
 
 
 def _product(first: Tensor, second: Tensor) -> Tensor:

@@ -15,11 +15,22 @@ from simgap.platforms.swerve_kinematics import (
     rolling_speed,
     wheel_direction,
 )
-from simgap.platforms.swerve_slip import CREEP, CREEP_ALONG, LEAST_SLIP, SLIDING, beyond_creep, drift_of
+from simgap.platforms.swerve_slip import (
+    CREEP,
+    CREEP_ALONG,
+    GIVES_WAY,
+    SLIDING,
+    SPINNING,
+    beyond_creep,
+    drift_of,
+)
 
 _CHASSIS = ("drive_x", "drive_y", "drive_yaw")
 MEASURED = "measured_chassis_velocity"
 """The chassis' motion where it was measured by itself and not taken from the wheels, (..., 3)."""
+ROLLED = "rolled_chassis_velocity"
+"""The chassis' motion where it was taken from the wheels of the platform file, (..., 3); a simulator with other wheels
+takes its own from them."""
 # A tyre that holds a side force gives way by a hundredth of its speed or two (Pacejka 2012, §1.2).
 _ACROSS = {
     "across_x": ("m/s", "rolling", 0.02),
@@ -77,17 +88,17 @@ class SwerveMechanism(Mechanism):
             return {}
         twist, angle = signals[MEASURED], wheel_angle(signals["steer_angle"], constants)
         rolls = torch.zeros_like(angle)
-        sliding, least_slip = signals.get(SLIDING, rolls), signals.get(LEAST_SLIP, rolls)
+        sliding, spinning = signals.get(SLIDING, rolls), signals.get(SPINNING, rolls)
         over = rolling_speed(twist, angle, constants["module_positions"].to(twist))
         per_speed = constants["drive_gear_ratio"] / constants["wheel_radius"]
-        motor = per_speed * over + constants["coupling_ratio"] * signals["steer_velocity"]
-        motor = motor + per_speed * signals.get(CREEP_ALONG, rolls)
+        creep = GIVES_WAY * torch.hypot(over, over.new_tensor(constants["creep"]))
+        motor = per_speed * (over + signals.get(CREEP_ALONG, rolls))
+        motor = motor + constants["coupling_ratio"] * signals["steer_velocity"]
         measured = signals["drive_velocity"]
-        motor = (
-            motor
-            + sliding * beyond_creep(measured - motor, constants["creep"] * per_speed)
-            + per_speed * least_slip
-        )
+        slip = sliding * beyond_creep((measured - motor) / per_speed, creep)
+        least = spinning.abs() * constants["creep"]
+        slip = slip + spinning.sign() * (least - spinning.sign() * slip).clamp_min(0.0)
+        motor = motor + per_speed * slip
         rolling = {f"rolling_{n + 1}": (measured[..., n], motor[..., n]) for n in range(4)}
         drift = drift_of(signals, angle, constants)
         along = along_the_wheels(twist - drift, angle, constants) + drift
@@ -143,10 +154,14 @@ class SwerveMechanism(Mechanism):
         return {"wheel_load": signals["drive_torque"], "module_load": modules}
 
     def derived(self, signals: Signals, constants: Constants) -> dict[str, Signal]:
-        """Return the projection onto the motion that the wheels allow, and its rate."""
+        """Return the chassis' motion, the projection onto the motion that the wheels allow, and its rate."""
         angle = wheel_angle(signals["steer_angle"], constants)
         projection, rate = rolling_projection(angle, signals["steer_velocity"], constants)
-        return {"rolling_projection": projection, "rolling_projection_rate": rate}
+        return {
+            "chassis_velocity": _twist(signals, constants),
+            "rolling_projection": projection,
+            "rolling_projection_rate": rate,
+        }
 
     def constrain(self, wrench: Mapping[str, Real], signals: Signals, constants: Constants) -> Channels:
         """Add the wheels' side forces, which leave what is along the motion that the wheels allow."""
@@ -172,7 +187,7 @@ class SwerveMechanism(Mechanism):
 
     def momentum(self, signals: Signals, constants: Constants) -> Channels:
         """Linear and angular momentum of the chassis, angular momentum of each module."""
-        velocity = signals["chassis_velocity"]
+        velocity = _twist(signals, constants)
         chassis = {
             "drive_x": constants["mass"] * velocity[..., 0],
             "drive_y": constants["mass"] * velocity[..., 1],
@@ -238,19 +253,24 @@ def per_module(values: PerModule) -> Channels:
     return {f"steer_{module + 1}": values[..., module] for module in range(4)}
 
 
-def chassis_velocity_from_wheels(
-    drive_velocity: PerModule, steer_angle: PerModule, platform: Swerve
-) -> Vector:
-    """Return the chassis velocity that four rolling wheels fit best in the least-squares sense.
+def twist_from_wheels(signals: Signals, constants: Constants) -> Vector:
+    """Return the chassis' motion that four rolling wheels fit best in the least-squares sense.
 
     Args:
-        drive_velocity: motor speeds, (..., 4) rad/s.
-        steer_angle: (..., 4) rad.
-        platform: geometry and gearing.
+        signals: with `drive_velocity` of the motors, rad/s, `steer_velocity`, rad/s, and `steer_angle`, rad, (..., 4)
+            each.
+        constants: with `wheel_radius` m, `drive_gear_ratio`, `coupling_ratio`, `module_positions` (4, 2) m and
+            `module_offset` (4,) rad.
 
     Returns:
         (..., 3): x m/s, y m/s, yaw rad/s in the robot frame.
     """
-    speed = drive_velocity * (platform.wheel_radius / platform.drive.gear_ratio)
-    positions = torch.tensor(platform.module_positions, dtype=speed.dtype, device=speed.device)
-    return chassis_twist(speed[..., None] * wheel_direction(steer_angle), positions)
+    turning = signals["drive_velocity"] - constants["coupling_ratio"] * signals["steer_velocity"]
+    speed = turning * (constants["wheel_radius"] / constants["drive_gear_ratio"])
+    direction = wheel_direction(wheel_angle(signals["steer_angle"], constants))
+    return chassis_twist(speed[..., None] * direction, constants["module_positions"])
+
+
+def _twist(signals: Signals, constants: Constants) -> Vector:
+    """Return the chassis' motion as it was measured, or as the wheels of a simulator roll, (..., 3)."""
+    return twist_from_wheels(signals, constants) if ROLLED in signals else signals["chassis_velocity"]

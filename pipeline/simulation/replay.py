@@ -13,6 +13,7 @@ from simgap.simulation.actuation import Memory, held_through
 from simgap.simulation.blocks import Blocks
 from simgap.simulation.learned import DYNAMICS, Learned
 from simgap.simulation.motion import motion_of
+from simgap.simulation.odometry import moving, shown
 from simgap.simulation.rollout import rollout
 from simgap.simulation.simulator import Simulator
 
@@ -36,7 +37,7 @@ def replay(
     Args:
         simulator: platform and effects.
         blocks: of a recording.
-        initial: states at the first sample of each block, (blocks, n).
+        initial: recorded states at the first sample of each block, (blocks, n).
         steps: at most one less than the samples of a block.
         substeps: integration steps between two samples.
 
@@ -53,10 +54,12 @@ def replay(
     made = motion_of(simulator.platform, blocks.signals).signals(initial).keys()
     outside = {name: _over_steps(series, within) for name, series in signals.items() if name not in made}
     outside |= {name: series[:, within] for name, series in held.items()}
+    initial = moving(simulator, initial, {name: series[:, blocks.margin] for name, series in signals.items()})
     memory = _lived_through(bare, signals | held, blocks)
     if simulator.learned is not None:
         memory = (*memory, simulator.learned.begin(_until_first(blocks)))
-    return rollout(bare, initial, outside, blocks.time_step, substeps, memory=memory)
+    states = rollout(bare, initial, outside, blocks.time_step, substeps, memory=memory)
+    return shown(simulator, states, signals)
 
 
 def _replay_learned(

@@ -10,7 +10,7 @@ from simgap.physics import rotations
 from simgap.physics.shapes import Signal
 from simgap.platforms import Joint, Platform, Swerve
 from simgap.platforms.swerve_kinematics import heading_of
-from simgap.platforms.swerve_mechanism import MEASURED, chassis_velocity_from_wheels
+from simgap.platforms.swerve_mechanism import MEASURED, ROLLED, SwerveMechanism, twist_from_wheels
 
 _AXES = ("x", "y", "z")
 _QUATERNION = ("w", "x", "y", "z")
@@ -96,11 +96,9 @@ def _swerve(frame: pd.DataFrame, platform: Swerve, held: bool) -> dict[str, Tens
     measured = [_column(frame, name) for name in ("chassis_velocity_x", "chassis_velocity_y", "chassis_rate")]
     if all(series is not None for series in measured):
         present[MEASURED] = torch.stack([series for series in measured if series is not None], dim=-1)
-    present["chassis_velocity"] = (
-        present[MEASURED]
-        if MEASURED in present
-        else chassis_velocity_from_wheels(present["drive_velocity"], present["steer_angle"], platform)
-    )
+    else:
+        present[ROLLED] = twist_from_wheels(present, SwerveMechanism(platform).constants())
+    present["chassis_velocity"] = present[MEASURED if MEASURED in present else ROLLED]
     time = torch.from_numpy(frame["t"].to_numpy(dtype=np.float64, copy=True))
     present["heading"] = heading_of(present["chassis_velocity"], time)
     return present

@@ -45,9 +45,5 @@ class RotorInertiaTorque(ActuatorEffect, WrenchEffect):
         return {**signals, "rotor_acceleration": acceleration}
 
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
-        """Return the yaw torque, N·m; none in a simulator without the effect, where nobody derives the acceleration."""
-        if "rotor_acceleration" in signals:
-            acceleration = signals["rotor_acceleration"]
-        else:
-            acceleration = torch.zeros_like(signals["rotor_speed"])
-        return {"torque_z": -values["inertia"] * spin_momentum(acceleration, constants)}
+        """Return the yaw torque, N·m."""
+        return {"torque_z": -values["inertia"] * spin_momentum(signals["rotor_acceleration"], constants)}

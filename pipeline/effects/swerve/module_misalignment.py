@@ -1,5 +1,6 @@
 """Modules of a swerve drive whose encoder zero is not straight ahead."""
 
+import itertools
 from typing import Any
 
 import torch
@@ -41,6 +42,15 @@ class ModuleMisalignment(ConstantEffect, WrenchEffect):
     excitation = "accelerate hard along x, along y and in yaw, and record the chassis' own motion"
     symptom = "The robot drifts or yaws in a straight drive, and the drive motors need more torque."
     look_alikes = ("slope",)
+
+    def starts(self) -> list[dict[str, float]]:
+        """Return offsets to either side: wheels that work against each other drag alike to both."""
+        size = {parameter.name: parameter.default for parameter in self.parameters}
+        sides = itertools.product((1.0,), *[(1.0, -1.0)] * 3)
+        return [
+            size | {name: size[name] * side for name, side in zip(_OFFSETS, each, strict=True)}
+            for each in sides
+        ]
 
     def subject(self, values: Values) -> str:
         """Return the number of the module that is off by more than twice as much as any other one, or ""."""

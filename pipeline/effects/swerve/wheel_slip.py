@@ -8,7 +8,7 @@ from torch import Tensor
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.swerve.common import wheel_angle
 from simgap.physics.shapes import Signal
-from simgap.platforms.swerve_slip import LEAST_SLIP, SLIDING
+from simgap.platforms.swerve_slip import SLIDING, SPINNING
 
 # Share of a wheel's nominal load: acceleration shifts load, so a light wheel slides first and a heavy one last.
 _LIGHTEST, _LIGHT, _HEAVIEST = 0.7, 0.8, 1.2
@@ -53,7 +53,7 @@ class WheelSlip(ActuatorEffect):
         return {
             "drive_torque": signals["drive_torque"] / used.clamp_min(1.0),
             SLIDING: sliding,
-            LEAST_SLIP: constants["creep"] * spinning * torch.sign(pull),
+            SPINNING: spinning * torch.sign(pull),
         }, None
 
 

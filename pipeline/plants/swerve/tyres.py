@@ -60,7 +60,7 @@ class Tyres:
         """
         if not self.stiffness:
             return _ALONG * loads, self._side_stiffness(rolling) * loads
-        linear = self.stiffness / (np.abs(rolling) + self.creep_speed)
+        linear = self.stiffness / np.hypot(rolling, self.creep_speed)
         sliding = np.sqrt((slip * slip).sum(axis=0))
         grip = loads * linear / np.sqrt(1.0 + (linear * sliding / self.friction) ** 2)
         return grip, grip
@@ -69,4 +69,4 @@ class Tyres:
         """Return side force over load per slip speed across wheels that roll at a speed (runs, 4) m/s."""
         if not self.cornering:
             return np.full_like(rolling, _ACROSS)
-        return np.minimum(self.cornering / (np.abs(rolling) + self.creep_speed), _ACROSS)
+        return np.minimum(self.cornering / np.hypot(rolling, self.creep_speed), _ACROSS)

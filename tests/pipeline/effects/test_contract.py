@@ -196,7 +196,9 @@ def test_slopes_in_the_parameters_are_finite_differences(effect):
         gradient = torch.autograd.grad(weighed(values), list(values.values()))
         for (name, value), slope in zip(start.items(), gradient, strict=True):
             size = abs(value) or 1.0
-            change = 1e-7 * size  # small, since a limit or a delay has kinks
+            change = max(
+                1e-7 * size, 3e-8
+            )  # small, since a limit or a delay has kinks, and not lost in rounding
             above, below = (weighed(start | {name: value + sign * change}) for sign in (1.0, -1.0))
             difference = (above - below) / (2.0 * change)
             # Rounding of sums of about 100 leaves 1e-14 of them over so small a change.

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from simgap.effects import effect_by_key
 from simgap.physics.friction import stribeck_level
 from simgap.platforms.swerve_kinematics import module_states
-from simgap.platforms.swerve_mechanism import MEASURED
+from simgap.platforms.swerve_mechanism import MEASURED, ROLLED
 from simgap.platforms.swerve_slip import CREEP, CREEP_ACROSS
 from simgap.simulation import FittedEffect, Simulator, rollout
 from simgap.simulation.motion import motion_of
@@ -261,6 +261,30 @@ def test_a_robot_with_misaligned_modules_runs_where_they_point():
     straight = rollout(Simulator(SWERVE), initial, commands, 0.01)[0, -1, 0]
     expected = straight * torch.tensor([math.cos(0.2), math.sin(0.2)], dtype=torch.float64)
     torch.testing.assert_close(last[:2], expected)
+
+
+@given(ratio=st.floats(0.5, 2.0), offset=st.floats(-0.2, 0.2), coupling=st.floats(-1.0, 1.0), seed=SEEDS)
+def test_motion_that_nobody_measured_is_taken_from_the_wheels_of_the_simulator(ratio, offset, coupling, seed):
+    """Of a robot whose wheels are smaller, point elsewhere, and turn as its modules are steered."""
+    simulator = Simulator(
+        SWERVE,
+        (
+            FittedEffect(effect_by_key("swerve", "wheel_radius_error@drive"), {"ratio": ratio}),
+            FittedEffect(effect_by_key("swerve", "drive_steer_coupling@drive"), {"ratio": coupling}),
+            *misaligned(**{f"offset_{module}": offset for module in range(1, 5)}).effects,
+        ),
+    )
+    drawn = some_signals("swerve", (), seed)
+    twist, mechanism = drawn["chassis_velocity"], simulator.mechanism
+    angle, _ = module_states(twist, POSITIONS, four(0.0))
+    state = torch.cat([twist, angle - offset, drawn["steer_velocity"], four(0.0)[:1]])
+    signals = motion_of(SWERVE).signals(state, simulator.constants())
+    signals |= {"chassis_velocity": torch.zeros_like(twist), ROLLED: torch.zeros_like(twist)}
+    found = mechanism.derived(signals, simulator.constants())["chassis_velocity"]
+    torch.testing.assert_close(found, twist)
+    assert float(mechanism.momentum(signals, simulator.constants())["drive_x"]) == pytest.approx(
+        SWERVE.mass * float(twist[0])
+    )
 
 
 @given(ratio=st.floats(0.5, 2.0), seed=SEEDS)

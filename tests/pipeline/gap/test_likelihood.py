@@ -272,3 +272,23 @@ def test_what_an_estimated_driver_has_used_up_counts_as_noise_where_the_nominal_
         found.append(LikelihoodOf(used_up, reading.nominal).untouched)
     torch.testing.assert_close(*found)
     assert float(found[0]) > 0.0
+
+
+def resting(seed: int, runs: int = 4, samples: int = 1600) -> Recording:
+    """A motor without a voltage at rest, whose sensors are noisy."""
+    random = np.random.default_rng(seed)
+    at_rest = np.zeros((runs, samples))
+    angle, rate = (size * random.standard_normal(at_rest.shape) for size in (1e-4, 0.05))
+    return recording_of(at_rest, angle, rate)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_winding_gains_nothing_by_smoothing_the_noise_of_a_motor_at_rest(seed):
+    """Held commands hold no noise; the back-EMF beside them does."""
+    light = Simulator(replace(joint_simulator().platform, inertia=5e-4))
+    reading = readings_of(resting(seed), light, Gap())[1]
+    plain, late = (
+        reading.likelihood_of(fitted_as(with_effects(reading.nominal, **values), reading.problem)).value
+        for values in ({}, {"motor_inductance": {"inductance": 0.03}})
+    )
+    assert late < plain + 0.1

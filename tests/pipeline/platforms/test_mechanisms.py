@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from simgap.physics import rotations
 from simgap.platforms.mechanisms import mechanism_of
 from simgap.platforms.swerve_constraint import along_the_wheels
-from simgap.platforms.swerve_mechanism import MEASURED, chassis_velocity_from_wheels
-from simgap.platforms.swerve_slip import CREEP, SLIDING
+from simgap.platforms.swerve_mechanism import MEASURED, twist_from_wheels
+from simgap.platforms.swerve_slip import CREEP, GIVES_WAY, SLIDING
 from tests.pipeline.platforms.machines import JOINT, MACHINES, QUADROTOR, SWERVE, some_signals
 
 KINDS = pytest.mark.parametrize("kind", list(MACHINES))
@@ -147,7 +147,9 @@ def test_wheels_pointing_along_the_motion_tell_the_chassis_velocity(seed):
     along_x = x[:, None] - yaw[:, None] * places[:, 1]
     along_y = y[:, None] + yaw[:, None] * places[:, 0]
     motor_speed = torch.hypot(along_x, along_y) * SWERVE.drive.gear_ratio / SWERVE.wheel_radius
-    found = chassis_velocity_from_wheels(motor_speed, torch.atan2(along_y, along_x), SWERVE)
+    wheels = {"drive_velocity": motor_speed, "steer_angle": torch.atan2(along_y, along_x)}
+    wheels["steer_velocity"] = torch.zeros_like(motor_speed)
+    found = twist_from_wheels(wheels, mechanism_of(SWERVE).constants())
     torch.testing.assert_close(found, twist)
 
 
@@ -203,14 +205,18 @@ def test_motion_across_the_wheels_is_all_that_disagrees_with_them(seed, offset):
 
 @given(seed=SEEDS, slip=st.floats(0.0, 100.0))
 def test_only_a_wheel_that_slides_may_turn_otherwise_and_creep_is_no_sliding(seed, slip):
+    """What is believed of a slip grows from none at the creep to all of it."""
     mechanism = mechanism_of(SWERVE)
     constants = mechanism.constants()
     signals = rolling_signals(seed)
     faster = signals["drive_velocity"] + slip
     sliding = torch.tensor([0.0, 1.0, 0.0, 0.0], dtype=torch.float64).expand(5, 4)
     readings = mechanism.readings(signals | {"drive_velocity": faster, SLIDING: sliding}, constants)
-    creep = CREEP * SWERVE.drive.gear_ratio / SWERVE.wheel_radius
+    per_speed = SWERVE.drive.gear_ratio / SWERVE.wheel_radius
+    creep = GIVES_WAY * torch.hypot(signals["drive_velocity"][:, 1], torch.tensor(CREEP * per_speed).double())
     left = (readings["rolling_2"][0] - readings["rolling_2"][1]).abs()
-    torch.testing.assert_close(left, torch.full_like(left, min(slip, creep)), rtol=1e-6, atol=1e-6)
+    whole = torch.full_like(left, slip)
+    expected = torch.where(whole <= creep, whole, creep.square() / whole)
+    torch.testing.assert_close(left, expected, rtol=1e-5, atol=1e-5)
     held = readings["rolling_1"][0] - readings["rolling_1"][1]
     torch.testing.assert_close(held, torch.full_like(held, slip), rtol=1e-6, atol=1e-6)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from simgap.effects import MeasurementEffect, effects_of
 from simgap.physics import rigid_body, rotations
 from simgap.platforms import Joint, JointMotor
-from simgap.platforms.swerve_mechanism import chassis_velocity_from_wheels
+from simgap.platforms.swerve_mechanism import twist_from_wheels
 from simgap.simulation import FittedEffect, Simulator, rollout
 from simgap.simulation.motion import SwerveMotion, motion_of
 from tests.pipeline.platforms.machines import JOINT, MACHINES, QUADROTOR, SWERVE, some_signals
@@ -146,7 +146,7 @@ def test_simulated_wheels_along_the_motion_tell_the_chassis_velocity(seed):
     along_y = y[:, None] + yaw[:, None] * places[:, 0]
     motion = motion_of(SWERVE)
     wheels = motion.signals(motion.pack(signals | {"steer_angle": torch.atan2(along_y, along_x)}))
-    found = chassis_velocity_from_wheels(wheels["drive_velocity"], wheels["steer_angle"], SWERVE)
+    found = twist_from_wheels(wheels, motion.mechanism.constants())
     torch.testing.assert_close(found, signals["chassis_velocity"])
 
 

@@ -7,8 +7,8 @@ import torch
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from simgap.platforms.swerve_constraint import rolling_projection
-from simgap.platforms.swerve_kinematics import lateral_matrix, module_states
+from simgap.platforms.swerve_constraint import along_the_wheels, rolling_projection
+from simgap.platforms.swerve_kinematics import lateral_matrix, module_states, rolling_speed
 from simgap.simulation import Simulator, rollout
 from simgap.simulation.integration import rk4
 from simgap.simulation.motion import SwerveMotion
@@ -102,6 +102,32 @@ def test_a_projection_keeps_what_wheels_allow_and_takes_the_rest(seed):
     lengths = (masses / SWERVE.mass).sqrt()
     for row in lateral_matrix(angle, POSITIONS):
         assert float((projection @ row / lengths).norm() / (row / lengths).norm()) < LEAK
+
+
+@pytest.mark.parametrize(("toe", "lost"), [(0.05, 1e-3), (0.1, 2e-3)])
+def test_wheels_that_toe_in_drag_and_do_not_lock(toe, lost):
+    angle = toe * torch.tensor([1.0, -1.0, 1.0, -1.0]).double()
+    projection, _ = rolling_projection(angle, torch.zeros_like(angle), CONSTANTS)
+    assert 1.0 - lost < float(projection[0, 0]) <= 1.0
+
+
+@given(seed=st.integers(0, 10**6))
+def test_side_slip_hinders_no_other_motion_less(seed):
+    """Of all motions with the energy of the one found, with tyres whose side force grows with the slip angle."""
+    random = torch.Generator().manual_seed(seed)
+    twist = some_signals("swerve", (), seed)["chassis_velocity"]
+    angle = module_states(twist, POSITIONS, torch.zeros(4).double())[0]
+    angle = angle + 0.03 * torch.randn(4, generator=random, dtype=torch.float64)
+    masses = torch.tensor([SWERVE.mass, SWERVE.mass, SWERVE.inertia]).double()
+    speed = torch.hypot(rolling_speed(twist, angle, POSITIONS), torch.tensor(CONSTANTS["creep"]).double())
+
+    def resistance(motion):
+        lost = ((lateral_matrix(angle, POSITIONS) @ motion).square() / speed).sum()
+        return float(lost / (masses * motion @ motion))
+
+    found = along_the_wheels(twist, angle, CONSTANTS)
+    others = found + 0.02 * torch.randn(50, 3, generator=random, dtype=torch.float64)
+    assert all(resistance(found) < 1.001 * resistance(other) + 1e-9 for other in others)
 
 
 @given(seed=st.integers(0, 10**6))

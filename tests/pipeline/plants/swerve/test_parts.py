@@ -71,7 +71,7 @@ def test_grip_is_shared_along_and_across():
     assert (np.hypot(*force) < 80.0).all()
     np.testing.assert_allclose(force[0] * slip[1], force[1] * slip[0])
     small = tyres.damping(1e-6 * slip, np.zeros((50, 4)) + 10.0, loads)[0]
-    np.testing.assert_allclose(small, 40.0 * 100.0 / 10.15)
+    np.testing.assert_allclose(small, 40.0 * 100.0 / math.hypot(10.0, 0.15))
 
 
 def test_a_pulling_wheel_creeps_as_much_as_its_compliance_says(robot):
@@ -80,7 +80,7 @@ def test_a_pulling_wheel_creeps_as_much_as_its_compliance_says(robot):
     slip = body.rolling[0] - body.twist[0, 0]
     pull = 2.0 / robot.wheel_radius * (1.0 - WHEEL_SHARE)
     share = 0.04 * pull / (0.25 * robot.mass * robot.gravity)
-    np.testing.assert_allclose(slip / (body.rolling[0] + CREEPING), share, rtol=0.02)
+    np.testing.assert_allclose(slip / np.hypot(body.rolling[0], CREEPING), share, rtol=0.02)
 
 
 def test_wheels_that_point_elsewhere_hold_with_the_side_force_of_their_slip_angle():
@@ -88,7 +88,7 @@ def test_wheels_that_point_elsewhere_hold_with_the_side_force_of_their_slip_angl
     angle, rolling, loads = 0.05, np.full((1, 4), 3.0), np.full((1, 4), 100.0)
     slip = np.stack((np.zeros_like(rolling), math.tan(angle) * rolling))
     _, side = tyres.damping(slip, rolling, loads)
-    np.testing.assert_allclose(side * slip[1], 15.0 * loads * math.tan(angle) * 3.0 / 3.15)
+    np.testing.assert_allclose(side * slip[1], 15.0 * loads * math.tan(angle) * 3.0 / math.hypot(3.0, 0.15))
     well_aligned = Tyres(friction=math.inf, stiffness=0.0, height=0.0)
     assert (side < 0.1 * well_aligned.damping(slip, rolling, loads)[1]).all()
 

@@ -1,0 +1,33 @@
+"""Wheels that point elsewhere drag, and their motors are those of the platform: recorded from the concealed plant."""
+
+import pytest
+
+from simgap.gap.diagnosis import diagnose
+from simgap.gap.settings import Gap
+from simgap.plants import case_from_config, record_case
+from simgap.platforms import platform_from_config
+from simgap.recordings.cleaning import clean_with_coverage
+from simgap.recordings.cleaning.settings import Cleaning
+from simgap.recordings.split import Split
+from simgap.runner.compose import compose
+from simgap.simulation import Simulator
+
+pytestmark = pytest.mark.slow
+
+KEY = "module_misalignment@chassis"
+ALIKE = [KEY, "motor_constant_error@drive", "viscous_friction@drive", "mass_error@drive"]
+
+CASES = {"measured": ((0.12, 0.0, 0.01, 0.1), ["chassis"]), "rolled": ((0.024, 0.013, -0.049, -0.03), [])}
+
+
+@pytest.mark.parametrize(("offsets", "channels"), CASES.values(), ids=CASES)
+def test_the_drag_of_misaligned_wheels_is_no_other_motor(offsets, channels):
+    platform = platform_from_config(compose(["platform=swerve_trolley"])["platform"])
+    values = {f"offset_{module}": offset for module, offset in enumerate(offsets, start=1)}
+    concealed = {KEY: values | {"cornering_stiffness": 15.0}}
+    drawn = {"effects": concealed, "runs": 5, "duration": 8.0, "rate": 50.0, "channels": channels}
+    recording, _ = record_case(case_from_config("swerve", drawn), platform, seed=4)
+    cleaned = clean_with_coverage(recording, Cleaning(), Split(holdout=["weave_*"]), 0).recording
+    named = diagnose(cleaned, Simulator(platform), Gap(effects=ALIKE)).naming.named
+    assert [candidate.effect.key for candidate in named if candidate.probability > 0.5] == [KEY]
+    assert {n: named[0].fitted.values[n] for n in values} == pytest.approx(values, rel=0.15, abs=0.005)
