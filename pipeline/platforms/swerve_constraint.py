@@ -25,10 +25,8 @@ motion, summed: 1 or more across, where a part of 1/(1 + k) = 0.25 % passes at m
 by δ, where 256·k·δ⁸ = 0.1 % is lost to δ = 6°. Such wheels drag, which is a matter of their side forces. With S² more
 was lost to 2°, and misaligned wheels took another motor constant."""
 
-_BLUR = 2.5e-3  # squared sines by which wheels seem to stand across the motion that they allow: sensor noise
-_FLOOR = (
-    1e-4  # added to the eigenvalues of S, which may be 0: wheels that disagree by 0.3° stand as much across
-)
+# Added to the eigenvalues of S, which may be 0: wheels that disagree by 1.4° or 0.3° stand as much across.
+_BLUR, _FLOOR = 2.5e-3, 1e-4  # for a drift; for the motion that wheels allow
 
 
 def rolling_projection(
