@@ -20,8 +20,8 @@ import pandas as pd
 import torch
 
 from benchmarks.page import machine, table
+from simgap.diagnosis.diagnose import diagnose
 from simgap.effects import effect_by_key, effects_of
-from simgap.gap.diagnosis import diagnose
 from simgap.gap.settings import Gap
 from simgap.platforms import Joint, JointMotor
 from simgap.recordings.recording import Recording

@@ -11,13 +11,13 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from benchmarks.page import table
+from simgap.diagnosis.validate import validate
 from simgap.effects import Effect, effect_by_key
-from simgap.gap.fit import Fit, fit
+from simgap.equations.fit import Fit, fit
+from simgap.equations.refit import extend
+from simgap.equations.residuals import channels_on
 from simgap.gap.reading import Reading, likeliest_reading
-from simgap.gap.refit import extend
-from simgap.gap.residuals import channels_on
 from simgap.gap.settings import BELIEVED, Gap
-from simgap.gap.validate import validate
 from simgap.recordings.recording import read_recording
 from simgap.simulation.storage import read_simulator
 

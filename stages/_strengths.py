@@ -39,10 +39,10 @@ def energy_over_noise(case: Any, effect: str, config: ProveStage) -> float:
     show, a number of the platform that is off by less than a fit can tell.
     """
     from simgap.effects import effect_by_key
+    from simgap.equations.residuals import residual_rows
+    from simgap.equations.row_noise import noise_of_rows
     from simgap.gap.hypothesis import is_tolerance
     from simgap.gap.reading import likeliest_reading
-    from simgap.gap.residuals import residual_rows
-    from simgap.gap.row_noise import noise_of_rows
     from simgap.platforms.settings import SimulatorSettings
     from simgap.recordings.cleaning import clean_with_coverage
     from simgap.simulation import FittedEffect

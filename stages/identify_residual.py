@@ -59,7 +59,7 @@ def _physics(simulator: "Simulator") -> "Simulator":
 
 
 def _named(recording: "Recording", simulator: "Simulator", settings: Gap) -> "Simulator":
-    from simgap.gap.diagnosis import diagnose
+    from simgap.diagnosis.diagnose import diagnose
 
     return diagnose(recording, simulator, settings).simulator
 

@@ -1,1 +1,1 @@
-"""Floor 7: what a person's own program calls; `simgap` exports it, and the stages call the same functions."""
+"""Floor 9: what a person's own program calls; `simgap` exports it, and the stages call the same functions."""

@@ -14,7 +14,7 @@ from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.split import Split
 
 if TYPE_CHECKING:
-    from simgap.gap.diagnosis import Diagnosis
+    from simgap.diagnosis.diagnose import Diagnosis
     from simgap.models.identify import Identified
     from simgap.recordings.cleaning import Cleaned
     from simgap.recordings.recording import Recording
@@ -38,15 +38,15 @@ class Found:
     @cached_property
     def document(self) -> dict[str, Any]:
         """The diagnosis as plain numbers, texts and lists: what `diagnosis.json` holds."""
-        from simgap.gap.contract import diagnosis_document
+        from simgap.diagnosis.contract import diagnosis_document
 
         return diagnosis_document(self.diagnosis)
 
     def write(self, folder: Path) -> None:
         """Write `diagnosis.json`, `simulator/`, `evidence/`, and `clean/` and `sysid/` where there are such."""
         from simgap.api.gains import write_gains
-        from simgap.gap.contract import write_json
-        from simgap.gap.evidence import write_evidence
+        from simgap.diagnosis.contract import write_json
+        from simgap.diagnosis.evidence import write_evidence
         from simgap.simulation import write_simulator
 
         if self.cleaned is not None:
@@ -112,7 +112,7 @@ def diagnosed(
     """
     from simgap.api.gains import motor_gains
     from simgap.consistency import contradictions
-    from simgap.gap.diagnosis import diagnose
+    from simgap.diagnosis.diagnose import diagnose
     from simgap.recordings.cleaning import clean_with_coverage
 
     gap.check()

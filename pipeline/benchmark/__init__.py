@@ -1,1 +1,1 @@
-"""Floor 6: the benchmark of the diagnosis on cases with known answers; it reads answer keys and diagnoses only."""
+"""Floor 8: the benchmark of the diagnosis on cases with known answers; it reads answer keys and diagnoses only."""

@@ -8,7 +8,17 @@ from typing import Any
 from simgap.artifacts import PACKAGE, hash_path, hash_value
 from simgap.errors import InputError
 
-_DECIDING = ("effects", "gap", "physics", "platforms", "plants", "recordings", "simulation")
+_DECIDING = (
+    "diagnosis",
+    "effects",
+    "equations",
+    "gap",
+    "physics",
+    "platforms",
+    "plants",
+    "recordings",
+    "simulation",
+)
 
 
 @dataclass

@@ -155,6 +155,8 @@ class WrenchEffect(Effect):
 
     linear: ClassVar[bool] = True
     """Whether the wrench is linear in the parameters, which makes identification a least-squares problem."""
+    takes_share: ClassVar[bool] = False
+    """Whether it takes a share of what the actuators exert, as a gear does; otherwise it is a load beside them."""
 
     @abstractmethod
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:

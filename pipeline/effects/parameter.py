@@ -15,6 +15,7 @@ class Parameter:
         high: greatest plausible value.
         neutral: the value at which the effect does nothing.
         optional: whether it is neutral where only the others are given, as in a simulator written before it was there.
+        typical: whether machines that have the effect have it about as large as the default, a decade either way.
     """
 
     name: str
@@ -24,6 +25,7 @@ class Parameter:
     high: float
     neutral: float = 0.0
     optional: bool = False
+    typical: bool = False
 
     @property
     def is_limit(self) -> bool:

@@ -1,1 +1,1 @@
-"""Floor 5: where a simulator and a recording differ, which physics is missing, its model and its validation."""
+"""Floor 6: which physics a simulator lacks: hypotheses, their scores, the search among them, and what is named."""

@@ -15,43 +15,43 @@ from typing import Any
 
 import yaml
 
-_FOLDER = Path(__file__).resolve().parent
+_PACKAGE = Path(__file__).resolve().parents[1]
 
-CALIBRATION = _FOLDER / "calibration.yaml"
+CALIBRATION = _PACKAGE / "gap" / "calibration.yaml"
 """The file of the three numbers, and of what they were fitted to."""
 
 MODULES = (
-    "changes",
-    "command_gain",
-    "derived_noise",
-    "driver_law",
-    "fit",
-    "gains",
-    "hypothesis",
-    "latent_inputs",
-    "likelihood",
-    "neighbours",
-    "noise_ceiling",
-    "partly",
-    "passed_noise",
-    "posterior",
-    "prepare",
-    "presence",
-    "prior",
-    "problem",
-    "reading",
-    "recent",
-    "refit",
-    "residuals",
-    "row_noise",
-    "sample_noise",
-    "scales",
-    "search",
-    "starts",
-    "temper",
-    "width",
+    "equations/command_gain",
+    "equations/derived_noise",
+    "equations/fit",
+    "equations/noise_ceiling",
+    "equations/passed_noise",
+    "equations/presence",
+    "equations/problem",
+    "equations/recent",
+    "equations/refit",
+    "equations/residuals",
+    "equations/row_noise",
+    "equations/sample_noise",
+    "equations/starts",
+    "equations/temper",
+    "equations/width",
+    "gap/changes",
+    "gap/driver_law",
+    "gap/gains",
+    "gap/hypothesis",
+    "gap/latent_inputs",
+    "gap/likelihood",
+    "gap/neighbours",
+    "gap/partly",
+    "gap/posterior",
+    "gap/prepare",
+    "gap/prior",
+    "gap/reading",
+    "gap/scales",
+    "gap/search",
 )
-"""The modules beside this one that decide a score. A change of one of them makes the calibration stale."""
+"""The modules of the package that decide a score. A change of one of them makes the calibration stale."""
 
 _MARGIN = 1e-3
 """Closest to 0 and to 1 that a posterior probability is taken at its word.
@@ -115,16 +115,16 @@ def _stored() -> Calibration:
     return Calibration(*(float(content[each.name]) for each in fields(Calibration)))
 
 
-def hash_of_score(folder: Path = _FOLDER) -> str:
+def hash_of_score(folder: Path = _PACKAGE) -> str:
     """Return the SHA-256 of the code that decides a score, in hexadecimal digits.
 
     Comments, docstrings and layout do not count, and every version of Python gives the same hash.
 
     Args:
-        folder: of the modules; one that is not there is left out.
+        folder: of the package; a module that is not there is left out.
     """
-    paths = [path for name in MODULES if (path := folder / f"{name}.py").is_file()]
-    trees = {path.stem: _plain(ast.parse(path.read_text(encoding="utf-8"))) for path in paths}
+    paths = {name: path for name in MODULES if (path := folder / f"{name}.py").is_file()}
+    trees = {name: _plain(ast.parse(path.read_text(encoding="utf-8"))) for name, path in paths.items()}
     return hashlib.sha256(json.dumps(trees, sort_keys=True).encode()).hexdigest()
 
 

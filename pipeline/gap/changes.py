@@ -13,10 +13,10 @@ from itertools import combinations
 import numpy as np
 import torch
 
+from simgap.equations.presence import Presence, beginning, ending
 from simgap.gap.hypothesis import Hypothesis
 from simgap.gap.neighbours import Neighbours
 from simgap.gap.partly import Partly
-from simgap.gap.presence import Presence, beginning, ending
 from simgap.gap.reading import Reading
 from simgap.simulation import FittedEffect
 from simgap.simulation.blocks import Blocks

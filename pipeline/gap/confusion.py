@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from simgap.effects import Effect, WrenchEffect
-from simgap.gap.fit import effect_jacobian, inverse_of
+from simgap.equations.fit import effect_jacobian, inverse_of
 from simgap.gap.gains import IdentifiedGain
 from simgap.gap.hypothesis import Hypothesis, information_of
 from simgap.gap.name import Named, Naming

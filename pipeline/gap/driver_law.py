@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 from torch import Tensor
 
 from simgap.effects import Effect
-from simgap.gap.problem import Problem
+from simgap.equations.problem import Problem
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks
 

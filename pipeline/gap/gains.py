@@ -15,8 +15,8 @@ from torch import Tensor
 from simgap.effects import Parameter, ParameterError
 from simgap.effects.effect import Values
 from simgap.effects.shift import shift_in_time
-from simgap.gap.fit import clustered_covariance
-from simgap.gap.scoring import independent_clusters
+from simgap.equations.fit import clustered_covariance
+from simgap.equations.scoring import independent_clusters
 from simgap.gap.settings import Gap
 from simgap.physics.weak_form import WindowFunctions, mean_of, mean_rate_of, window_functions
 from simgap.platforms import Controller, Joint

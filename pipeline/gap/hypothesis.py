@@ -8,11 +8,11 @@ import torch
 from torch import Tensor
 
 from simgap.effects import ParameterError
-from simgap.gap.fit import Fit, bounds_of
+from simgap.equations.fit import Fit, bounds_of
+from simgap.equations.resolution import is_short
 from simgap.gap.likelihood import Likelihood
 from simgap.gap.prior import log_odds, log_prior, prior_precision
 from simgap.gap.reading import Reading, Timing
-from simgap.gap.resolution import is_short
 from simgap.simulation import FittedEffect, Simulator
 
 _TOLERANCE = 0.015

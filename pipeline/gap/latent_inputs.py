@@ -6,12 +6,12 @@ from dataclasses import replace
 import torch
 
 from simgap.effects import Effect, ParameterError
+from simgap.equations.problem import Problem
+from simgap.equations.scoring import independent_clusters
 from simgap.gap.candidates import allowed, available_signals
 from simgap.gap.driver_law import DriverLaw, with_signal
 from simgap.gap.hypothesis import Hypothesis
-from simgap.gap.problem import Problem
 from simgap.gap.reading import Reading
-from simgap.gap.scoring import independent_clusters
 from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.blocks import Blocks

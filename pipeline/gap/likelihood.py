@@ -1,6 +1,6 @@
 """How probable the recorded rows are under a fitted simulator.
 
-What a block counts is in `simgap.gap.temper`.
+What a block counts is in `simgap.equations.temper`.
 
 Residuals of an axis are measured against the smaller side of its equation, and elsewhere against what the nominal
 simulator leaves: an equation can be met by making all of its terms small (a dead zone as wide as the commands).
@@ -14,12 +14,12 @@ import torch
 from torch import Tensor
 
 from simgap.effects import ActuatorEffect, Effect, MeasurementEffect
-from simgap.gap.fit import Fit
-from simgap.gap.passed_noise import PassedNoise
-from simgap.gap.problem import Problem
-from simgap.gap.recent import Recent
-from simgap.gap.row_noise import TOLERATED, noise_of_rows
-from simgap.gap.temper import Temper
+from simgap.equations.fit import Fit
+from simgap.equations.passed_noise import PassedNoise
+from simgap.equations.problem import Problem
+from simgap.equations.recent import Recent
+from simgap.equations.row_noise import TOLERATED, noise_of_rows
+from simgap.equations.temper import Temper
 from simgap.simulation import Simulator
 
 _INEXACT = 0.05
@@ -131,14 +131,16 @@ class LikelihoodOf:
         """
         blocks, functions = self.problem.blocks, self.problem.functions
         bare = simulator.with_effects(tuple(f for f in simulator.effects if not _filters(f.effect)))
-        nominal, size = self.problem.noise.square(), self.problem.factor(simulator) ** 2
+        size = self.problem.factor(simulator) ** 2
+        nominal = (self.problem.loudness(simulator) * self.problem.noise).square()
         # A simulator whose forces jump looks noisy by itself: the quieter one shows what the sensors' noise can be.
         floor = torch.minimum(size * noise_of_rows(bare, blocks, functions).square(), nominal)
         noise = TOLERATED * floor.clamp_min(_NOTHING) + self.problem.quadrature.square()
         if bare == simulator:
             return noise, torch.zeros_like(floor)
         heard, whole = self.passed(simulator), self._passed_bare.of(bare.effects, lambda: self.passed(bare))
-        return noise, floor * (1.0 - heard / whole.clamp_min(1e-300)).clamp_min(0.0)
+        removed = torch.where(whole > 0.0, 1.0 - heard / whole, 0.0)
+        return noise, floor * removed.clamp_min(0.0)
 
     def _enlargement(self, noise: Tensor) -> Tensor:
         """Return the factors of rows at which their noise is that of the nominal simulator, at least 1, (channels,).

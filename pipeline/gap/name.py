@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import torch
 
 from simgap.effects import Effect
+from simgap.equations.fit import Fit
+from simgap.equations.problem import Problem
+from simgap.equations.refit import remove
 from simgap.gap.calibration import calibrated
-from simgap.gap.fit import Fit
 from simgap.gap.hypothesis import Hypothesis
 from simgap.gap.missed import misses
 from simgap.gap.posterior import Posterior, posterior_of
-from simgap.gap.problem import Problem
 from simgap.gap.reading import Reading
-from simgap.gap.refit import remove
 from simgap.gap.search import Search
 from simgap.gap.settings import BELIEVED, Gap
 from simgap.simulation import FittedEffect

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from simgap.effects import Effect
-from simgap.gap.fit import columns_of
+from simgap.equations.fit import columns_of
+from simgap.equations.refit import remove
+from simgap.equations.temper import Mixture
 from simgap.gap.hypothesis import Hypothesis
 from simgap.gap.prior import log_odds
-from simgap.gap.refit import remove
-from simgap.gap.temper import Mixture
 from simgap.simulation import FittedEffect
 
 _BLOCKS = 60

@@ -5,16 +5,16 @@ from dataclasses import dataclass, replace
 import torch
 
 from simgap.effects.sizes import sizes_of
+from simgap.equations.problem import Problem
+from simgap.equations.residuals import quadrature_of_rows
+from simgap.equations.resolution import resolution_of, resolved, with_resolution
+from simgap.equations.row_noise import noise_of_rows
+from simgap.equations.scoring import ENOUGH_CLUSTERS, independent_clusters
+from simgap.equations.sensors import settle_accelerometer, settle_velocity
+from simgap.equations.temper import temper_of
+from simgap.equations.width import width_of
 from simgap.errors import InputError
-from simgap.gap.problem import Problem
-from simgap.gap.residuals import quadrature_of_rows
-from simgap.gap.resolution import resolution_of, resolved, with_resolution
-from simgap.gap.row_noise import noise_of_rows
-from simgap.gap.scoring import ENOUGH_CLUSTERS, independent_clusters
-from simgap.gap.sensors import settle_accelerometer, settle_velocity
 from simgap.gap.settings import Gap
-from simgap.gap.temper import temper_of
-from simgap.gap.width import width_of
 from simgap.physics.weak_form import window_functions
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from simgap.effects import Effect, Parameter, ParameterError, WrenchEffect
-from simgap.gap.fit import Fit
+from simgap.equations.fit import Fit
 from simgap.gap.scales import Scales
 from simgap.simulation import FittedEffect
 
@@ -66,10 +66,10 @@ def density_of(effect: Effect, parameter: Parameter, scales: Scales) -> Density:
         return Density("log", 1.0, _RATIO_WIDTH)
     if parameter.name == effect.driver_at_rest:
         return Density("normal", *scales.driver(effect, parameter))
-    if _is_size(effect, parameter):
+    if _is_size(effect, parameter) and not parameter.typical:
         width = known or _DEFAULTS * abs(parameter.default)
         return Density("t", parameter.neutral, width, parameter.low == parameter.neutral)
-    if parameter.unit == "1" and not parameter.is_limit:
+    if parameter.unit == "1" and not (parameter.is_limit or parameter.typical):
         return Density("uniform", 0.5, parameter.high - parameter.low)
     return Density("log", known or abs(parameter.default), _SHAPE_WIDTH)
 

@@ -12,17 +12,17 @@ from functools import cached_property
 import torch
 
 from simgap.effects import Effect
+from simgap.equations.fit import fit
+from simgap.equations.noise_ceiling import noise_ceiling
+from simgap.equations.presence import Presence
+from simgap.equations.problem import Problem
+from simgap.equations.starts import Starts
+from simgap.equations.temper import WIDTHS
 from simgap.gap.candidates import candidates_for
-from simgap.gap.fit import fit
 from simgap.gap.likelihood import LikelihoodOf, counted_beside
-from simgap.gap.noise_ceiling import noise_ceiling
 from simgap.gap.prepare import Prepared, prepare
-from simgap.gap.presence import Presence
-from simgap.gap.problem import Problem
 from simgap.gap.scales import Scales, scales_of
 from simgap.gap.settings import Gap
-from simgap.gap.starts import Starts
-from simgap.gap.temper import WIDTHS
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.signals import COMMANDS

@@ -9,13 +9,15 @@ from dataclasses import dataclass
 
 from simgap.effects import Effect, Parameter, effects_of
 from simgap.effects.sizes import POWERS, size_of
-from simgap.gap.problem import Problem
+from simgap.equations.problem import Problem
 from simgap.simulation import Simulator
 
 _SHARE_OF_SIGNAL = 0.3
 """A law that is worth naming changes what drives the machine by some tenths; this is a width, not a bound."""
 _REACTION = 0.02
 """Of delays and lags, s: what buses, filters and motor controllers take, however slow the machine."""
+_WINDING = 2e-3
+"""Of windings, inductance over resistance, s: 0.1 ms of a coreless motor to 10 ms of a large one in data sheets."""
 _REST_SPREADS, _REST_SHARE = 3.0, 0.1
 """A driver rests within some of its own changes of where it was recorded, or a tenth of its usual size."""
 
@@ -48,7 +50,7 @@ class Scales:
         powers = POWERS.get(unit)
         if powers is None or unit.startswith("1/") or not set(powers) <= set(self.sizes):
             return None
-        share = _REACTION if unit == "H" else _SHARE_OF_SIGNAL
+        share = _WINDING if unit == "H" else _SHARE_OF_SIGNAL
         return share * size_of(unit, self.sizes)
 
 

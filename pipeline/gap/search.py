@@ -11,14 +11,14 @@ import time
 from collections.abc import Sequence
 
 from simgap.effects import Effect, look_alikes_of
+from simgap.equations.fit import Fit, fit
+from simgap.equations.presence import Presence
+from simgap.equations.refit import extend, remove, shrink
 from simgap.gap.changes import changed_reading, changes, refined
-from simgap.gap.fit import Fit, fit
 from simgap.gap.hypothesis import Hypothesis, idle_in, weigh
 from simgap.gap.latent_inputs import driven_again, driven_readings
 from simgap.gap.neighbours import Neighbours
-from simgap.gap.presence import Presence
 from simgap.gap.reading import Reading, Timing
-from simgap.gap.refit import extend, remove, shrink
 from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect, Simulator
 

@@ -1,1 +1,1 @@
-"""Floor 5: fitted and learned dynamics. Knows nothing of the diagnosis and of policies."""
+"""Floor 6: fitted and learned dynamics. Knows nothing of the diagnosis and of policies."""

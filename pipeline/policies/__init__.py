@@ -1,1 +1,1 @@
-"""Floor 5: environments, policies trained in them, and classical controllers for comparison."""
+"""Floor 6: environments, policies trained in them, and classical controllers for comparison."""

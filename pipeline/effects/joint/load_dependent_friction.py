@@ -14,6 +14,7 @@ class LoadDependentFriction(AxisFriction):
     name = "load_dependent_friction"
     parameters = (Parameter("ratio", "1", 0.2, 0.0, _GREATEST_RATIO),)
     needs = ("velocity", "effort")
+    takes_share = True
     formula = "torque = −ratio · |effort| · sign(velocity); at standstill it holds, up to ratio · |effort|"
     source = (
         "Duclusaud et al. 2024, Extended friction models for the physics simulation of servo actuators "

@@ -11,6 +11,7 @@ class AxialInflow(WrenchEffect):
     name = "axial_inflow"
     kind = "quadrotor"
     acts_on = "force"
+    prior_odds = 1.0  # every rotor loses thrust in climb
     parameters = (Parameter("coefficient", "1/s", 0.3, 0.0, 5.0),)
     needs = ("velocity", "rotor_speed")
     formula = "a_z = −coefficient · (mean Ω / Ω_hover) · v_z"

@@ -16,6 +16,7 @@ class MotorLag(ActuatorEffect):
     name = "motor_lag"
     kind = "quadrotor"
     acts_on = "actuator"
+    prior_odds = 1.0  # every rotor has inertia
     # The geometric mean of both times and their ratio: an estimate of the one hardly depends on the other.
     parameters = (
         Parameter("time_constant", "s", 0.04, 0.0, 0.5),

@@ -11,6 +11,7 @@ class RotorDrag(WrenchEffect):
     name = "rotor_drag"
     kind = "quadrotor"
     acts_on = "force"
+    prior_odds = 1.0  # every rotor flaps or drags in a cross-flow
     parameters = (Parameter("coefficient", "1/s", 0.3, 0.0, 5.0),)
     needs = ("velocity", "rotor_speed")
     formula = "a_xy = −coefficient · (mean Ω / Ω_hover) · v_xy"

@@ -55,7 +55,8 @@ def _described(rotor: int) -> tuple[tuple[Parameter, ...], str, str]:
         f"Rotor {rotor} has lost a fraction {{{loss}}} of its thrust; look for a damaged propeller or motor, or "
         f"weaken rotor {rotor} in the simulator."
     )
-    return (Parameter(loss, "1", 0.2, 0.0, 1.0),), formula, sentence
+    # Damage costs some percent at least. Rotors of one batch differ by less, and then a centre of mass is more likely.
+    return (Parameter(loss, "1", 0.2, 0.0, 1.0, typical=True),), formula, sentence
 
 
 class FirstRotorFault(_RotorFault):

@@ -57,8 +57,8 @@ def test_type_checkers_see_the_same_names():
 
 
 def test_an_unknown_name_is_none():
-    with pytest.raises(AttributeError, match="no attribute 'diagnosis'"):
-        _ = simgap.diagnosis
+    with pytest.raises(AttributeError, match="no attribute 'verdict'"):
+        _ = simgap.verdict
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from simgap.benchmark.calibration import (
 )
 from simgap.errors import InputError
 from simgap.gap import calibration
-from simgap.gap.calibration import Calibration, hash_of_score
+from simgap.gap.calibration import CALIBRATION, Calibration, hash_of_score
 from simgap.runner import StageRun
 from simgap.stages._benchmark_case import _diagnosed
 from simgap.stages.calibrate import CalibrateStage, calibrate
@@ -195,7 +195,7 @@ def test_the_stage_writes_what_the_diagnosis_reads(tmp_path: Path, monkeypatch: 
     assert (content["seeds"], content["kinds"]) == ([SEED, SEED + 1], ["quadrotor"])
     assert (content["code"], content["statements"]) == (hash_of_score(), 400)
     assert content["slope"] == pytest.approx(0.8, rel=0.3)
-    assert list(content) == list(yaml.safe_load(Path(calibration._FOLDER / "calibration.yaml").read_text()))
+    assert list(content) == list(yaml.safe_load(CALIBRATION.read_text()))
 
 
 def test_the_stage_refuses_what_scores(tmp_path: Path) -> None:

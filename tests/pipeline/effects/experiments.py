@@ -7,10 +7,10 @@ from torch import Tensor
 
 from simgap.effects import Effect, MeasurementEffect
 from simgap.effects.shift import shift_in_time
-from simgap.gap.fit import Fit, fit
-from simgap.gap.problem import Problem
-from simgap.gap.residuals import residual_rows
-from simgap.gap.temper import temper_of
+from simgap.equations.fit import Fit, fit
+from simgap.equations.problem import Problem
+from simgap.equations.residuals import residual_rows
+from simgap.equations.temper import temper_of
 from simgap.physics import rotations
 from simgap.physics.weak_form import window_functions
 from simgap.simulation import FittedEffect, Simulator, rollout

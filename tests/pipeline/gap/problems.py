@@ -5,14 +5,14 @@ from collections.abc import Sequence
 
 import torch
 
+from simgap.diagnosis.diagnose import Diagnosis, diagnose
 from simgap.effects import Effect, effect_by_key
-from simgap.gap.diagnosis import Diagnosis, diagnose
-from simgap.gap.problem import Problem
-from simgap.gap.residuals import quadrature_of_rows
-from simgap.gap.row_noise import noise_of_rows
-from simgap.gap.scoring import independent_clusters
+from simgap.equations.problem import Problem
+from simgap.equations.residuals import quadrature_of_rows
+from simgap.equations.row_noise import noise_of_rows
+from simgap.equations.scoring import independent_clusters
+from simgap.equations.temper import temper_of
 from simgap.gap.settings import Gap
-from simgap.gap.temper import temper_of
 from simgap.physics.weak_form import window_functions
 from simgap.recordings.recording import Recording
 from simgap.simulation import FittedEffect, Simulator

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from simgap.gap import calibration
 from simgap.gap.calibration import CALIBRATION, MODULES, Calibration, calibrated, hash_of_score, log_odds
 
+PACKAGE = CALIBRATION.parents[1]
 CONTENT = yaml.safe_load(CALIBRATION.read_text(encoding="utf-8"))
 PROBABILITIES = st.floats(0.0, 1.0)
 CALIBRATIONS = st.builds(Calibration, st.floats(-3.0, 3.0), st.floats(0.1, 3.0), st.floats(0.0, 3.0))
@@ -65,24 +66,32 @@ def test_a_slope_that_would_turn_the_order_is_refused(slope: float) -> None:
 def engine(tmp_path: Path) -> Path:
     """A copy of the modules that decide a score."""
     for name in MODULES:
-        if (file := CALIBRATION.with_name(f"{name}.py")).exists():
-            shutil.copy(file, tmp_path)
+        if (file := PACKAGE / f"{name}.py").exists():
+            (tmp_path / name).parent.mkdir(exist_ok=True)
+            shutil.copy(file, tmp_path / f"{name}.py")
     return tmp_path
 
 
 def test_the_hash_is_that_of_the_files_wherever_they_lie(engine: Path) -> None:
     assert hash_of_score(engine) == hash_of_score()
-    (engine / "diagnosis.py").write_text("VERDICT = 1\n")
+    (engine / "gap" / "name.py").write_text("VERDICT = 1\n")
     assert hash_of_score(engine) == hash_of_score()
 
 
-def test_words_do_not_make_it_stale(tmp_path: Path) -> None:
-    file = tmp_path / "prior.py"
-    file.write_text(
+@pytest.fixture
+def prior(tmp_path: Path) -> Path:
+    """Where a package of one module that decides a score has that module."""
+    file = tmp_path / "gap" / "prior.py"
+    file.parent.mkdir()
+    return file
+
+
+def test_words_do_not_make_it_stale(tmp_path: Path, prior: Path) -> None:
+    prior.write_text(
         '"""Said."""\nWIDTH = 1.0\n"""Wide."""\n\ndef log(x):\n    """Return it."""\n    return x - 1\n'
     )
     before = hash_of_score(tmp_path)
-    file.write_text("WIDTH = 1.0  # why\n\n\ndef log(x):\n    return (x\n            - 1)\n")
+    prior.write_text("WIDTH = 1.0  # why\n\n\ndef log(x):\n    return (x\n            - 1)\n")
     assert hash_of_score(tmp_path) == before
 
 
@@ -90,22 +99,21 @@ def test_words_do_not_make_it_stale(tmp_path: Path) -> None:
     "text",
     ["WIDTH = 1.1\n", "WIDTH = 1\n", "WIDTH = '1.0'\n", "WIDTH = -1.0\n", "HEIGHT = 1.0\n", "WIDTH = None\n"],
 )
-def test_every_other_change_makes_it_stale(tmp_path: Path, text: str) -> None:
-    file = tmp_path / "prior.py"
-    file.write_text("WIDTH = 1.0\n")
+def test_every_other_change_makes_it_stale(tmp_path: Path, prior: Path, text: str) -> None:
+    prior.write_text("WIDTH = 1.0\n")
     before = hash_of_score(tmp_path)
-    file.write_text(text)
+    prior.write_text(text)
     assert hash_of_score(tmp_path) != before
-    file.write_text("WIDTH = 1.0\n")
-    file.rename(tmp_path / "scales.py")
+    prior.write_text("WIDTH = 1.0\n")
+    prior.rename(prior.with_name("scales.py"))
     assert hash_of_score(tmp_path) != before
 
 
-def test_the_hash_of_a_file_is_the_same_for_every_version_of_python(tmp_path: Path) -> None:
+def test_the_hash_of_a_file_is_the_same_for_every_version_of_python(tmp_path: Path, prior: Path) -> None:
     """Versions differ in the fields of functions and classes, and in how empty ones are written."""
     text = "class A(B):\n    @c\n    def f(self, x: int = 1, *, y=None) -> str:\n        return f'{x!r:>{y}}' 'z'\n"
-    (tmp_path / "fit.py").write_text(text)
-    assert hash_of_score(tmp_path) == "a3429f33bd705269ae3c2b74a8ea179a40c48e83f72d73526cb096132f12aa3c"
+    prior.write_text(text)
+    assert hash_of_score(tmp_path) == "e40b1d63023048e57187a3a965c8c3b239beae34fd13aef36876755770b6132b"
 
 
 def test_the_stored_numbers_are_the_ones_that_are_used(

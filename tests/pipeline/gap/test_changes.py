@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import torch
 
-from simgap.gap.contract import diagnosis_document
-from simgap.gap.diagnosis import diagnose
-from simgap.gap.fit import fit
-from simgap.gap.presence import Presence
-from simgap.gap.problem import Problem
+from simgap.diagnosis.contract import diagnosis_document
+from simgap.diagnosis.diagnose import diagnose
+from simgap.equations.fit import fit
+from simgap.equations.presence import Presence
+from simgap.equations.problem import Problem
 from simgap.gap.reading import readings_of
 from simgap.gap.search import Search
 from simgap.gap.settings import Gap

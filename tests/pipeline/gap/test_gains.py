@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 import torch
 
-from simgap.gap.derived_noise import noise_of_derived
-from simgap.gap.diagnosis import Diagnosis
+from simgap.diagnosis.diagnose import Diagnosis
+from simgap.equations.derived_noise import noise_of_derived
+from simgap.equations.residuals import residual_rows
 from simgap.gap.gains import IdentifiedGain, folded, gain_remarks, with_gains
-from simgap.gap.residuals import residual_rows
 from simgap.gap.settings import Gap
 from simgap.physics.weak_form import window_functions
 from simgap.plants import record_case

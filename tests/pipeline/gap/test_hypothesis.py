@@ -5,7 +5,7 @@ import functools
 import pytest
 
 from simgap.effects import effect_by_key
-from simgap.gap.fit import Fit, fit
+from simgap.equations.fit import Fit, fit
 from simgap.gap.hypothesis import Hypothesis, weigh
 from simgap.gap.reading import Reading, readings_of
 from simgap.gap.settings import Gap

@@ -8,11 +8,11 @@ import pytest
 import torch
 
 from simgap.effects import effect_by_key
-from simgap.gap.fit import Fit, clustered_covariance, fit, jacobian_of
+from simgap.equations.fit import Fit, clustered_covariance, fit, jacobian_of
+from simgap.equations.problem import Problem
+from simgap.equations.residuals import channels_on
 from simgap.gap.likelihood import LikelihoodOf
-from simgap.gap.problem import Problem
 from simgap.gap.reading import Reading, readings_of
-from simgap.gap.residuals import channels_on
 from simgap.gap.settings import Gap
 from simgap.platforms import Joint
 from simgap.recordings.recording import Recording
@@ -139,14 +139,37 @@ def test_residuals_are_measured_against_what_commands_do():
     assert gain.factor(reading.nominal) == 1.0
     assert gain.factor(friction) == pytest.approx(1.0, rel=1e-6)
     assert gain.factor(halved) == pytest.approx(2.0, rel=1e-6)
+    stronger = with_effects(reading.nominal, motor_constant_error={"ratio": 1.25})
+    assert gain.factor(stronger) == pytest.approx(0.8, rel=1e-6)  # though back-EMF leaves it less current
     assert gain.factor(silent) > 1e3
 
 
-def test_friction_of_a_braking_motor_is_no_answer_to_commands():
+def test_a_gear_that_keeps_most_of_the_effort_leaves_little_of_a_command():
     """Without a voltage the motor brakes, and friction that grows with this load would pass for a great command."""
     reading = read(Plant(friction=0.3))
     rubbed = with_effects(reading.nominal, load_dependent_friction={"ratio": 0.9})
-    assert float(reading.problem.gain.factor(rubbed)) >= 1.0
+    assert float(reading.problem.gain.factor(rubbed)) > 1.5
+
+
+@pytest.mark.parametrize(
+    "timing", [{"command_delay": {"delay": 0.1}}, {"sensor_time_offset": {"offset": 0.1}}]
+)
+def test_a_voltage_in_time_with_the_motion_is_no_weak_one(timing):
+    """A late motor answers as strongly. Beside back-EMF in time with it, its voltage leaves less current."""
+    reading = read(Plant(delay=0.1))
+    late = with_effects(reading.nominal, **timing)
+    assert float(reading.problem.gain.factor(late)) == pytest.approx(1.0, rel=0.05)
+
+
+def test_a_limit_that_takes_most_of_a_motor_raises_the_noise_with_the_rows():
+    """On the side of the commands rows grow as they do less, and the noise of the motion grows with them."""
+    plant = Plant(current_limit=0.8)
+    reading = read(plant)
+    likelihood = LikelihoodOf(reading.problem, reading.nominal)
+    limited = with_effects(reading.nominal, current_limit={"limit": plant.current_limit})
+    assert float(reading.problem.factor(limited)) > 3.0
+    noise = likelihood.noise(limited)[0] / likelihood.noise(reading.nominal)[0]
+    assert float(noise.sqrt()) == pytest.approx(float(reading.problem.loudness(limited)), rel=0.3)
 
 
 def test_rows_of_a_quadrotor_answer_to_recorded_rotor_speeds():

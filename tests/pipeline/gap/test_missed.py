@@ -2,12 +2,12 @@
 
 import pytest
 
-from simgap.gap.fit import fit
+from simgap.equations.fit import fit
+from simgap.equations.temper import _SHARES
 from simgap.gap.hypothesis import weigh
 from simgap.gap.missed import _LEAST, misses
 from simgap.gap.reading import readings_of
 from simgap.gap.settings import Gap
-from simgap.gap.temper import _SHARES
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
 

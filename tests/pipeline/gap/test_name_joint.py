@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from simgap.effects import effect_by_key
-from simgap.gap.fit import fit
-from simgap.gap.refit import extend
+from simgap.equations.fit import fit
+from simgap.equations.refit import extend
 from simgap.platforms import Joint
 from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.gap.problems import (

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from simgap.gap.diagnosis import Diagnosis
+from simgap.diagnosis.diagnose import Diagnosis
 from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from tests.pipeline.gap.problems import named, quick, value_of

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from simgap.diagnosis.diagnose import Diagnosis
 from simgap.effects import effect_by_key
-from simgap.gap.diagnosis import Diagnosis
 from simgap.platforms import DirectCurrentMotor, Swerve, SwerveAxis
 from simgap.platforms.swerve import SteerAxis
 from simgap.recordings.recording import Recording

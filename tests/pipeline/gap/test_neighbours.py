@@ -4,11 +4,11 @@ import functools
 
 import torch
 
-from simgap.gap.fit import fit
+from simgap.equations.fit import fit
+from simgap.equations.refit import extend
 from simgap.gap.hypothesis import Hypothesis, weigh
 from simgap.gap.neighbours import Neighbours
 from simgap.gap.reading import readings_of
-from simgap.gap.refit import extend
 from simgap.gap.settings import Gap
 from simgap.simulation import Simulator
 from tests.pipeline.gap.recordings import flight, racer

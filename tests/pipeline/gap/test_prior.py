@@ -8,7 +8,7 @@ import torch
 from scipy import integrate
 
 from simgap.effects import ParameterError, effect_by_key, effects_of
-from simgap.gap.fit import fit
+from simgap.equations.fit import fit
 from simgap.gap.hypothesis import Hypothesis, weigh
 from simgap.gap.prior import Density, densities_of, density_of, log_odds
 from simgap.gap.reading import Reading, readings_of
@@ -71,12 +71,15 @@ def test_a_ratio_and_its_inverse_are_as_probable_in_logarithms():
 
 @pytest.mark.parametrize("kind", ["joint", "quadrotor", "swerve"])
 def test_a_share_may_have_any_value_within_its_bounds(kind):
-    """A share of nothing, or a negative one, is as possible as its bounds say: a ratio's logarithm forbids it."""
+    """A share of nothing, or a negative one, is as possible as its bounds say: a ratio's logarithm forbids it.
+
+    Not of damage, which has a usual size.
+    """
     shares = [
         (effect, parameter)
         for effect in effects_of(kind)
         for parameter in effect.parameters
-        if parameter.unit == "1" and parameter.low <= 0.0
+        if parameter.unit == "1" and parameter.low <= 0.0 and not parameter.typical
     ]
     for effect, parameter in shares:
         density = density_of(effect, parameter, SCALES)
@@ -104,6 +107,13 @@ def test_a_limit_has_a_likely_decade(kind):
         assert density.family == "log", effect.key
         logs = [density.log(size * density.centre) + math.log(size) for size in (1e-3, 0.3, 1.0, 3.0, 1e3)]
         assert min(logs[1:4]) - max(logs[0], logs[4]) > 15.0, effect.key
+
+
+def test_damage_is_hardly_ever_as_small_as_what_rotors_of_one_batch_differ_by():
+    fault = effect_by_key("quadrotor", "rotor_fault@1")
+    density = density_of(fault, fault.parameters[0], SCALES)
+    found, batch = 0.2, 0.002
+    assert density.log(found) + math.log(found) > density.log(batch) + math.log(batch) + 10.0
 
 
 @pytest.mark.parametrize("name", DENSITIES)

@@ -4,9 +4,9 @@ import functools
 
 import pytest
 
+from simgap.diagnosis.diagnose import diagnose
 from simgap.effects import effect_by_key
 from simgap.gap import search as searched
-from simgap.gap.diagnosis import diagnose
 from simgap.gap.hypothesis import Hypothesis
 from simgap.gap.name import name
 from simgap.gap.posterior import posterior_of

@@ -2,7 +2,7 @@
 
 import pytest
 
-from simgap.gap.diagnosis import diagnose
+from simgap.diagnosis.diagnose import diagnose
 from simgap.gap.settings import Gap
 from simgap.plants import case_from_config, record_case
 from simgap.platforms import platform_from_config
