@@ -9,6 +9,7 @@ from typing import Any
 
 from simgap.diagnosis.diagnose import Diagnosis
 from simgap.effects.told import UNTOLD, is_told
+from simgap.equations.presence import Presence
 from simgap.gap.name import Named, Rivalry
 from simgap.simulation import FittedEffect
 
@@ -80,7 +81,7 @@ def _effect(diagnosis: Diagnosis, named: Named, fitted: FittedEffect) -> dict[st
     }
     statement = effect.statement(fitted.values, unit) if is_told(entry) else UNTOLD
     presence = diagnosis.fitting.presence
-    if presence is None or effect.key not in presence.keys:
+    if not isinstance(presence, Presence) or effect.key not in presence.keys:
         return entry | {"statement": statement}
     where = presence.sentence(diagnosis.fitting.blocks.runs)
     said = f"{statement.removesuffix('.')}; {where[0].lower()}{where[1:]}"

@@ -24,6 +24,7 @@ from simgap.equations.problem import Problem
 from simgap.equations.residuals import channels_on
 from simgap.equations.row_noise import noise_of_rows
 from simgap.equations.scoring import cross_validated, folds_of
+from simgap.equations.trend import Trend
 from simgap.gap.confusion import told_apart
 from simgap.gap.gains import folded, with_gains
 from simgap.gap.limits import at_limits, excessive_thrust, gains_said
@@ -155,6 +156,7 @@ def diagnose(
         *within_tolerance(naming, fitted.time_step),
         *on_limit,
         *_part(problem),
+        *_changing(naming),
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
         *_doubts(naming, problem, () if contradicted else memories, held_out),
@@ -288,6 +290,18 @@ def _part(problem: Problem) -> list[str]:
     return [
         f"{names} {acts} in a part of the recording, and the simulator is that of the machine then; for the machine at "
         "other times, diagnose the other runs by themselves"
+    ]
+
+
+def _changing(naming: Naming) -> list[str]:
+    """Return what a person has to know of a machine that changes slowly."""
+    trend = naming.posterior.best.reading.presence
+    if not isinstance(trend, Trend):
+        return []
+    what = trend.key.removeprefix("trend of ").partition("@")[0].replace("_", " ")
+    return [
+        f"something {trend.sentence} and acts like {what}; no law of the catalogue changes slowly, so that it has no "
+        "name, and the simulator has what acts on average"
     ]
 
 

@@ -4,6 +4,7 @@ from typing import Any
 
 from simgap.diagnosis.diagnose import Diagnosis
 from simgap.equations.presence import Presence
+from simgap.equations.trend import Trend
 from simgap.gap.hypothesis import Hypothesis
 from simgap.simulation import FittedEffect
 
@@ -35,7 +36,7 @@ def candidates(diagnosis: Diagnosis) -> list[dict[str, Any]]:
             why = f"could stand in for {_spoken(rivals[key])}"
             found.append(_entry(diagnosis, alone, "rival", probability, why))
         elif probability >= _NOTED:
-            found.append(_entry(diagnosis, alone, "out", probability, _why_out(naming.best, best)))
+            found.append(_entry(diagnosis, alone, "out", probability, _why_out(naming.posterior.best, best)))
     return sorted(found, key=lambda entry: entry["status"] != "in")[:_MOST]
 
 
@@ -59,9 +60,9 @@ def hypotheses(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     ]
 
 
-def _runs(presence: Presence | None) -> dict[str, list[Any]] | None:
+def _runs(presence: Presence | Trend | None) -> dict[str, list[Any]] | None:
     """Return where the effects of a hypothesis act that are there in a part of the recording, by their keys."""
-    return dict.fromkeys(presence.keys, presence.entries) if presence else None
+    return dict.fromkeys(presence.keys, presence.entries) if isinstance(presence, Presence) else None
 
 
 def _why_out(best: Hypothesis, other: Hypothesis) -> str:

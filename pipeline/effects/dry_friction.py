@@ -12,6 +12,10 @@ from simgap.physics.shapes import Channels, Real, Value
 _NOISY = 8  # exponent on velocity over resolution: a third of the resolution is noise and must count as rest
 
 
+SHARE = "share_of_trend"
+"""The signal that says how much of an effect acts that grows or fades, (blocks, samples)."""
+
+
 class DryFriction(WrenchEffect):
     """Friction that balances the applied load at standstill, up to its level.
 
@@ -20,14 +24,23 @@ class DryFriction(WrenchEffect):
 
     Attributes:
         holds: the signal with the remaining load.
+        on_each: whether it acts on several wheels or modules, which are the last dimension of what it returns.
     """
 
     linear = False
     holds: ClassVar[str]
+    on_each: ClassVar[bool] = False
 
     @abstractmethod
     def friction(self, signals: Signals, values: Values, constants: Values) -> Real:
         """Return the friction on the axis (...,), or on each wheel or module (..., 4), N·m or N."""
+
+    def values_now(self, signals: Signals, values: Values) -> Values:
+        """Return the values that act: of friction that grows or fades a share of its level, the first of them."""
+        if not (self.trends and SHARE in signals):
+            return values
+        level, share = self.parameters[0].name, signals[SHARE]
+        return {**values, level: values[level] * (share[..., None] if self.on_each else share)}
 
     @abstractmethod
     def on_channels(self, friction: Real, signals: Signals, constants: Values) -> Channels:

@@ -69,10 +69,17 @@ class Effect(ABC):
     names_its_subject: ClassVar[bool] = False
     """Whether the name of a swerve drive's effect says what it is about, so that the group adds nothing."""
 
+    drifts: ClassVar[bool] = False
+    """Whether heat and wear change it slowly while a machine runs, as they do friction and the strength of a motor."""
+
+    trends: bool = False
+    """Whether it is the part of an effect that grows or fades, see `simgap.equations.trend`."""
+
     @property
     def key(self) -> str:
         """The unique name within a kind; a swerve drive's effects carry their group, as in `backlash@steer`."""
-        return f"{self.name}@{self.acts_on}" if self.kind == "swerve" else self.name
+        key = f"{self.name}@{self.acts_on}" if self.kind == "swerve" else self.name
+        return f"trend of {key}" if self.trends else key
 
     def defaults(self) -> dict[str, float]:
         """Return a realistic value for each parameter."""

@@ -40,6 +40,10 @@ class Presence:
             inside &= (blocks.run != blocks.runs.index(self.runs[-1])) | (blocks.start < self.until)
         return inside
 
+    def share(self, blocks: Blocks) -> Tensor:
+        """Return how much of the effects acts in each block: all or nothing, (blocks,)."""
+        return self.acts(blocks).to(blocks.start.dtype)
+
     def without(self, simulator: Simulator) -> Simulator:
         """Return a simulator as it is where the effects do not act."""
         return simulator.with_effects(tuple(f for f in simulator.effects if f.effect.key not in self.keys))

@@ -13,6 +13,7 @@ from simgap.equations.presence import Presence
 from simgap.equations.residuals import Inside, channels_on, residual_rows, row_weights, signals_inside
 from simgap.equations.row_noise import share_of_motion
 from simgap.equations.temper import Temper, energy_of
+from simgap.equations.trend import Trend
 from simgap.physics.weak_form import WindowFunctions
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
@@ -35,7 +36,8 @@ class Problem:
         counted: how rows count in a likelihood, see `simgap.gap.likelihood.counted_beside`; the same for all readings.
         nominal: the simulator whose rows keep their size; rows of all simulators do where it is None.
         is_axis: whether both sides of its equation stand for one effort.
-        presence: of effects that act in a part of the blocks; None: all effects act in all of them.
+        presence: of effects that act in a part of the blocks, or change from block to block; None: all effects act in
+            all of them alike.
     """
 
     blocks: Blocks
@@ -48,7 +50,7 @@ class Problem:
     counted: Temper | None = None
     nominal: Simulator | None = None
     is_axis: bool = False
-    presence: Presence | None = None
+    presence: Presence | Trend | None = None
 
     @cached_property
     def gain(self) -> CommandGain | None:
@@ -125,16 +127,22 @@ class Problem:
         """The blocks in which all effects act, (present blocks,)."""
         return torch.nonzero(self.acts).squeeze(1)
 
+    @cached_property
+    def share(self) -> Tensor:
+        """How much of the effects that do not act alike everywhere acts in a block, (blocks,)."""
+        everywhere = torch.ones(len(self.blocks), dtype=torch.float64)
+        return everywhere if self.presence is None else self.presence.share(self.blocks)
+
     def _where_present(self, simulator: Simulator, series: Callable[[Simulator], Tensor]) -> Tensor:
-        """Return a series of a simulator, (blocks, ...), with each effect in the blocks in which it acts."""
+        """Return a series of a simulator, (blocks, ...), with as much of each effect as acts in a block."""
         if self.presence is None:
             return series(simulator)
         elsewhere = self.presence.without(simulator)
         if elsewhere == simulator:
             return series(simulator)
         found = series(simulator)
-        acts = self.acts.reshape(-1, *(1,) * (found.dim() - 1))
-        return torch.where(acts, found, series(elsewhere))
+        share = self.share.reshape(-1, *(1,) * (found.dim() - 1))
+        return torch.lerp(series(elsewhere), found, share)
 
     def _rows(self, simulator: Simulator) -> Tensor:
         if self.gain is None:
@@ -147,7 +155,7 @@ class Problem:
             return None
         assert isinstance(effect, WrenchEffect)
         if self.presence is not None and effect.key in self.presence.keys:
-            return self._columns(simulator, effect) * self.acts[:, None, None, None]
+            return self._columns(simulator, effect) * self.share[:, None, None, None]
         return self._where_present(simulator, lambda each: self._columns(each, effect))
 
     def _columns(self, simulator: Simulator, effect: WrenchEffect) -> Tensor:

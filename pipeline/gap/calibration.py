@@ -35,6 +35,7 @@ MODULES = (
     "equations/sample_noise",
     "equations/starts",
     "equations/temper",
+    "equations/trend",
     "equations/width",
     "gap/changes",
     "gap/driver_law",
@@ -50,6 +51,7 @@ MODULES = (
     "gap/reading",
     "gap/scales",
     "gap/search",
+    "gap/trends",
 )
 """The modules of the package that decide a score. A change of one of them makes the calibration stale."""
 

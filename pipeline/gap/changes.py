@@ -14,6 +14,7 @@ import numpy as np
 import torch
 
 from simgap.equations.presence import Presence, beginning, ending
+from simgap.equations.trend import Trend
 from simgap.gap.hypothesis import Hypothesis
 from simgap.gap.neighbours import Neighbours
 from simgap.gap.partly import Partly
@@ -59,13 +60,14 @@ class Change:
 def changes(near: Neighbours) -> list[Change]:
     """Return the most promising changes beside a hypothesis, best first.
 
-    Beside a hypothesis with a change already, these are the effects that the same change may have brought, too.
+    Beside a hypothesis with a change already, these are the effects that the same change may have brought, too; beside
+    one with a trend there are none.
 
     Args:
         near: the linearisation about it.
     """
     blocks, presence = near.centre.reading.problem.blocks, near.centre.reading.presence
-    if len(blocks) < _FEWEST_BLOCKS:
+    if len(blocks) < _FEWEST_BLOCKS or isinstance(presence, Trend):
         return []
     tried: list[tuple[Presence, tuple[str, ...]]]
     if presence is not None:
@@ -104,7 +106,7 @@ def refined(found: Hypothesis) -> Presence:
     """
     problem, simulator = found.reading.problem, found.fit.simulator
     presence = problem.presence
-    assert presence is not None
+    assert isinstance(presence, Presence)
     if presence.since is None and presence.until is None:
         return presence
     always = replace(problem, presence=None)
@@ -125,7 +127,7 @@ def refined(found: Hypothesis) -> Presence:
 def _weighed(near: Neighbours, keys: tuple[str, ...], place: Presence, blocks: Blocks) -> Change:
     """Return the change by which effects act in a place, too, with what the linearisation promises of it."""
     before, presence = near.centre.reading.presence, place.joined_by(*keys)
-    odds = _log_odds(presence, blocks) - (_log_odds(before, blocks) if before else 0.0)
+    odds = _log_odds(presence, blocks) - (_log_odds(before, blocks) if isinstance(before, Presence) else 0.0)
     promise = Partly(near).promise(keys, presence.acts(blocks)[near.part].numpy()) + odds
     return Change(presence, near.starts_with(keys), promise)
 

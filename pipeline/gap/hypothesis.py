@@ -50,9 +50,10 @@ class Hypothesis:
 
     @property
     def names(self) -> frozenset[str]:
-        """The effects worth a name: all but those within what timing and platform numbers are known to."""
+        """The effects worth a name: all but trends, and those within what timing and platform numbers are known to."""
         simulator, reading = self.fit.simulator, self.reading
-        return frozenset(f.effect.key for f in simulator.free if not is_tolerance(f, simulator, reading))
+        steady = (f for f in simulator.free if not f.effect.trends)
+        return frozenset(f.effect.key for f in steady if not is_tolerance(f, simulator, reading))
 
     @property
     def doubtful(self) -> frozenset[str]:

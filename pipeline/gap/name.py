@@ -65,6 +65,7 @@ class Naming:
 
     Attributes:
         posterior: over all hypotheses that were visited.
+        best: the most probable one, with what grows or fades in it at its mean.
         base: fit of the nominal simulator to the rows of the best hypothesis.
         fit: of the best hypothesis.
         missed: whether the best hypothesis misses a part of the recording.
@@ -74,6 +75,7 @@ class Naming:
     """
 
     posterior: Posterior
+    best: Hypothesis
     base: Fit
     fit: Fit
     missed: bool
@@ -82,9 +84,9 @@ class Naming:
     complete: bool
 
     @property
-    def best(self) -> Hypothesis:
-        """The most probable hypothesis."""
-        return self.posterior.best
+    def trend(self) -> FittedEffect | None:
+        """What grows or fades in the most probable hypothesis, if anything does."""
+        return next((f for f in self.posterior.best.fit.simulator.free if f.effect.trends), None)
 
     @property
     def probabilities(self) -> dict[str, float]:
@@ -104,9 +106,11 @@ def name(readings: Sequence[Reading], settings: Gap) -> Naming:
     posterior = posterior_of(list(search.visited.values()))
     best = posterior.best
     base = search.bases[best.reading.timing]
-    missed = misses(best)
+    missed, settled = misses(best), search.at_mean(best)
     named = _named(posterior, base, missed, settings.least_probability)
-    return Naming(posterior, base, best.fit, missed, named, _rivalries(posterior, named), complete)
+    return Naming(
+        posterior, settled, base, settled.fit, missed, named, _rivalries(posterior, named), complete
+    )
 
 
 def _named(posterior: Posterior, base: Fit, missed: bool, least: float) -> tuple[Named, ...]:

@@ -129,6 +129,23 @@ class Neighbours:
         mine = self.mine.keys() & self.centre.doubtful
         return [*sorted(mine - known), *sorted(self.new.keys() - known)]
 
+    @property
+    def own(self) -> list[int]:
+        """The columns of the effects of the hypothesis."""
+        return [column for key in self.mine for column in self.columns[key]]
+
+    def contribution(self, key: str) -> int:
+        """Return the column of what an effect as a whole takes off the residual."""
+        return self.offset[key] if key in self.mine else self.columns[key][0]
+
+    def cost_of(self, key: str) -> float:
+        """Return what an effect, or a second one of its kind, adds to the score beside the likelihood."""
+        return self.gain[key] if key in self.gain else -self.relief.get(key, 0.0)
+
+    def values_of(self, key: str) -> dict[str, float]:
+        """Return the values that an effect has in the hypothesis, or with which it would be added."""
+        return dict((self.new | self.mine)[key].values)
+
     def starts_with(self, keys: Sequence[str]) -> tuple[FittedEffect, ...]:
         """Return the effects of the hypothesis and others, with values to start a fit from."""
         return self._starts(frozenset(self.mine).union(keys))

@@ -48,6 +48,11 @@ class Prepared:
     held_out: bool
     remarks: list[str]
 
+    @property
+    def recorded(self) -> tuple[Blocks, Blocks]:
+        """All blocks: the fitted ones and those for validation."""
+        return self.problem.blocks, self.proving
+
 
 def prepare(recording: Recording, nominal: Simulator, settings: Gap, held: bool) -> Prepared:
     """Cut a recording and divide it.

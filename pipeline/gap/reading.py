@@ -18,6 +18,7 @@ from simgap.equations.presence import Presence
 from simgap.equations.problem import Problem
 from simgap.equations.starts import Starts
 from simgap.equations.temper import WIDTHS
+from simgap.equations.trend import Trend
 from simgap.gap.candidates import candidates_for
 from simgap.gap.likelihood import LikelihoodOf, counted_beside
 from simgap.gap.prepare import Prepared, prepare
@@ -27,8 +28,8 @@ from simgap.recordings.recording import Recording
 from simgap.simulation import Simulator
 from simgap.simulation.signals import COMMANDS
 
-Timing = tuple[bool, str, Presence | None]
-"""Whether commands are held, which driver was estimated, and which effects act in a part of the recording."""
+Timing = tuple[bool, str, Presence | Trend | None]
+"""Whether commands are held, which driver was estimated, and which effects act in a part of the recording or drift."""
 
 _FAST_CONTROLLER = 0.3
 """Odds that a multirotor's commands are held as long as its samples last: most controllers are faster than logs."""
@@ -44,7 +45,7 @@ class Reading:
         catalogue: effects that may be missing.
         odds: prior odds of this reading.
         driver: the signal that was estimated from the motion; empty where none was.
-        presence: of effects that act in a part of the recording; None: all effects act throughout.
+        presence: of effects that act in a part of the recording, or grow or fade; None: all effects act throughout.
     """
 
     held: bool
@@ -52,7 +53,7 @@ class Reading:
     catalogue: tuple[Effect, ...]
     odds: float = 1.0
     driver: str = ""
-    presence: Presence | None = None
+    presence: Presence | Trend | None = None
 
     @property
     def timing(self) -> Timing:

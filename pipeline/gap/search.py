@@ -11,15 +11,17 @@ import time
 from collections.abc import Sequence
 
 from simgap.effects import Effect, look_alikes_of
-from simgap.equations.fit import Fit, fit
+from simgap.equations.fit import Fit, finished, fit, jacobian_of
 from simgap.equations.presence import Presence
 from simgap.equations.refit import extend, remove, shrink
+from simgap.equations.trend import Trend, at_mean, trending, trends_of
 from simgap.gap.changes import changed_reading, changes, refined
 from simgap.gap.hypothesis import Hypothesis, idle_in, weigh
 from simgap.gap.latent_inputs import driven_again, driven_readings
 from simgap.gap.neighbours import Neighbours
 from simgap.gap.reading import Reading, Timing
 from simgap.gap.settings import Gap
+from simgap.gap.trends import trending_reading, trends
 from simgap.simulation import FittedEffect, Simulator
 
 _WINDOW = 3.0
@@ -29,7 +31,7 @@ _MISSED = 10.0
 _PROPOSALS, _MOST_PROPOSALS = 6, 18
 """Neighbours by two effects that are fitted for each hypothesis: that keep their promise, and in all."""
 _CHANGES = 2
-"""Effects in a part of the recording that are fitted for each hypothesis and keep their promise."""
+"""Effects in a part of the recording, and trends, that are fitted for each hypothesis and keep their promise."""
 
 Place = tuple[Timing, frozenset[str]]
 
@@ -72,7 +74,7 @@ class Search:
         """
         self.readings, self.settings = list(readings), settings
         self.bases: dict[Timing, Fit] = {}
-        self.changed: dict[tuple[Timing, Presence], Reading] = {}
+        self.changed: dict[tuple[Timing, Presence | Trend], Reading] = {}
         self.end = math.inf
         self.visited: dict[Place, Hypothesis] = {}
         self.expanded: set[Place] = set()
@@ -99,6 +101,19 @@ class Search:
         except (KeyboardInterrupt, _TimeIsOver):
             return False
         return True
+
+    def at_mean(self, found: Hypothesis) -> Hypothesis:
+        """Return a hypothesis with what grows or fades in it at its mean: a simulator does not change."""
+        if not isinstance(found.reading.presence, Trend):
+            return found
+        reading = self._timed(found.reading, None)
+        share = float(found.reading.problem.share.mean())
+        simulator, problem = at_mean(found.fit.simulator, share, reading.catalogue), reading.problem
+        residual = problem.residual(simulator)
+        scale, _ = problem.weigh(residual, simulator)
+        return weigh(
+            finished(simulator, residual, jacobian_of(simulator, problem, residual), scale, problem), reading
+        )
 
     def _next(self) -> Hypothesis | None:
         ranked = self.ranked
@@ -127,6 +142,7 @@ class Search:
         near = Neighbours(centre, added, dropped)
         if not reading.driver:
             self._change(near)
+            self._trend(near)
         fitted_sets = {keys for timing, keys in self.visited if timing == reading.timing}
         least = self.ranked[0].score - _WINDOW - _MISSED
         kept = 0
@@ -159,8 +175,8 @@ class Search:
         """
         reading = centre.reading
         effect = next(f.effect for f in centre.fit.simulator.free if f.effect.key == key)
-        if reading.presence is not None and key in reading.presence.keys:
-            self._exchange_in_part(centre, effect)
+        if isinstance(reading.presence, Presence) and key in reading.presence.keys:
+            self._exchange_in_part(centre, effect, reading.presence)
         smaller = self.visited.get((reading.timing, centre.keys - {key}))
         if smaller is None:
             return
@@ -169,10 +185,8 @@ class Search:
             if other in reading.catalogue and other.key not in centre.keys and place not in self.visited:
                 self._added(smaller, other)
 
-    def _exchange_in_part(self, centre: Hypothesis, effect: Effect) -> None:
+    def _exchange_in_part(self, centre: Hypothesis, effect: Effect, presence: Presence) -> None:
         """Visit a hypothesis with each look-alike in the place of an effect that acts in a part of the recording."""
-        presence = centre.reading.presence
-        assert presence is not None
         others = tuple(f for f in centre.fit.simulator.free if f.effect.key != effect.key)
         for other in look_alikes_of(effect):
             unknown = _known(centre.reading, other) is None
@@ -206,33 +220,96 @@ class Search:
                     kept += 1
                     self._changed(near.centre, refined(found), found.fit.simulator.free)
 
+    def _trend(self, near: Neighbours) -> None:
+        """Visit the same effects with one that grows or fades beside them."""
+        centre = near.centre
+        if centre.reading.presence is not None:
+            return
+        least = self.ranked[0].score - _WINDOW
+        for each in [found for found in trends(near) if found.promise > least][:_CHANGES]:
+            self._changed(centre, each.trend, each.effects)
+
     def _throughout(self, centre: Hypothesis) -> None:
         """Visit a hypothesis with a change without it, and with each of several effects of the change throughout."""
         presence = centre.reading.presence
-        if presence is None:
+        if isinstance(presence, Trend):
+            self._steady(centre)
+            self._exchange_trend(centre, presence)
+        if not isinstance(presence, Presence):
             return
+        self._slowly(centre, presence)
         several = presence.keys if len(presence.keys) > 1 else ()
         for part in [None, *map(presence.without_key, several)]:
             reading = self._timed(centre.reading, part)
             if (reading.timing, centre.keys) not in self.visited:
                 self._visit(fit(_with(reading, centre.fit.simulator.free), reading.problem), reading)
 
-    def _changed(self, centre: Hypothesis, presence: Presence, effects: Sequence[FittedEffect]) -> Hypothesis:
+    def _steady(self, centre: Hypothesis) -> None:
+        """Visit a hypothesis without what grows or fades in it."""
+        reading = self._timed(centre.reading, None)
+        staying = tuple(f for f in centre.fit.simulator.free if not f.effect.trends)
+        if (reading.timing, frozenset(f.effect.key for f in staying)) not in self.visited:
+            self._visit(fit(_with(reading, staying), reading.problem), reading)
+
+    def _slowly(self, centre: Hypothesis, presence: Presence) -> None:
+        """Visit a hypothesis with a change with each effect that may drift in its place, growing or fading."""
+        recorded = self._timed(centre.reading, None).prepared.recorded
+        free = centre.fit.simulator.free
+        others = tuple(f for f in free if f.effect.key not in presence.keys)
+        begins = presence.runs[-1] == recorded[0].runs[-1]
+        for effect in (each for each in centre.reading.catalogue if each.drifts):
+            changed = next((f for f in free if f.effect.key == effect.key and f not in others), None)
+            for trend in trends_of(effect, recorded):
+                if trend.is_straight and trend.grows == begins:
+                    self._drifting(centre.reading, trend, others, effect, changed)
+
+    def _drifting(
+        self,
+        reading: Reading,
+        trend: Trend,
+        others: Sequence[FittedEffect],
+        effect: Effect,
+        start: FittedEffect | None = None,
+    ) -> None:
+        """Visit other effects with one that grows or fades, fitted from known values or from where its fits begin."""
+        reading = self._timed(reading, trend)
+        if (reading.timing, frozenset(f.effect.key for f in others) | {trend.key}) in self.visited:
+            return
+        if start is not None:
+            simulator = _with(reading, (*others, FittedEffect(trending(effect), start.values)))
+            self._visit(fit(simulator, reading.problem), reading)
+        else:
+            base = fit(_with(reading, others), reading.problem)
+            self._visit(extend(base, trending(effect), reading.problem, reading.starts), reading)
+
+    def _exchange_trend(self, centre: Hypothesis, trend: Trend) -> None:
+        """Visit a hypothesis with each other effect that may drift in the place of the one that does, which stays."""
+        staying = self.at_mean(centre).fit.simulator.free
+        for effect in (each for each in centre.reading.catalogue if each.drifts):
+            if trending(effect).key != trend.key:
+                self._drifting(centre.reading, trend.of(effect), staying, effect)
+
+    def _changed(
+        self, centre: Hypothesis, presence: Presence | Trend, effects: Sequence[FittedEffect]
+    ) -> Hypothesis:
         reading = self._timed(centre.reading, presence)
         return self._visit(fit(_with(reading, effects), reading.problem), reading)
 
-    def _timed(self, reading: Reading, presence: Presence | None) -> Reading:
-        """Return a reading with the timing of another one, in which some effects may act in a part of the recording."""
+    def _timed(self, reading: Reading, presence: Presence | Trend | None) -> Reading:
+        """Return a reading with the timing of another one, in which some effects may act in a part, or change."""
         timed = next(each for each in self.readings if each.held == reading.held)
         return self._with_presence(timed, presence)
 
-    def _with_presence(self, reading: Reading, presence: Presence | None) -> Reading:
-        """Return a reading in which some effects act in a part of the recording only, the same one every time."""
+    def _with_presence(self, reading: Reading, presence: Presence | Trend | None) -> Reading:
+        """Return a reading in which some effects act in a part of the recording, or change, the same one every time."""
         if presence is None:
             return reading
         place = reading.timing, presence
         if place not in self.changed:
-            self.changed[place] = changed_reading(reading, presence)
+            if isinstance(presence, Trend):
+                self.changed[place] = trending_reading(reading, presence)
+            else:
+                self.changed[place] = changed_reading(reading, presence)
             self.bases[self.changed[place].timing] = self.bases[reading.timing]
         return self.changed[place]
 

@@ -159,7 +159,9 @@ class Simulator:
         for fitted in rubbing:
             effect = fitted.effect
             assert isinstance(effect, DryFriction)
-            friction = effect.friction({**signals, **loads}, fitted.values, constants)
+            friction = effect.friction(
+                {**signals, **loads}, effect.values_now(signals, fitted.values), constants
+            )
             loads = {**loads, effect.holds: loads[effect.holds] + friction}
             wrench = _sum(wrench, effect.on_channels(friction, signals, constants))
         return wrench

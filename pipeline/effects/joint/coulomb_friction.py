@@ -10,6 +10,7 @@ class CoulombFriction(AxisFriction):
     """A constant friction opposes the direction of motion."""
 
     name = "coulomb_friction"
+    drifts = True
     parameters = (Parameter("level", "N·m", 0.1, 0.0, 1e6),)
     prior_odds = 1.0
     needs = ("velocity", "effort")

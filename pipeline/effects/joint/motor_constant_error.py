@@ -7,6 +7,7 @@ class MotorConstantError(ParameterError):
     """The motor constant differs from the platform file (ratio of true to nominal)."""
 
     name = "motor_constant_error"
+    drifts = True
     kind = "joint"
     acts_on = "actuator"
     spread = 0.2  # data sheets promise a tenth, and a hot magnet loses another

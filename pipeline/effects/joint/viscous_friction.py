@@ -11,6 +11,7 @@ class ViscousFriction(WrenchEffect):
     """Friction grows in proportion to the velocity."""
 
     name = "viscous_friction"
+    drifts = True
     kind = "joint"
     acts_on = "torque"
     parameters = (Parameter("coefficient", "N·m·s/rad", 0.01, 0.0, 1e4),)

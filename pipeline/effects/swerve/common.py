@@ -31,6 +31,7 @@ class WheelFriction(DryFriction):
     kind = "swerve"
     acts_on = "drive"
     holds = "wheel_load"
+    on_each = True
 
     def on_channels(self, friction: PerModule, signals: Signals, constants: Values) -> Channels:
         """Return the friction summed on the chassis."""
@@ -43,6 +44,7 @@ class ModuleFriction(DryFriction):
     kind = "swerve"
     acts_on = "steer"
     holds = "module_load"
+    on_each = True
 
     def on_channels(self, friction: PerModule, signals: Signals, constants: Values) -> Channels:
         """Return the friction on each module, N·m."""

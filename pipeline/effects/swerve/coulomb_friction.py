@@ -10,6 +10,7 @@ class DriveCoulombFriction(WheelFriction):
     """A constant friction torque opposes the rotation of each wheel."""
 
     name = "coulomb_friction"
+    drifts = True
     parameters = (Parameter("level", "N·m", 0.5, 0.0, 1e3),)
     formula = "wheel torque = −level · sign(wheel speed); at standstill it holds the motor's torque, up to its level"
     source = "Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, A survey of models for friction, §3"
@@ -28,6 +29,7 @@ class SteerCoulombFriction(ModuleFriction):
     """A constant friction torque opposes the rotation of each module."""
 
     name = "coulomb_friction"
+    drifts = True
     parameters = (Parameter("level", "N·m", 0.5, 0.0, 1e3),)
     formula = "module torque = −level · sign(module speed); at standstill it holds the motor's torque, up to its level"
     source = DriveCoulombFriction.source

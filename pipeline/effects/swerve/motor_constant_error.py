@@ -7,6 +7,7 @@ class _SwerveMotorConstantError(ParameterError):
     """The motor constant differs from the platform file, for torque and back-EMF alike."""
 
     name = "motor_constant_error"
+    drifts = True
     kind = "swerve"
     formula = "torque_constant = ratio · nominal torque_constant, back_emf_constant likewise"
     source = "the platform's nominal equations"

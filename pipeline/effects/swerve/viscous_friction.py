@@ -9,6 +9,7 @@ class DriveViscousFriction(WrenchEffect):
     """Friction grows in proportion to each wheel's speed."""
 
     name = "viscous_friction"
+    drifts = True
     kind = "swerve"
     acts_on = "drive"
     parameters = (Parameter("coefficient", "N·m·s/rad", 0.02, 0.0, 1e2),)
@@ -27,6 +28,7 @@ class SteerViscousFriction(WrenchEffect):
     """Friction grows in proportion to each module's speed."""
 
     name = "viscous_friction"
+    drifts = True
     kind = "swerve"
     acts_on = "steer"
     parameters = (Parameter("coefficient", "N·m·s/rad", 0.05, 0.0, 1e2),)
