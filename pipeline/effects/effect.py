@@ -125,6 +125,10 @@ class Effect(ABC):
         sizes = sizes_of(self.kind, signals, constants or {})
         return tuple(parameter.times(size_of(parameter.unit, sizes)) for parameter in self.parameters)
 
+    def odds_in(self, constants: Values) -> float:
+        """Return the prior odds beside what a platform says; where its numbers do not matter, the `prior_odds`."""
+        return self.prior_odds
+
     def lateness(self, values: Values, constants: Values) -> float:
         """Return the delay that the effect causes, s; 0 if it has no timing."""
         return 0.0

@@ -135,7 +135,8 @@ def _is_short(fitted: FittedEffect, simulator: Simulator, reading: Reading) -> b
 
 def _log_prior_odds(fitted: Fit, reading: Reading) -> float:
     named = (f for f in fitted.simulator.free if not is_tolerance(f, fitted.simulator, reading))
-    return math.log(reading.odds) + sum(log_odds(f.effect) for f in named)
+    constants = fitted.simulator.constants()
+    return math.log(reading.odds) + sum(log_odds(f.effect, constants) for f in named)
 
 
 def idle_in(fitted: Fit, reading: Reading) -> list[FittedEffect]:

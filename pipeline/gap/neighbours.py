@@ -63,7 +63,10 @@ class Neighbours:
         self.mine = {f.effect.key: f for f in centre.fit.simulator.free}
         self.new = {f.effect.key: f for f in map(_last, added)}
         # An effect that does nothing beside the others has no prior of its own, and may do much in their place.
-        self.gain = {_last(h).effect.key: h.occam - centre.occam + log_odds(_last(h).effect) for h in added}
+        constants = centre.fit.simulator.constants()
+        self.gain = {
+            _last(h).effect.key: h.occam - centre.occam + log_odds(_last(h).effect, constants) for h in added
+        }
         # What an effect costs in parameters and rarity comes back where it goes.
         self.relief = {key: h.occam + h.prior - centre.occam - centre.prior for key, h in dropped.items()}
         self.columns: dict[str, list[int]] = {}

@@ -1,7 +1,9 @@
 """What is believed of an effect before anything was recorded: whether it is there, and how large it may be."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -90,9 +92,9 @@ def prior_precision(fitted: Fit, scales: Scales) -> Tensor:
     return torch.tensor(precision, dtype=torch.float64)
 
 
-def log_odds(effect: Effect) -> float:
-    """Return the log prior odds of an effect being there."""
-    return math.log(effect.prior_odds)
+def log_odds(effect: Effect, constants: Mapping[str, Any]) -> float:
+    """Return the log prior odds of an effect being there, beside what a platform says."""
+    return math.log(effect.odds_in(constants))
 
 
 def _priors(fitted: Fit, scales: Scales) -> list[tuple[Density, float]]:

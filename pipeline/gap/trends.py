@@ -89,9 +89,7 @@ def _weighed(
         return Trending(trend, (), -math.inf)
     cost = near.cost_of(effect.key) + math.log(_TRENDS / _SHAPES)
     promise = near.centre.score + float(values[best] - near.present) + cost
-    start = FittedEffect(
-        trending(effect), _sized(effect, near.values_of(effect.key), -float(steps[best][-1]))
-    )
+    start = FittedEffect(trending(effect), _sized(effect, near.values_of(effect.key), factor))
     return Trending(trend, (*near.starts_with(()), start), promise)
 
 

@@ -34,6 +34,10 @@ class GravityLoad(WrenchEffect):
     symptom = "The effort at rest varies with the angle, once per turn."
     look_alikes = ("constant_load", "linear_stiffness")
 
+    def odds_in(self, constants: Values) -> float:
+        """Return even odds where the platform has a weight: what a drawing says of it is off by some percent."""
+        return 1.0 if float(constants.get("gravity_torque", 0.0)) != 0.0 else self.prior_odds
+
     def stands_for(self, values: Values, constants: Values) -> float:
         """Return the share by which the weight of the platform would be off."""
         known = abs(float(constants.get("gravity_torque", 0.0)))

@@ -21,6 +21,10 @@ class LinearStiffness(WrenchEffect):
     excitation = "move slowly over the whole travel, and swing freely at several amplitudes"
     symptom = "The effort at rest grows in proportion to the position."
 
+    def odds_in(self, constants: Values) -> float:
+        """Return even odds where the platform has a spring: catalogues promise its rate to a tenth."""
+        return 1.0 if float(constants.get("stiffness", 0.0)) != 0.0 else self.prior_odds
+
     def stands_for(self, values: Values, constants: Values) -> float:
         """Return the share by which the spring of the platform would be off."""
         known = abs(float(constants.get("stiffness", 0.0)))

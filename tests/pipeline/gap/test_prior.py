@@ -58,7 +58,15 @@ def test_every_parameter_of_the_catalogue_has_a_density(kind):
             assert math.isfinite(density.log(parameter.default)), (effect.key, parameter.name)
             assert density.precision(parameter.default) > 0.0
         assert 0.0 < effect.prior_odds < math.inf
-        assert log_odds(effect) == math.log(effect.prior_odds)
+        assert log_odds(effect, {}) == math.log(effect.prior_odds)
+
+
+@pytest.mark.parametrize(
+    ("name", "number"), [("linear_stiffness", "stiffness"), ("gravity_load", "gravity_torque")]
+)
+def test_an_error_of_a_number_of_the_platform_is_more_probable_than_physics_that_it_lacks(name, number):
+    effect = effect_by_key("joint", name)
+    assert log_odds(effect, {number: 0.0}) == log_odds(effect, {}) < log_odds(effect, {number: 2.0})
 
 
 def test_a_ratio_and_its_inverse_are_as_probable_in_logarithms():
