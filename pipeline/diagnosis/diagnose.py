@@ -122,12 +122,13 @@ def diagnose(
     if contradicted:
         readings = [replace(reading, catalogue=()) for reading in readings]
     naming = name(readings, settings)
-    naming, undecided = told_apart(naming, _remains(naming, naming.best.reading.problem))
+    first = naming.best.reading.problem
+    naming, undecided = told_apart(naming, _remains(_in_units(naming, first), first))
     prepared = naming.best.reading.prepared
     nominal, problem, proving = prepared.nominal, prepared.problem, prepared.proving
     fitted, functions, held_out = problem.blocks, problem.functions, prepared.held_out
     refitted, _ = refit_through_rollouts(naming.fit, problem, settings.fit_horizon, settings.folds)
-    naming, simulator = replace(naming, fit=refitted), refitted.simulator
+    naming, simulator = _in_units(replace(naming, fit=refitted), problem), refitted.simulator
     problem = replace(
         problem, noise=torch.minimum(problem.noise, noise_of_rows(simulator, fitted, functions))
     )
@@ -181,6 +182,16 @@ def diagnose(
         nominal=nominal,
         simulator=folded(with_drivers(simulator.with_effects((*aside, *simulator.effects)), fitted.signals)),
     )
+
+
+def _in_units(naming: Naming, problem: Problem) -> Naming:
+    """Return what was named with the rows of its fit in the units of the channels.
+
+    A fit has them on the side of the commands, see `simgap.equations.command_gain`, in which no one thinks.
+    """
+    fit, factor = naming.fit, problem.factor(naming.fit.simulator)
+    rows = {"residual": fit.residual / factor, "scale": fit.scale / factor}
+    return replace(naming, fit=replace(fit, **rows, jacobian=fit.jacobian / factor[:, None]))
 
 
 def regimes_on(blocks: Blocks, simulator: Simulator) -> list[Regime]:

@@ -153,6 +153,17 @@ def test_what_the_catalogue_lacks_gets_a_formula_and_no_wrong_name(other, wave):
     assert unnamed.share > 0.5
 
 
+@pytest.mark.parametrize("constant", [0.75, 1.3])
+def test_the_formula_of_what_has_no_name_is_in_newton_metres_beside_a_wrong_motor(constant):
+    """The rows of a fit are in terms of the commands: a motor that is weaker by a quarter makes them a third larger."""
+    plant = Plant(motor_constant=constant, other=lambda q, v: 0.3 * np.sin(6.0 * q))
+    found = quick(joint_recording(plant), joint_simulator(), ["motor_constant_error"])
+    assert value_of(found, "motor_constant_error") == pytest.approx(constant, rel=0.02)
+    (unnamed,) = found.unnamed
+    size, law = unnamed.formula.split("·", 1)
+    assert (float(size), law) == (pytest.approx(0.3, rel=0.03), "sin(6·position)")
+
+
 @pytest.mark.parametrize("late", [-0.1, 0.1])
 def test_clocks_that_are_a_tenth_of_a_sample_apart_are_no_cause(late):
     recording = joint_recording(Plant())
