@@ -59,7 +59,7 @@ RECORD = """
 platform=swerve_robot record=swerve_robot dataset.source=reality
 record.runs=8 record.duration=6
 'record.effects={coulomb_friction@drive: {level: 0.35}}'
-tracking.enabled=false output=drive
+tracking=none output=drive
 """
 _ = subprocess.run([sys.executable, *shlex.split(RECORD)], check=True)
 

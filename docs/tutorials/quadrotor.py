@@ -5,8 +5,8 @@
 #
 # ## The recording
 #
-# A flight log needs position, attitude, velocity and body rates.
-# It also needs motor speeds or motor commands.
+# A flight log needs body rates, and motor speeds or motor commands.
+# Drag, wind and ground effect show with position, attitude and velocity only.
 # `specific_force` and `battery_voltage` help.
 #
 # Here one of the project's own plants is flown.
@@ -23,7 +23,7 @@ RECORD = """
 -m simgap.stages record
 platform=racer record=embedded dataset.source=reality
 record.runs=6 record.duration=8 'record.effects={rotor_drag: 0.35}'
-tracking.enabled=false output=flights
+tracking=none output=flights
 """
 _ = subprocess.run([sys.executable, *shlex.split(RECORD)], check=True)
 

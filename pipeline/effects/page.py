@@ -10,7 +10,7 @@ from simgap.effects.listing import facts, meaning
 _HEAD = """\
 # Effects
 
-This catalogue lists the physics that a simulator may lack and that a diagnosis can name. The command
+This catalogue lists the physics that a simulator may lack and that a diagnosis looks for. The command
 `simgap effects --write docs/effects.md` generates this page from the code. `simgap effects KIND NAME` prints one entry.
 
 Each kind of platform starts with a table of its effects. An entry for each effect follows:
