@@ -61,7 +61,8 @@ def drive(voltage):
 #
 # A recording is a table with one row per sample.
 # The column `run` names the trial, and `t` is the time in seconds.
-# A joint needs `position`, and `voltage`, `effort` or `position_command`. A recorded `velocity` is better than a derived one.
+# A joint needs `position`, and `voltage`, `effort` or `position_command`.
+# A recorded `velocity` is better than a derived one.
 #
 # Six trials of eight seconds are plenty.
 # Each is a sum of eight sines at random frequencies.

@@ -190,8 +190,8 @@ def _in_units(naming: Naming, problem: Problem) -> Naming:
     A fit has them on the side of the commands, see `simgap.equations.command_gain`, in which no one thinks.
     """
     fit, factor = naming.fit, problem.factor(naming.fit.simulator)
-    rows = {"residual": fit.residual / factor, "scale": fit.scale / factor}
-    return replace(naming, fit=replace(fit, **rows, jacobian=fit.jacobian / factor[:, None]))
+    residual, jacobian = fit.residual / factor, fit.jacobian / factor[:, None]
+    return replace(naming, fit=replace(fit, residual=residual, jacobian=jacobian, scale=fit.scale / factor))
 
 
 def regimes_on(blocks: Blocks, simulator: Simulator) -> list[Regime]:
