@@ -8,10 +8,6 @@ import pytest
 _CASE = "test_real_recordings.py::test_what_a_real_machine_is_known_to_have_is_believed_and_nothing_else"
 OPEN = {
     f"{_CASE}[f1tenth_speed]": "steps from rest: friction and the inductance of a winding stand in for lag and delay",
-    f"{_CASE}[dfki_pendulum]": (
-        "Coulomb friction stands at 0.30, beside a scale of the effort of 0.82 (0.36) and more inertia: without "
-        "friction, they are 2 lower in score, and 0.9 before the recalibration is 0.29 where something is missed"
-    ),
     "test_real_recordings.py::test_rotor_drag_and_inflow_of_a_real_quadrotor": (
         "both are named, but the drag is 0.38 1/s where the authors have about 0.45"
     ),
