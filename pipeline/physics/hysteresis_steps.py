@@ -1,4 +1,4 @@
-"""Compiled time loop of the Bouc-Wen law with exponent 1, for travels in one direction each."""
+"""Compiled loops of the Bouc-Wen law with exponent 1, for travels in one direction each."""
 
 import math
 
@@ -38,6 +38,26 @@ def deflections_along(travel: Array, displacement: float, asymmetry: float) -> A
             deflection = _after(deflection, travel[axis, step] / displacement, loading, unloading)
             deflections[axis, step] = deflection
     return deflections
+
+
+@njit(cache=True)
+def deflections_after(deflections: Array, travel: Array, displacement: float, asymmetry: float) -> Array:
+    """Return deflections after one travel each.
+
+    Args:
+        deflections: before, (axes,) in levels.
+        travel: (axes,) rad or m.
+        displacement: over which a force builds up, rad or m.
+        asymmetry: of loading against unloading.
+
+    Returns:
+        deflections, (axes,) in levels.
+    """
+    loading, unloading = _rates(asymmetry)
+    after = np.empty_like(travel)
+    for axis in range(len(travel)):
+        after[axis] = _after(deflections[axis], travel[axis] / displacement, loading, unloading)
+    return after
 
 
 @njit(cache=True)

@@ -118,8 +118,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         asked for.
         """
         position = signals["position"]
-        symbolic = any(isinstance(values[parameter.name], Tensor) for parameter in self.parameters[1:])
-        if symbolic or position.requires_grad or position.device.type != "cpu":
+        if not _is_plain(values, position):
             return super().along_time(signals, values, constants, time_step)
         deflection = _deflections(position, values["displacement"], values["asymmetry"])
         return {**signals, "hysteresis_deflection": deflection, "hysteresis_position": position}
@@ -146,8 +145,25 @@ def _deflections(position: Tensor, displacement: float, asymmetry: float) -> Ten
     return torch.from_numpy(deflections_along(travel, displacement, asymmetry)).to(position.dtype)
 
 
+def _is_plain(values: Values, *series: Tensor) -> bool:
+    """Whether a compiled loop can do it: values are numbers, no gradients are asked for, all is on the processor."""
+    numbers = not any(isinstance(values[name], Tensor) for name in ("displacement", "asymmetry"))
+    return numbers and not any(each.requires_grad or each.device.type != "cpu" for each in series)
+
+
 def _deflected(deflection: Tensor, travel: Tensor, values: Values) -> Tensor:
-    """Return the deflection (...,) after a travel (...,), rad or m, in one direction.
+    """Return the deflection (...,) after a travel (...,), rad or m, in one direction."""
+    if not _is_plain(values, deflection, travel):
+        return _deflected_by_tensors(deflection, travel, values)
+    from simgap.physics.hysteresis_steps import deflections_after  # its import takes longer than all effects
+
+    held, moved = (each.double().contiguous().numpy().ravel() for each in (deflection, travel))
+    after = deflections_after(held, moved, values["displacement"], values["asymmetry"])
+    return torch.from_numpy(after).reshape(travel.shape).to(travel.dtype)
+
+
+def _deflected_by_tensors(deflection: Tensor, travel: Tensor, values: Values) -> Tensor:
+    """Return the deflection (...,) after a travel (...,), with gradients and on any device.
 
     What is held against the direction is taken back first; what is left of the travel loads.
     """

@@ -135,6 +135,20 @@ def test_hysteresis_is_the_same_compiled_and_sample_by_sample_with_finite_slopes
         assert float(slope) != 0.0
 
 
+@given(ASYMMETRIES, st.integers(0, 999))
+def test_hysteresis_moves_within_a_step_the_same_compiled_and_by_tensors(asymmetry, seed):
+    effect = effect_by_key("joint", "hysteresis")
+    signals = {
+        "position": some_steps(20, seed),
+        "hysteresis_position": some_steps(20, seed + 1),
+        "hysteresis_deflection": 5.0 * some_steps(20, seed + 2),
+    }
+    values = {"level": 1.0, "displacement": 0.2, "asymmetry": asymmetry}
+    tensors = {name: torch.tensor(value, dtype=torch.float64) for name, value in values.items()}
+    compiled, slow = (effect.wrench(signals, each, constants("joint"))["torque"] for each in (values, tensors))
+    torch.testing.assert_close(compiled, slow, rtol=1e-9, atol=1e-12)
+
+
 def benchmark(samples: int, time_step: float) -> tuple[Tensor, Tensor]:
     """Return position (1, samples), m, and force of the hysteretic part, N, of a published mass on a spring.
 
