@@ -145,7 +145,9 @@ def test_hysteresis_moves_within_a_step_the_same_compiled_and_by_tensors(asymmet
     }
     values = {"level": 1.0, "displacement": 0.2, "asymmetry": asymmetry}
     tensors = {name: torch.tensor(value, dtype=torch.float64) for name, value in values.items()}
-    compiled, slow = (effect.wrench(signals, each, constants("joint"))["torque"] for each in (values, tensors))
+    compiled, slow = (
+        effect.wrench(signals, each, constants("joint"))["torque"] for each in (values, tensors)
+    )
     torch.testing.assert_close(compiled, slow, rtol=1e-9, atol=1e-12)
 
 
