@@ -4,8 +4,8 @@ from simgap.effects import effects_of
 
 
 def test_the_recording_is_of_a_joint_that_moves(monkeypatch):
-    monkeypatch.setattr(diagnosis, "RUN", 2.0)  # s: what holds of short runs holds of long ones
-    recording = recording_of(8.0)
+    monkeypatch.setattr(diagnosis, "RUN", 0.8)  # s: what holds of short runs holds of long ones
+    recording = recording_of(3.2)
     assert len(recording.runs) == 4
     assert recording.frame["velocity"].abs().max() > 1.0
     assert set(recording.split.values()) == {"train", "holdout"}

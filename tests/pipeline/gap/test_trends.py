@@ -9,6 +9,8 @@ from simgap.diagnosis.diagnose import diagnose
 from simgap.gap.settings import Gap
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
+pytestmark = pytest.mark.slow
+
 AMONG = ["coulomb_friction", "viscous_friction", "motor_constant_error", "inertia_error", "command_delay"]
 RUNS = 8
 GROWING = tuple(0.04 * run for run in range(RUNS))
