@@ -13,6 +13,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from simgap.effects.compiled import may_run_compiled
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.scan import scan
 from simgap.physics.shapes import Signal
@@ -80,8 +81,7 @@ class Backlash(ActuatorEffect):
         """
         effort, velocity = signals[self.transmitted], signals[f"{self.group}velocity"]
         half, inertia, braking = self._motor(signals, values, constants)
-        symbolic = any(isinstance(value, Tensor) for value in (half, inertia, braking))
-        if symbolic or effort.requires_grad or effort.device.type != "cpu":
+        if not may_run_compiled((effort, velocity), (half, inertia, braking)):
             return super().along_time(signals, values, constants, time_step)
         slips = torch.from_numpy(_slips(effort.numpy(), velocity.numpy(), half, inertia, braking, time_step))
         before = torch.cat([torch.zeros_like(slips[:, :1]), slips[:, :-1]], dim=1)

@@ -7,6 +7,7 @@ Source: Krishnan 2001, Electric motor drives, §2; Franklin, Powell & Workman 19
 import torch
 from torch import Tensor
 
+from simgap.effects.compiled import may_run_compiled
 from simgap.effects.recurrence import accumulated
 from simgap.physics.shapes import Real, Series, Signal, Value
 
@@ -109,7 +110,7 @@ def lag_of_samples(series: Series, start: Signal, time_constant: float | Signal,
 
 def _is_one_number(decay: Tensor, target: Tensor) -> bool:
     """Whether the decay is one number, no gradients are asked for, and the data are on the processor."""
-    return decay.numel() == 1 and not (decay.requires_grad or target.requires_grad) and not target.is_cuda
+    return decay.numel() == 1 and may_run_compiled((decay, target))
 
 
 def _filtered(decay: Tensor, gained: Tensor) -> Tensor:

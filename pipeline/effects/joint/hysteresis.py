@@ -17,6 +17,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from simgap.effects.compiled import may_run_compiled
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
 from simgap.effects.scan import scan
@@ -118,7 +119,7 @@ class Hysteresis(ActuatorEffect, WrenchEffect):
         asked for.
         """
         position = signals["position"]
-        if not _is_plain(values, position):
+        if not may_run_compiled((position,), (values["displacement"], values["asymmetry"])):
             return super().along_time(signals, values, constants, time_step)
         deflection = _deflections(position, values["displacement"], values["asymmetry"])
         return {**signals, "hysteresis_deflection": deflection, "hysteresis_position": position}
@@ -145,15 +146,9 @@ def _deflections(position: Tensor, displacement: float, asymmetry: float) -> Ten
     return torch.from_numpy(deflections_along(travel, displacement, asymmetry)).to(position.dtype)
 
 
-def _is_plain(values: Values, *series: Tensor) -> bool:
-    """Whether a compiled loop can do it: values are numbers, no gradients are asked for, all is on the processor."""
-    numbers = not any(isinstance(values[name], Tensor) for name in ("displacement", "asymmetry"))
-    return numbers and not any(each.requires_grad or each.device.type != "cpu" for each in series)
-
-
 def _deflected(deflection: Tensor, travel: Tensor, values: Values) -> Tensor:
     """Return the deflection (...,) after a travel (...,), rad or m, in one direction."""
-    if not _is_plain(values, deflection, travel):
+    if not may_run_compiled((deflection, travel), (values["displacement"], values["asymmetry"])):
         return _deflected_by_tensors(deflection, travel, values)
     from simgap.physics.hysteresis_steps import deflections_after  # its import takes longer than all effects
 

@@ -9,6 +9,7 @@ from torch import Tensor, fx
 from torch.func import functionalize
 from torch.fx.experimental.proxy_tensor import make_fx
 
+from simgap.effects.compiled import traced_operations
 from simgap.errors import InputError
 from simgap.physics.shapes import Signal
 from simgap.simulation.fused.components import Components, Entries
@@ -33,7 +34,10 @@ def component_graph(
         InputError: when the function does what cannot be written so.
     """
     try:
-        traced = make_fx(functionalize(function), decomposition_table=_SIMPLER)(*itertools.chain(*examples))
+        with traced_operations():
+            traced = make_fx(functionalize(function), decomposition_table=_SIMPLER)(
+                *itertools.chain(*examples)
+            )
     except RuntimeError as error:
         remedy = "use the eager step; nothing may depend on the numbers in a batch but by arithmetic"
         raise InputError(f"cannot be written down: {error}", "fused step", remedy) from error
