@@ -13,10 +13,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from simgap.effects.compiled import may_run_compiled
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values
 from simgap.effects.scan import scan
 from simgap.physics.shapes import Signal
+from simgap.physics.tracing import may_run_compiled
 
 Array = NDArray[Any]
 

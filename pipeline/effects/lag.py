@@ -7,9 +7,9 @@ Source: Krishnan 2001, Electric motor drives, §2; Franklin, Powell & Workman 19
 import torch
 from torch import Tensor
 
-from simgap.effects.compiled import may_run_compiled
 from simgap.effects.recurrence import accumulated
 from simgap.physics.shapes import Real, Series, Signal, Value
+from simgap.physics.tracing import may_run_compiled
 
 _FORGOTTEN = 1 / 40  # of a step: so short a lag has decayed to e⁻⁴⁰ at the end of the step
 
@@ -109,7 +109,7 @@ def lag_of_samples(series: Series, start: Signal, time_constant: float | Signal,
 
 
 def _is_one_number(decay: Tensor, target: Tensor) -> bool:
-    """Whether the decay is one number, no gradients are asked for, and the data are on the processor."""
+    """Whether the decay is one number, and nobody asks for more than the numbers of the series."""
     return decay.numel() == 1 and may_run_compiled((decay, target))
 
 

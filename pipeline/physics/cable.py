@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from simgap.physics.shapes import Real, Signal, Value, Vector
+from simgap.physics.tracing import may_run_compiled
 
 Directions = Float[Tensor, "cables samples 3"]
 
@@ -68,11 +69,11 @@ class Cable:
     ) -> tuple[Directions, Directions]:
         """Return direction and rate of cables over steps of so many samples, (cables, steps, 3) each.
 
-        The steps are taken one by one where somebody asks for gradients, else by a compiled loop.
+        A compiled loop takes the steps where nobody asks for more than their numbers.
         """
         time_step = stride * self.time_step
         length = torch.as_tensor(self.length, dtype=torch.float64)
-        if any(each.requires_grad or each.is_cuda for each in (direction, rate, means, length)):
+        if not may_run_compiled((direction, rate, means, length)):
             return self._one_by_one(direction, rate, means, time_step)
         from simgap.physics.cable_steps import swung  # its import takes longer than all effects
 

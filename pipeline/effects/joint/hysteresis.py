@@ -17,12 +17,12 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from simgap.effects.compiled import may_run_compiled
 from simgap.effects.effect import ActuatorEffect, Parameter, Signals, Values, WrenchEffect
 from simgap.effects.joint.common import on_axis
 from simgap.effects.scan import scan
 from simgap.effects.sizes import size_of, sizes_of
 from simgap.physics.shapes import Channels, Signal
+from simgap.physics.tracing import may_run_compiled
 
 _LEVELS = (
     0.05,

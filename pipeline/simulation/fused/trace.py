@@ -9,9 +9,9 @@ from torch import Tensor, fx
 from torch.func import functionalize
 from torch.fx.experimental.proxy_tensor import make_fx
 
-from simgap.effects.compiled import traced_operations
 from simgap.errors import InputError
 from simgap.physics.shapes import Signal
+from simgap.physics.tracing import traced_operations
 from simgap.simulation.fused.components import Components, Entries
 
 _aten = torch.ops.aten

@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 from torch import Tensor
+from torch.fx.experimental.proxy_tensor import make_fx
 
 from simgap.effects import effect_by_key
 from simgap.physics.hysteresis_steps import MOST
+from simgap.physics.tracing import traced_operations
 from simgap.simulation import Simulator
 from tests.pipeline.effects.responses import constants, numbers
 from tests.pipeline.platforms.machines import JOINT
@@ -149,6 +151,23 @@ def test_hysteresis_moves_within_a_step_the_same_compiled_and_by_tensors(asymmet
         effect.wrench(signals, each, constants("joint"))["torque"] for each in (values, tensors)
     )
     torch.testing.assert_close(compiled, slow, rtol=1e-9, atol=1e-12)
+
+
+def test_hysteresis_leaves_its_operations_to_a_tracer():
+    """A compiled loop would leave numbers, which a trace takes for constants."""
+    effect, values = (
+        effect_by_key("joint", "hysteresis"),
+        {"level": 1.0, "displacement": 0.2, "asymmetry": 0.5},
+    )
+
+    def resistance(position: Tensor, before: Tensor) -> Tensor:
+        signals = {"position": position, "hysteresis_position": before, "hysteresis_deflection": before}
+        return effect.wrench(signals, values, constants("joint"))["torque"]
+
+    with traced_operations():
+        traced = make_fx(resistance)(some_steps(9, 0), some_steps(9, 1))
+    here, before = some_steps(9, 2), some_steps(9, 3)
+    torch.testing.assert_close(traced(here, before), resistance(here, before), rtol=1e-9, atol=1e-12)
 
 
 def benchmark(samples: int, time_step: float) -> tuple[Tensor, Tensor]:

@@ -20,8 +20,8 @@ from tests.pipeline.gap.recordings import ROOT
 pytestmark = pytest.mark.slow
 
 
-# A search through the whole catalogue takes 271 s here. These are the names that cancel each other, beside the thrust
-# coefficient: the whole search finds 0.84 of the platform's, and without it weak rotors have to stand in for it.
+# A search through the whole catalogue uses up its budget of 300 s. These are the names that cancel each other, beside
+# the thrust coefficient: the whole search finds 0.84 of the platform's, and without it weak rotors stand in for it.
 SEARCHED = {
     "pad_normal_E9": [
         "center_of_mass_offset",

@@ -1,4 +1,4 @@
-"""When a compiled loop over numbers may take the place of operations on tensors."""
+"""Tracing, and when a compiled loop over numbers may take the place of operations on tensors."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
