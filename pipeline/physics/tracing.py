@@ -5,12 +5,13 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
+from jaxtyping import Float
 from torch import Tensor
 
 _TRACED: ContextVar[bool] = ContextVar("traced", default=False)
 
 
-def may_run_compiled(series: tuple[Tensor, ...], values: tuple[Any, ...] = ()) -> bool:
+def may_run_compiled(series: tuple[Float[Tensor, "..."], ...], values: tuple[Any, ...] = ()) -> bool:
     """Whether nobody asks for more than the numbers.
 
     Args:
