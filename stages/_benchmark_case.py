@@ -135,9 +135,8 @@ def _diagnosed(values: dict[str, Any], folder: Path, commands: tuple[str, ...]) 
     """Run stages on a folder of artifacts.
 
     Returns:
-        The `diagnosis`, the `posterior` and `missed`, each where there is one. The posterior holds the probability of
-        each effect before recalibration, by key; `missed` is whether the best hypothesis misses a part of what was
-        recorded.
+        The `diagnosis`, the `posterior` and `shares`, each where there is one. The posterior holds the probability of
+        each effect before recalibration, by key; `shares` those of the error that each possible one explains.
     """
     from importlib import import_module
 
@@ -155,7 +154,7 @@ def _diagnosed(values: dict[str, Any], folder: Path, commands: tuple[str, ...]) 
     answer = {
         "diagnosis": diagnosis,
         "posterior": told.get("probabilities"),
-        "missed": told.get("missed"),
+        "shares": told.get("shares"),
     }
     return {key: value for key, value in answer.items() if value is not None}
 

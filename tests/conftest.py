@@ -19,6 +19,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("markexpr") != "slow":
         # What is compiled takes no checks, so it is imported before they are on.
         compiled = (
+            "equations.mixture_steps",
             "physics.cable_steps",
             "physics.hysteresis_steps",
             "physics.play_steps",

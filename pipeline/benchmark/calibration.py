@@ -14,20 +14,15 @@ from numpy.typing import NDArray
 from simgap.benchmark.reliability import brier_score, calibration_error
 from simgap.errors import InputError
 from simgap.gap.calibration import Calibration, log_odds
+from simgap.gap.settings import POSSIBLE
 
 SEEDS = range(10_000, 20_000)
 """Seeds of benchmarks that probabilities are fitted to; those of every other benchmark are for scoring."""
 
-LEAST_PROBABILITY = 0.05
-"""Least posterior probability of an effect that counts as stated.
-
-Below it lie hundreds of effects of the catalogue that nobody would name. They would outweigh the rest.
-"""
-
 _LEAST_STATEMENTS = 40
 """Fewest statements of a fit: with fewer, the prior would decide as much as they do."""
 _WIDTH = 1.0
-"""Standard deviation of the prior of the intercept and the discrepancy about 0, and of the slope's logarithm about 0.
+"""Standard deviation of the priors about 0: of the intercept, of the slope's logarithm, and of what is taken off.
 
 One unit of log odds, and a factor of e: the posterior is expected to be about right, as far as nothing else is shown.
 """
@@ -42,13 +37,13 @@ class Statement:
     Attributes:
         case: name of the case.
         probability: that the posterior gave it, before recalibration.
-        missed: whether the best hypothesis missed a part of the recording.
+        share: of the error that it explained in the channel where it explained most.
         true: whether the effect was concealed in the case.
     """
 
     case: str
     probability: float
-    missed: bool
+    share: float
     true: bool
 
 
@@ -58,11 +53,11 @@ def is_for_calibration(seed: int) -> bool:
 
 
 def statements_of(results: Sequence[Mapping[str, Any]], code: str) -> list[Statement]:
-    """Return every effect that a posterior gave `LEAST_PROBABILITY` or more, and whether it was concealed.
+    """Return every effect that a posterior gave `POSSIBLE` or more, and whether it was concealed.
 
     Args:
         results: of `simgap prove`. `posterior` holds the probability by key of the effect, before recalibration, and
-            `missed` whether the best hypothesis missed a part of the recording.
+            `shares` the shares of the error that possible effects explained.
         code: hash of the present score (`simgap.gap.calibration.hash_of_score`).
 
     Raises:
@@ -76,9 +71,9 @@ def _statements(result: Mapping[str, Any], code: str) -> Iterator[Statement]:
     concealed = set(result.get("score", {}).get("concealed", ()))
     grouped = any("@" in name for name in concealed)
     for key, probability in (result.get("posterior") or {}).items():
-        if probability >= LEAST_PROBABILITY:
+        if probability >= POSSIBLE:
             name = key if grouped else key.partition("@")[0]
-            yield Statement(result["name"], probability, result["missed"], name in concealed)
+            yield Statement(result["name"], probability, result["shares"][key], name in concealed)
 
 
 def _check(result: Mapping[str, Any], code: str) -> None:
@@ -96,7 +91,7 @@ def fit_calibration(statements: Sequence[Statement]) -> dict[str, Any]:
     """Fit the recalibration, and measure it on left-out cases.
 
     Returns:
-        `intercept`, `slope`, `discrepancy`, `statements`, `true`, and, cross-validated over cases, `brier_score` and
+        `intercept`, `slope`, `unexplained`, `statements`, `true`, and, cross-validated over cases, `brier_score` and
         `expected_calibration_error`.
 
     Raises:
@@ -120,16 +115,16 @@ def _fitted(statements: Sequence[Statement]) -> Calibration:
     from scipy.optimize import minimize
 
     odds = np.array([log_odds(statement.probability) for statement in statements])
-    missed = np.array([statement.missed for statement in statements])
+    left = np.array([1.0 - statement.share for statement in statements])
     sign = np.array([1.0 if statement.true else -1.0 for statement in statements])
 
     def cost(place: NDArray[np.float64]) -> float:
-        corrected = place[0] + math.exp(place[1]) * odds - place[2] * missed
+        corrected = place[0] + math.exp(place[1]) * odds - place[2] * left
         wrongness = np.logaddexp(0.0, -sign * corrected).sum()
         return float(wrongness + 0.5 * (place @ place) / _WIDTH**2)
 
-    intercept, stretch, discrepancy = minimize(cost, np.zeros(3), method="BFGS").x.tolist()
-    return Calibration(intercept, math.exp(stretch), discrepancy)
+    intercept, stretch, unexplained = minimize(cost, np.zeros(3), method="BFGS").x.tolist()
+    return Calibration(intercept, math.exp(stretch), unexplained)
 
 
 def _cross_validated(statements: Sequence[Statement]) -> list[float]:
@@ -142,5 +137,5 @@ def _cross_validated(statements: Sequence[Statement]) -> list[float]:
     for others, left_out in folds.split(cases, groups=cases):
         fitted = _fitted([statements[place] for place in others])
         for place in left_out:
-            found[place] = fitted(statements[place].probability, statements[place].missed)
+            found[place] = fitted(statements[place].probability, statements[place].share)
     return found

@@ -38,7 +38,8 @@ def write_evidence(diagnosis: Diagnosis, folder: Path) -> None:
     residuals(diagnosis).to_parquet(folder / "residuals.parquet", index=False)
     naming = diagnosis.naming
     write_json(
-        {"probabilities": naming.posterior.inclusion(), "missed": naming.missed}, folder / "posterior.json"
+        {"probabilities": naming.posterior.inclusion(), "shares": dict(naming.shares)},
+        folder / "posterior.json",
     )
     write_json(hypotheses(diagnosis), folder / "hypotheses.json")
     write_json(candidates(diagnosis), folder / "candidates.json")

@@ -13,7 +13,17 @@ from torch import Tensor
 
 from simgap.diagnosis.horizon import state_noise
 from simgap.effects import Effect
-from simgap.equations.fit import Fit, fit, jacobian_of, parameters_of
+from simgap.equations.fit import (
+    Fit,
+    bounded_newton_step,
+    bounds_of,
+    finished,
+    jacobian_of,
+    line_search,
+    parameters_of,
+    values_of,
+    with_values,
+)
 from simgap.equations.problem import Problem
 from simgap.equations.scoring import cross_validated, folds_of, log_score
 from simgap.simulation import FittedEffect, Simulator, replay
@@ -26,6 +36,7 @@ _ENDS = 5  # instants at which predictions are compared
 _FAR = 5.0  # standard errors by which a value may move
 _BLUNTER = 2.0  # times the first standard error, which the new one may not exceed
 _LEAST_MOVE = 0.05  # of a value, by which it may move in addition
+_MOST_SLOPES, _MOST_STEPS = 6, 8  # of a fit, and steps with the same slopes
 
 
 @dataclass(frozen=True)
@@ -66,6 +77,10 @@ class RolloutProblem(Problem):
         """Return None: through a prediction no effect is linear."""
         return None
 
+    def is_sum_with(self, simulator: Simulator, effect: Effect) -> bool:
+        """Return False: what an effect adds moves what all others do."""
+        return False
+
 
 def refit_through_rollouts(found: Fit, problem: Problem, horizon: float, folds: int) -> tuple[Fit, bool]:
     """Refit every free parameter through predictions over a horizon.
@@ -84,9 +99,9 @@ def refit_through_rollouts(found: Fit, problem: Problem, horizon: float, folds: 
     """
     if not found.simulator.free:
         return found, False
-    rollouts = _rollout_problem(found.simulator, problem, horizon)
+    rollouts = rollout_problem(found.simulator, problem, horizon)
     before = rollouts.residual(found.simulator)
-    refitted = fit(found.simulator, rollouts)
+    refitted = fit_with_kept_slopes(found.simulator, rollouts)
     values, std = _merged(found, refitted)
     if not _better(refitted, before, rollouts, folds) or not _agree(found, values, std):
         return found, False
@@ -96,7 +111,36 @@ def refit_through_rollouts(found: Fit, problem: Problem, horizon: float, folds: 
     return replace(found, simulator=simulator, residual=residual, jacobian=jacobian), True
 
 
-def _rollout_problem(simulator: Simulator, problem: Problem, horizon: float) -> RolloutProblem:
+def fit_with_kept_slopes(simulator: Simulator, problem: RolloutProblem) -> Fit:
+    """Fit all parameters together by Gauss–Newton steps that keep their slopes while these serve.
+
+    A new slope takes one prediction for each parameter, a step one. Near the minimum slopes hardly change. The last
+    ones are those at the values that are returned.
+    Source: Dennis & Schnabel 1983, Numerical methods for unconstrained optimization, §5.4 (the chord method).
+    """
+    low, high = bounds_of(simulator)
+    values = values_of(simulator).clamp(low, high)
+    residual = problem.residual(with_values(simulator, values))
+    for _ in range(_MOST_SLOPES):
+        before, jacobian = residual, jacobian_of(with_values(simulator, values), problem, residual)
+        for _ in range(_MOST_STEPS):
+            scale, _ = problem.weigh(residual)
+            change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
+            if promised < problem.least_gain(residual):
+                break
+            values, rows = line_search(simulator, problem, values, change, residual, scale)
+            if rows is residual:
+                break
+            residual = rows
+        if residual is before:
+            break
+    else:
+        jacobian = jacobian_of(with_values(simulator, values), problem, residual)
+    return finished(with_values(simulator, values), residual, jacobian, problem.weigh(residual)[0], problem)
+
+
+def rollout_problem(simulator: Simulator, problem: Problem, horizon: float) -> RolloutProblem:
+    """Return the predictions over a horizon, s, from some of the blocks of a problem in which all effects act."""
     present = problem.present
     drawn = torch.linspace(0, len(present) - 1, min(_MOST_BLOCKS, len(present))).round().long()
     part = present[drawn]

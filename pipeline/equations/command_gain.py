@@ -163,6 +163,8 @@ def _without_commands(blocks: Blocks) -> Blocks:
     if "position_command" in silent:
         silent["position_command"] = blocks.signals["position"]
     held = {name: silent[name] for name in blocks.held_commands}
+    if "run_number" in blocks.signals:  # copies are other runs: effects that join blocks must not mix them
+        silent["run_number"] = -1.0 - blocks.signals["run_number"]
     return replace(blocks, signals={**blocks.signals, **silent}, held_commands=held)
 
 

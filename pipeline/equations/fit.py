@@ -1,5 +1,6 @@
 """Gauss–Newton fit of effect parameters to a recording, with cluster-robust standard errors."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import torch
@@ -71,27 +72,31 @@ def with_values(simulator: Simulator, values: Tensor) -> Simulator:
     return simulator.with_effects(tuple(effects))
 
 
-def fit(simulator: Simulator, problem: Problem) -> Fit:
+def fit(simulator: Simulator, problem: Problem, most_steps: int = _FIT_STEPS) -> Fit:
     """Fit all parameters together by Gauss–Newton steps from the values that the simulator has.
 
     Rows are weighed as the problem says, anew at every step. Bounds are respected by clipping.
+
+    Args:
+        simulator: with values to start from.
+        problem: what is fitted.
+        most_steps: after which the fit ends wherever it is.
     """
     low, high = bounds_of(simulator)
-    values = values_of(simulator).clamp(low, high)
-    residual = problem.residual(with_values(simulator, values))
-    jacobian = jacobian_of(with_values(simulator, values), problem, residual)
-    for _ in range(_FIT_STEPS):
-        scale, _ = problem.weigh(residual, with_values(simulator, values))
+    simulator = with_values(simulator, values_of(simulator).clamp(low, high))
+    residual = problem.residual(simulator)
+    jacobian, (scale, _) = jacobian_of(simulator, problem, residual), problem.weigh(residual, simulator)
+    for _ in range(most_steps):
+        values = values_of(simulator)
         change, promised = bounded_newton_step(jacobian, residual, scale, values, low, high)
         if promised < problem.least_gain(residual):
             break
         values, rows = line_search(simulator, problem, values, change, residual, scale)
         if rows is residual:
             break
-        residual = rows
-        jacobian = jacobian_of(with_values(simulator, values), problem, residual)
-    fitted = with_values(simulator, values)
-    return finished(fitted, residual, jacobian, problem.weigh(residual, fitted)[0], problem)
+        simulator, residual = with_values(simulator, values), rows
+        jacobian, (scale, _) = jacobian_of(simulator, problem, residual), problem.weigh(residual, simulator)
+    return finished(simulator, residual, jacobian, scale, problem)
 
 
 def finished(
@@ -134,6 +139,9 @@ def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, resi
     exact = problem.regressors(simulator, effect)
     if exact is not None:
         return exact
+    if problem.is_sum_with(simulator, effect):
+        values = next(f.values for f in simulator.free if f.effect.key == effect.key)
+        return summand_of(effect, values, simulator, problem)[1]
     owners = [(f.effect.key, parameter) for f in simulator.free for parameter in f.effect.parameters]
     columns = [
         _difference(simulator, problem, residual, column, parameter)
@@ -143,17 +151,42 @@ def effect_jacobian(simulator: Simulator, effect: Effect, problem: Problem, resi
     return torch.stack(columns, dim=-1)
 
 
+def summand_of(
+    effect: Effect, values: Mapping[str, float], base: Simulator, problem: Problem
+) -> tuple[Tensor, Tensor]:
+    """Return what an effect takes off the rows to which it only adds, and its columns by finite differences.
+
+    Args:
+        effect: only adds to the rows of the base, see `Problem.is_sum_with`.
+        values: of its parameters.
+        base: what else acts.
+        problem: the rows.
+
+    Returns:
+        (blocks, rows, channels) and (blocks, rows, channels, parameters).
+    """
+    steps = {p.name: _step(float(values[p.name]), p, problem) for p in effect.parameters}
+    moved = [{**values, name: values[name] + step} for name, step in steps.items()]
+    series = problem.summands(base, effect, [values, *moved])
+    taken = series[..., 0]
+    return taken, (series[..., 1:] - taken[..., None]) / torch.tensor(list(steps.values()), dtype=taken.dtype)
+
+
 def _difference(
     simulator: Simulator, problem: Problem, residual: Tensor, column: int, parameter: Parameter
 ) -> Tensor:
     values = values_of(simulator)
-    usual = parameter.default * size_of(parameter.unit, problem.sizes)
-    step = _DIFFERENCE * max(abs(float(values[column])), abs(usual))
-    if values[column] + step > parameter.high:
-        step = -step
+    step = _step(float(values[column]), parameter, problem)
     values[column] += step
     rows = problem.residual(with_values(simulator, values))
     return -(rows - residual) / step
+
+
+def _step(value: float, parameter: Parameter, problem: Problem) -> float:
+    """Return the step of a finite difference, in the parameter's unit, that stays within its bounds."""
+    usual = parameter.default * size_of(parameter.unit, problem.sizes)
+    step = _DIFFERENCE * max(abs(value), abs(usual))
+    return -step if value + step > parameter.high else step
 
 
 def bounded_newton_step(

@@ -1,6 +1,6 @@
 """The data that all fits of one diagnosis share, and what a simulator leaves of them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,6 +14,7 @@ from simgap.equations.residuals import Inside, channels_on, residual_rows, row_w
 from simgap.equations.row_noise import share_of_motion
 from simgap.equations.temper import Temper, energy_of
 from simgap.equations.trend import Trend
+from simgap.physics.shapes import Channels
 from simgap.physics.weak_form import WindowFunctions
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
@@ -158,16 +159,38 @@ class Problem:
             return self._columns(simulator, effect) * self.share[:, None, None, None]
         return self._where_present(simulator, lambda each: self._columns(each, effect))
 
+    def is_sum_with(self, simulator: Simulator, effect: Effect) -> bool:
+        """Whether an effect only adds to the rows of a simulator, see `Simulator.is_sum_with`."""
+        return simulator.is_sum_with(effect)
+
+    def summands(self, base: Simulator, effect: Effect, choices: Sequence[Mapping[str, float]]) -> Tensor:
+        """Return what an effect that only adds to what acts takes off the rows, (blocks, rows, channels, choices).
+
+        Args:
+            base: what else acts; the effect itself may be there.
+            effect: only adds to the rows of the base, see `is_sum_with`.
+            choices: of its values.
+        """
+        assert isinstance(effect, WrenchEffect)
+
+        def taken(each: Simulator) -> Tensor:
+            inner = _derived(each, self.inside(each))
+            wrenches = [effect.wrench(inner, values, each.constants()) for values in choices]
+            return self._in_windows(each, _series_of(each, wrenches, self.blocks, inner))
+
+        if self.presence is not None and effect.key in self.presence.keys:
+            return taken(base) * self.share[:, None, None, None]
+        return self._where_present(base, taken)
+
     def _columns(self, simulator: Simulator, effect: WrenchEffect) -> Tensor:
-        return _regressor_columns(simulator, effect, self) * self.factor(simulator)[:, None]
+        inner = _derived(simulator, self.inside(simulator))
+        return self._in_windows(simulator, law_series(simulator, effect, self.blocks, inner))
 
-
-def _regressor_columns(simulator: Simulator, effect: WrenchEffect, problem: Problem) -> Tensor:
-    blocks, functions = problem.blocks, problem.functions
-    inner = _derived(simulator, problem.inside(simulator))
-    series = law_series(simulator, effect, blocks, inner)
-    columns = torch.einsum("bscp,rs->brcp", series, functions.weights)
-    return columns * row_weights(simulator, inner, blocks, functions)[..., None]
+    def _in_windows(self, simulator: Simulator, series: Tensor) -> Tensor:
+        """Return series (blocks, samples, channels, columns) as rows are: (blocks, rows, channels, columns)."""
+        rows = torch.einsum("bscp,rs->brcp", series, self.functions.weights)
+        weights = row_weights(simulator, self.inside(simulator), self.blocks, self.functions)
+        return rows * (weights * self.factor(simulator))[..., None]
 
 
 def law_series(
@@ -182,12 +205,20 @@ def law_series(
         inner: what is in the simulator, with what its mechanism derives, where that is known.
     """
     inner = inner or _derived(simulator, signals_inside(simulator, blocks, blocks.acting))
+    regressors = effect.regressors(inner, simulator.constants())
+    return _series_of(simulator, regressors, blocks, inner)
+
+
+def _series_of(
+    simulator: Simulator, wrenches: Sequence[Channels], blocks: Blocks, inner: dict[str, Tensor]
+) -> Tensor:
+    """Return what wrenches do once constraints answer them, (blocks, samples, channels, wrenches)."""
     constants = simulator.constants()
     nominal, believed = simulator.nominal_inertia(), simulator.mechanism.inertia(constants)
     names = [channel.name for channel in channels_on(simulator, blocks)]
     columns = []
-    for regressor in effect.regressors(inner, constants):
-        wrench = simulator.mechanism.constrain(regressor, inner, constants)
+    for each in wrenches:
+        wrench = simulator.mechanism.constrain(each, inner, constants)
         acting = {n: nominal[n] / believed[n] * blocks.at_samples(series) for n, series in wrench.items()}
         zero = torch.zeros_like(next(iter(acting.values())))
         columns.append(torch.stack([acting.get(name, zero) for name in names], dim=-1))

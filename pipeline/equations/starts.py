@@ -6,12 +6,13 @@ every other.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import torch
 from torch import Tensor
 
 from simgap.effects import Effect
-from simgap.equations.fit import Fit, bounded_newton_step, bounds_of, effect_jacobian
+from simgap.equations.fit import Fit, bounded_newton_step, bounds_of, effect_jacobian, summand_of
 from simgap.equations.problem import Problem
 from simgap.equations.temper import energy_of
 from simgap.simulation import FittedEffect, Simulator
@@ -40,14 +41,16 @@ class _Point:
 class Starts:
     """The scans of all effects for one problem."""
 
-    def __init__(self, nominal: Simulator, problem: Problem) -> None:
+    def __init__(self, nominal: Simulator, problem: Problem, throughout: "Starts | None" = None) -> None:
         """Prepare; an effect is scanned when it is asked for.
 
         Args:
             nominal: beside which the effects are scanned.
             problem: what is fitted.
+            throughout: the scans for the same rows where all effects act throughout. Those of effects that still do
+                are the same.
         """
-        self.nominal, self.problem = nominal, problem
+        self.nominal, self.problem, self.throughout = nominal, problem, throughout
         self.few, self.part = some_of(problem)
         self.scans: dict[str, list[_Point]] = {}
 
@@ -58,10 +61,7 @@ class Starts:
 
     def ranked(self, effect: Effect, current: Fit) -> list[dict[str, float]]:
         """Return the points of an effect's scan in the order of what one Newton step promises beside a fit."""
-        if effect.key not in self.scans:
-            base = self.few.residual(self.nominal)
-            self.scans[effect.key] = [self._point(effect, values, base) for values in self.of(effect)]
-        points = self.scans[effect.key]
+        points = self._scan(effect)
         noise = (self.few.loudness(current.simulator) * self.few.noise).square().clamp_min(1e-24)
         residual = current.residual[self.part]
         mixture = self.few.temper.mixture(energy_of(residual, noise), noise)
@@ -73,12 +73,33 @@ class Starts:
 
         return [point.values for point in sorted(points, key=value, reverse=True)]
 
-    def _point(self, effect: Effect, values: dict[str, float], base: Tensor) -> _Point:
+    def _scan(self, effect: Effect) -> list[_Point]:
+        partly = self.problem.presence is not None and effect.key in self.problem.presence.keys
+        if self.throughout and not partly:
+            return self.throughout._scan(effect)
+        if effect.key not in self.scans:
+            point = self._summand if self._only_adds(effect) else self._point
+            self.scans[effect.key] = [point(effect, values) for values in self.of(effect)]
+        return self.scans[effect.key]
+
+    def _only_adds(self, effect: Effect) -> bool:
+        known = any(fitted.effect.key == effect.key for fitted in self.nominal.known)
+        return not known and self.few.is_sum_with(self.nominal, effect)
+
+    def _summand(self, effect: Effect, values: dict[str, float]) -> _Point:
+        taken, columns = summand_of(effect, values, self.nominal, self.few)
+        return _Point(values, taken, columns, self.few.loudness(self.nominal))
+
+    def _point(self, effect: Effect, values: dict[str, float]) -> _Point:
         kept = tuple(f for f in self.nominal.known if f.effect.key != effect.key)
         simulator = self.nominal.with_effects((*kept, FittedEffect(effect, values)))
         residual = self.few.residual(simulator)
         columns = effect_jacobian(simulator, effect, self.few, residual)
-        return _Point(values, base - residual, columns, self.few.loudness(simulator))
+        return _Point(values, self._base - residual, columns, self.few.loudness(simulator))
+
+    @cached_property
+    def _base(self) -> Tensor:
+        return self.few.residual(self.nominal)
 
     def _left(self, effect: Effect, point: _Point, current: Fit) -> Tensor:
         """Return what one Newton step from a point beside a fit leaves, (blocks, rows, channels)."""

@@ -21,7 +21,9 @@ distribution (JASA 84), for t and its fixed point.
 
 from dataclasses import dataclass, replace
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from simgap.physics.weak_form import WindowFunctions
@@ -95,24 +97,26 @@ class Temper:
         return independent / self.rows / left
 
     def mixture(self, left: Tensor, noise: Tensor) -> "Mixture":
-        """Return the likeliest mixture: of a grid of shares, each with its likeliest usual size of a discrepancy."""
-        grid = torch.tensor(_SHARES, dtype=left.dtype).reshape(-1, *(1,) * left.dim())
-        usual = self._usual(left, noise, grid, left.log().mean(-2, keepdim=True).exp(), _FIXED_POINTS)
-        place = self.value_of(Mixture(grid, usual), left, noise).max(0).indices[None, ..., None, :]
-        share = grid.expand(-1, *usual.shape[1:]).gather(0, place)[0]
-        return Mixture(share, self._usual(left, noise, share, usual.gather(0, place)[0], _LAST_FIXED_POINTS))
+        """Return the likeliest mixture: of a grid of shares, each with its likeliest usual size of a discrepancy.
 
-    def _usual(self, left: Tensor, noise: Tensor, share: Tensor, usual: Tensor, times: int) -> Tensor:
-        """Return the likeliest usual size of a discrepancy for some shares, from a first guess."""
-        least = noise.expand_as(left).amin(-2, keepdim=True)
+        No gradients go through it: where the likelihood is greatest, they are zero.
+        """
+        from simgap.equations.mixture_steps import likeliest  # its import takes longer than all others here
+
         sound, beyond = self._kinds(left, noise)
-        odds = torch.logit(share) + beyond - sound
-        for _ in range(times):
-            missed = torch.sigmoid(odds + self._size(left, usual))
-            weighted = (_TAIL + 1.0) * missed / (_TAIL / left + 1.0 / usual)
-            usual = weighted.sum(-2, keepdim=True) / missed.sum(-2, keepdim=True).clamp_min(1e-30)
-            usual = torch.maximum(usual, least)
-        return usual
+        least = noise.detach().expand_as(left).amin(-2)
+        found = likeliest(
+            _by_block(left),
+            _by_block(beyond.expand_as(left)),
+            _by_block(sound),
+            least.flatten().numpy(),
+            self.lasting,
+            _TAIL,
+            np.array(_SHARES),
+            _FIXED_POINTS,
+            _LAST_FIXED_POINTS,
+        )
+        return Mixture(*(torch.from_numpy(each).reshape(least.shape)[..., None, :] for each in found))
 
     def by_chance(self, tolerated: float) -> Tensor:
         """Return what noise alone costs a block on average, in log likelihood: its mean square is too high at times.
@@ -180,6 +184,11 @@ class Mixture:
 
     share: Tensor
     usual: Tensor
+
+
+def _by_block(series: Tensor) -> NDArray[np.float64]:
+    """Return a series (..., blocks, channels) as rows of blocks, (... · channels, blocks)."""
+    return series.detach().transpose(-1, -2).contiguous().flatten(0, -2).numpy()
 
 
 def temper_of(blocks: Blocks, functions: WindowFunctions, width: float) -> Temper:

@@ -34,6 +34,7 @@ class Trend:
         settling: time constant with which it comes to its end, s; None for a straight line.
         grows: whether it grows from nothing; otherwise it fades to nothing.
         is_dry: whether it is dry friction.
+        begins_anew: whether it begins anew with each run.
     """
 
     key: str
@@ -42,6 +43,7 @@ class Trend:
     settling: float | None
     grows: bool
     is_dry: bool
+    begins_anew: bool
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -62,11 +64,6 @@ class Trend:
     def is_straight(self) -> bool:
         """Whether it goes in a straight line through the whole recording."""
         return self.settling is None and not self.begins_anew
-
-    @property
-    def begins_anew(self) -> bool:
-        """Whether it begins anew with each run."""
-        return len(set(self.origins)) == 1 and len(self.origins) > 1
 
     def of(self, effect: Effect) -> "Trend":
         """Return the same trend of another effect."""
@@ -106,10 +103,12 @@ def trends_of(effect: Effect, recorded: Sequence[Blocks]) -> list[Trend]:
         recorded: all blocks of a recording: a machine also changes while a run is recorded that no fit sees.
     """
     key, is_dry, runs = trending(effect).key, isinstance(effect, DryFriction), _runs(recorded)
-    clocks = dict.fromkeys((_through_all(runs), _through_each(runs)))
+    clocks = [(*_through_all(runs), False)]
+    if len(runs) > 1:
+        clocks.append((*_through_each(runs), True))
     return [
-        Trend(key, origins, span, settling, grows, is_dry)
-        for origins, span in clocks
+        Trend(key, origins, span, settling, grows, is_dry, begins_anew)
+        for origins, span, begins_anew in clocks
         for settling in (None, _SETTLING * span)
         for grows in (True, False)
     ]

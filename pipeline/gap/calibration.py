@@ -1,7 +1,7 @@
 """Recalibration: the posterior probability of an effect, corrected by how often such probabilities were right.
 
-Where the best hypothesis misses a part of the recording, something else is at work beside it, and the law that comes
-nearest may have its name. Names there are wrong more often than those of hypotheses that leave noise alone.
+An effect that explains a small part of the error, even where it explains most, is wrong more often than one that
+explains all of it: it may make up for what the cause has left.
 """
 
 import ast
@@ -24,6 +24,7 @@ MODULES = (
     "equations/command_gain",
     "equations/derived_noise",
     "equations/fit",
+    "equations/mixture_steps",
     "equations/noise_ceiling",
     "equations/passed_noise",
     "equations/presence",
@@ -71,38 +72,38 @@ class Calibration:
     Attributes:
         intercept: added to the log odds.
         slope: multiplies the log odds; above zero, so that the order of probabilities is kept.
-        discrepancy: taken off where the best hypothesis misses a part of the recording, see `simgap.gap.missed`.
+        unexplained: taken off, times the share of the error that an effect leaves where it explains most.
     """
 
     intercept: float
     slope: float
-    discrepancy: float = 0.0
+    unexplained: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.slope > 0.0:
             raise ValueError(f"the slope of a calibration must be above zero, not {self.slope}")
 
-    def __call__(self, probability: float, missed: bool = False) -> float:
+    def __call__(self, probability: float, share: float = 1.0) -> float:
         """Return the corrected probability.
 
         Args:
             probability: that the posterior gives.
-            missed: whether the best hypothesis misses a part of the recording.
+            share: of the error that the effect explains in the channel where it explains most.
         """
-        odds = self.intercept + self.slope * log_odds(probability) - self.discrepancy * missed
+        odds = self.intercept + self.slope * log_odds(probability) - self.unexplained * (1.0 - share)
         return 1.0 / (1.0 + math.exp(-odds))
 
 
-def calibrated(probability: float, missed: bool) -> float:
+def calibrated(probability: float, share: float) -> float:
     """Return the probability to state for an effect, from the one that the posterior gives.
 
     A greater posterior probability never becomes a smaller one. Those within a thousandth of 0 or of 1 become equal.
 
     Args:
         probability: that the posterior gives.
-        missed: whether the best hypothesis misses a part of the recording.
+        share: of the error that the effect explains in the channel where it explains most.
     """
-    return _stored()(probability, missed)
+    return _stored()(probability, share)
 
 
 def log_odds(probability: float) -> float:

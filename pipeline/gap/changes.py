@@ -96,7 +96,7 @@ def changed_reading(reading: Reading, presence: Presence) -> Reading:
     proving = prepared.proving.take(proven) if held_out else problem.blocks.take(problem.present)
     prepared = replace(prepared, problem=problem, proving=proving, held_out=held_out)
     odds = reading.odds * math.exp(_log_odds(presence, problem.blocks))
-    return Reading(reading.held, prepared, reading.catalogue, odds, reading.driver, presence)
+    return replace(reading, prepared=prepared, odds=odds, presence=presence, throughout=reading)
 
 
 def refined(found: Hypothesis) -> Presence:

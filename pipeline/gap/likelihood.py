@@ -91,8 +91,8 @@ class LikelihoodOf:
         noise, silenced = self.noise(simulator)
         energy, factor = self.energy(simulator), self.problem.factor(simulator)
         if self.problem.gain is None:
-            larger = self._enlargement(noise)
-            return self._on_side(fitted.residual * larger, noise * larger**2, silenced * larger**2, energy)
+            # Rows enlarged by a factor are rows that are measured against so much less energy.
+            return self._on_side(fitted.residual, noise, silenced, energy / self._enlargement(noise) ** 2)
         by_commands = self._on_side(fitted.residual, noise, silenced, energy)
         by_motion = self._on_side(fitted.residual / factor, noise / factor**2, silenced / factor**2, energy)
         return by_commands.lower(by_motion.scaled(factor))

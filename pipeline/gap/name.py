@@ -1,27 +1,25 @@
 """What is named: the effects that the posterior over hypotheses believes in."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import torch
 
 from simgap.effects import Effect
 from simgap.equations.fit import Fit
-from simgap.equations.problem import Problem
 from simgap.equations.refit import remove
 from simgap.gap.calibration import calibrated
 from simgap.gap.hypothesis import Hypothesis
-from simgap.gap.missed import misses
 from simgap.gap.posterior import Posterior, posterior_of
 from simgap.gap.reading import Reading
 from simgap.gap.search import Search
-from simgap.gap.settings import BELIEVED, Gap
+from simgap.gap.settings import BELIEVED, POSSIBLE, Gap
 from simgap.simulation import FittedEffect
 
 _LEAST_EXCESS = 0.01
 """Of the noise energy: what a share is related to where nothing was left."""
-_DIGITS = 3
-"""Of a probability, as it is written."""
+_DIGITS = 2
+"""Of a probability that is stated: a few hundred cases that it is calibrated on tell no more."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +28,7 @@ class Named:
 
     Attributes:
         fitted: the effect with its values.
-        probability: of its being there, recalibrated.
+        probability: of its being there, recalibrated and rounded.
         channel: index of the channel of whose residual it explains most.
         share: of the error above the noise there that it explains beside the others.
     """
@@ -68,7 +66,7 @@ class Naming:
         best: the most probable one, with what grows or fades in it at its mean.
         base: fit of the nominal simulator to the rows of the best hypothesis.
         fit: of the best hypothesis.
-        missed: whether the best hypothesis misses a part of the recording.
+        shares: of the error that each possible effect explains beside the others, where it explains most, by key.
         named: the named effects, the most probable first.
         rivalries: named effects with rivals.
         complete: whether the search came to its end within its budget.
@@ -78,7 +76,7 @@ class Naming:
     best: Hypothesis
     base: Fit
     fit: Fit
-    missed: bool
+    shares: Mapping[str, float]
     named: tuple[Named, ...]
     rivalries: tuple[Rivalry, ...]
     complete: bool
@@ -90,8 +88,10 @@ class Naming:
 
     @property
     def probabilities(self) -> dict[str, float]:
-        """The probability of each effect that was considered, by key, recalibrated, the most probable first."""
-        return {key: calibrated(raw, self.missed) for key, raw in self.posterior.inclusion().items()}
+        """The probability of each effect that was considered, by key, as it is stated, the most probable first."""
+        inclusion = self.posterior.inclusion().items()
+        stated = {key: _stated(raw, self.shares.get(key, 0.0)) for key, raw in inclusion}
+        return dict(sorted(stated.items(), key=lambda entry: -entry[1]))
 
 
 def name(readings: Sequence[Reading], settings: Gap) -> Naming:
@@ -106,46 +106,64 @@ def name(readings: Sequence[Reading], settings: Gap) -> Naming:
     posterior = posterior_of(list(search.visited.values()))
     best = posterior.best
     base = search.bases[best.reading.timing]
-    missed, settled = misses(best), search.at_mean(best)
-    named = _named(posterior, base, missed, settings.least_probability)
+    settled = search.at_mean(best)
+    possible = _possible(posterior, base, min(POSSIBLE, settings.least_probability))
+    named = _named(posterior, possible, settings.least_probability)
+    shares = {key: each.share for key, each in possible.items()}
     return Naming(
-        posterior, settled, base, settled.fit, missed, named, _rivalries(posterior, named), complete
+        posterior, settled, base, settled.fit, shares, named, _rivalries(posterior, named), complete
     )
 
 
-def _named(posterior: Posterior, base: Fit, missed: bool, least: float) -> tuple[Named, ...]:
+def _possible(posterior: Posterior, base: Fit, least: float) -> dict[str, Named]:
+    """Return what would be said of each effect that is probable enough to be worth it, by key."""
+    found = {}
+    for key, raw in posterior.inclusion().items():
+        if raw >= least:
+            hypothesis = posterior.best_with(key)
+            fitted = next(f for f in hypothesis.fit.simulator.free if f.effect.key == key)
+            channel, share = _share(hypothesis, fitted.effect, base)
+            found[key] = Named(fitted, _stated(raw, share), channel, share)
+    return found
+
+
+def _named(posterior: Posterior, possible: Mapping[str, Named], least: float) -> tuple[Named, ...]:
     """Return the names of the best hypothesis that are probable enough, and others that are more likely than not.
 
     The posterior decides what is named, and recalibration what is said of it: two effects that stand in for each other
     share what is certain of both together.
     """
-    found = []
-    for key, raw in posterior.inclusion().items():
-        if raw < (least if key in posterior.best.names else BELIEVED):
-            continue
-        hypothesis = posterior.best_with(key)
-        fitted = next(f for f in hypothesis.fit.simulator.free if f.effect.key == key)
-        channel, share = _share(hypothesis.fit, fitted.effect, base, hypothesis.reading.problem)
-        found.append(Named(fitted, calibrated(raw, missed), channel, share))
-    return in_order(found)
+    raw = posterior.inclusion()
+    return in_order(
+        [
+            each
+            for key, each in possible.items()
+            if raw[key] >= (least if key in posterior.best.names else BELIEVED)
+        ]
+    )
 
 
 def in_order(named: Sequence[Named]) -> tuple[Named, ...]:
     """Return names, the most probable first; of equally sure ones what fewer machines have, then what explains more.
 
-    That a joint has some friction surprises nobody. Rounding of a sum of weights decides nothing.
+    That a joint has some friction surprises nobody.
     """
 
     def place(each: Named) -> tuple[float, float, float, str]:
-        return -round(each.probability, _DIGITS), each.effect.prior_odds, -each.share, each.effect.key
+        return -each.probability, each.effect.prior_odds, -each.share, each.effect.key
 
     return tuple(sorted(named, key=place))
 
 
-def _share(found: Fit, effect: Effect, base: Fit, problem: Problem) -> tuple[int, float]:
+def _stated(raw: float, share: float) -> float:
+    return round(calibrated(raw, share), _DIGITS)
+
+
+def _share(hypothesis: Hypothesis, effect: Effect, base: Fit) -> tuple[int, float]:
     """Return the channel in which an effect explains most, and the share of the error there that it explains."""
-    noise = problem.noise.square()
-    without = remove(found, effect, problem).residual.square().mean((0, 1))
+    found, reading = hypothesis.fit, hypothesis.reading
+    problem, noise = reading.problem, reading.problem.noise.square()
+    without = remove(found, effect, problem, reading.known(effect)).residual.square().mean((0, 1))
     explained = without - found.residual.square().mean((0, 1))
     channel = int((explained / torch.maximum(without, noise)).argmax())
     gap = base.residual.square().mean((0, 1)) - noise

@@ -74,7 +74,8 @@ class Neighbours:
         series = [centre.fit.residual[..., None]]
         for key, fitted in self.mine.items():
             self.offset[key] = sum(part.shape[-1] for part in series)
-            gone = remove(centre.fit, fitted.effect, problem).residual - centre.fit.residual
+            without = remove(centre.fit, fitted.effect, problem, centre.reading.known(fitted.effect))
+            gone = without.residual - centre.fit.residual
             series.append(gone[..., None])
             self._note(key, series, centre.fit.jacobian[..., columns_of(centre.fit, fitted.effect)])
         for hypothesis in added:
@@ -155,7 +156,9 @@ class Neighbours:
 
     def _moves(self) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
         """Yield which effects go and which come: at most two of each, and more than one in all."""
-        mine = [key for key in self.mine if key in self.centre.doubtful]
+        presence = self.centre.reading.presence
+        staying = presence.keys if presence else ()  # without them it would be no change
+        mine = [key for key in self.mine if key in self.centre.doubtful and key not in staying]
         goings = [(), *combinations(mine, 1), *combinations(mine, 2)]
         comings = [(), *combinations(self.new, 1), *combinations(self.new, 2)]
         for gone in goings:

@@ -73,7 +73,8 @@ def density_of(effect: Effect, parameter: Parameter, scales: Scales) -> Density:
         return Density("t", parameter.neutral, width, parameter.low == parameter.neutral)
     if parameter.unit == "1" and not (parameter.is_limit or parameter.typical):
         return Density("uniform", 0.5, parameter.high - parameter.low)
-    return Density("log", known or abs(parameter.default), _SHAPE_WIDTH)
+    size = abs(parameter.default)
+    return Density("log", size if parameter.typical else known or size, _SHAPE_WIDTH)
 
 
 def densities_of(fitted: FittedEffect, scales: Scales) -> list[Density]:

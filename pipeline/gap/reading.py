@@ -25,7 +25,7 @@ from simgap.gap.prepare import Prepared, prepare
 from simgap.gap.scales import Scales, scales_of
 from simgap.gap.settings import Gap
 from simgap.recordings.recording import Recording
-from simgap.simulation import Simulator
+from simgap.simulation import FittedEffect, Simulator
 from simgap.simulation.signals import COMMANDS
 
 Timing = tuple[bool, str, Presence | Trend | None]
@@ -46,6 +46,7 @@ class Reading:
         odds: prior odds of this reading.
         driver: the signal that was estimated from the motion; empty where none was.
         presence: of effects that act in a part of the recording, or grow or fade; None: all effects act throughout.
+        throughout: the same reading in which all effects act throughout, where some do not in this one.
     """
 
     held: bool
@@ -54,6 +55,7 @@ class Reading:
     odds: float = 1.0
     driver: str = ""
     presence: Presence | Trend | None = None
+    throughout: "Reading | None" = None
 
     @property
     def timing(self) -> Timing:
@@ -70,6 +72,10 @@ class Reading:
         """What is fitted."""
         return self.prepared.problem
 
+    def known(self, effect: Effect) -> FittedEffect | None:
+        """Return what is known of an effect before, if anything is."""
+        return next((f for f in self.nominal.known if f.effect.key == effect.key), None)
+
     @cached_property
     def scales(self) -> Scales:
         """Typical sizes of what was recorded."""
@@ -78,7 +84,7 @@ class Reading:
     @cached_property
     def starts(self) -> Starts:
         """Where fits of the effects begin."""
-        return Starts(self.nominal, self.problem)
+        return Starts(self.nominal, self.problem, self.throughout.starts if self.throughout else None)
 
     @cached_property
     def likelihood_of(self) -> LikelihoodOf:

@@ -18,7 +18,7 @@ from simgap.equations.trend import Trend, at_mean, trending, trends_of
 from simgap.gap.changes import changed_reading, changes, refined
 from simgap.gap.hypothesis import Hypothesis, idle_in, weigh
 from simgap.gap.latent_inputs import driven_again, driven_readings
-from simgap.gap.neighbours import Neighbours
+from simgap.gap.neighbours import Neighbours, Proposal
 from simgap.gap.reading import Reading, Timing
 from simgap.gap.settings import Gap
 from simgap.gap.trends import trending_reading, trends
@@ -30,6 +30,9 @@ _MISSED = 10.0
 """Of log odds that a linearisation may miss: so much less promising sets are fitted, too."""
 _PROPOSALS, _MOST_PROPOSALS = 6, 18
 """Neighbours by two effects that are fitted for each hypothesis: that keep their promise, and in all."""
+_FIRST_STEPS = 2
+"""Of a proposal's fit, before it goes on only within reach of the best: the first follows from the linearisation, the
+second shows whether it keeps its promise."""
 _CHANGES = 2
 """Effects in a part of the recording, and trends, that are fitted for each hypothesis and keep their promise."""
 
@@ -41,11 +44,6 @@ def _with(reading: Reading, free: Sequence[FittedEffect]) -> Simulator:
     keys = {fitted.effect.key for fitted in free}
     known = (fitted for fitted in reading.nominal.known if fitted.effect.key not in keys)
     return reading.nominal.with_effects((*known, *free))
-
-
-def _known(reading: Reading, effect: Effect) -> FittedEffect | None:
-    """Return what is known of an effect before, if anything is."""
-    return next((f for f in reading.nominal.known if f.effect.key == effect.key), None)
 
 
 class _TimeIsOver(Exception):
@@ -148,8 +146,16 @@ class Search:
         kept = 0
         for proposal in near.best(_MOST_PROPOSALS, fitted_sets):
             if len(proposal.keys) <= most_effects and proposal.promise > least and kept < _PROPOSALS:
-                found = self._visit(fit(_with(reading, proposal.effects), reading.problem), reading)
-                kept += found.score > proposal.promise - _MISSED
+                kept += self._proposed(reading, proposal, least).score > proposal.promise - _MISSED
+
+    def _proposed(self, reading: Reading, proposal: Proposal, least: float) -> Hypothesis:
+        """Visit a proposed set of effects; what is far from its promise after the first steps is fitted no further."""
+        found = self._visit(
+            fit(_with(reading, proposal.effects), reading.problem, most_steps=_FIRST_STEPS), reading
+        )
+        if found.score < least:
+            return found
+        return self._visit(fit(found.fit.simulator, reading.problem), reading)
 
     def _retime(self, centre: Hypothesis) -> None:
         """Visit the same effects under every other timing of the commands, and there those that it does not explain."""
@@ -166,7 +172,7 @@ class Search:
         partly = reading.presence is not None and key in reading.presence.keys
         if not partly and (reading.timing, centre.keys - {key}) not in self.visited:
             effect = next(f.effect for f in centre.fit.simulator.free if f.effect.key == key)
-            self._visit(shrink(centre.fit, effect, reading.problem, _known(reading, effect)), reading)
+            self._visit(shrink(centre.fit, effect, reading.problem, reading.known(effect)), reading)
 
     def _exchange(self, centre: Hypothesis, key: str) -> None:
         """Visit a hypothesis with each look-alike in the place of one of its effects.
@@ -189,7 +195,7 @@ class Search:
         """Visit a hypothesis with each look-alike in the place of an effect that acts in a part of the recording."""
         others = tuple(f for f in centre.fit.simulator.free if f.effect.key != effect.key)
         for other in look_alikes_of(effect):
-            unknown = _known(centre.reading, other) is None
+            unknown = centre.reading.known(other) is None
             if unknown and other in centre.reading.catalogue and other.key not in centre.keys:
                 reading = self._timed(centre.reading, presence.without_key(effect.key).joined_by(other.key))
                 if (reading.timing, centre.keys - {effect.key} | {other.key}) not in self.visited:
@@ -256,7 +262,7 @@ class Search:
         recorded = self._timed(centre.reading, None).prepared.recorded
         free = centre.fit.simulator.free
         others = tuple(f for f in free if f.effect.key not in presence.keys)
-        begins = presence.runs[-1] == recorded[0].runs[-1]
+        begins = presence.until is None and presence.runs[-1] == recorded[0].runs[-1]
         for effect in (each for each in centre.reading.catalogue if each.drifts):
             changed = next((f for f in free if f.effect.key == effect.key and f not in others), None)
             for trend in trends_of(effect, recorded):
@@ -325,7 +331,7 @@ class Search:
         hypothesis = weigh(fitted, reading)
         idle = idle_in(fitted, reading)
         for each in idle:
-            fitted = remove(fitted, each.effect, reading.problem, _known(reading, each.effect))
+            fitted = remove(fitted, each.effect, reading.problem, reading.known(each.effect))
         self._keep(weigh(fitted, reading) if idle else hypothesis)
         if time.monotonic() > self.end:
             raise _TimeIsOver

@@ -9,6 +9,11 @@ _SHARES = ("least_share", "least_probability")
 _LENGTHS = ("block_duration", "test_width", "horizon", "fit_horizon", "budget")
 BELIEVED = 0.5
 """Probability from which an effect is more likely there than not."""
+POSSIBLE = 0.05
+"""Least posterior probability of an effect that counts as stated.
+
+Below it lie hundreds of effects of the catalogue that nobody would name. They would outweigh the rest.
+"""
 BEYOND_NOISE = 4.0
 """Times the noise energy, above which a gap counts: coloured noise may reach it."""
 _COUNT_KEYS = ("most_effects", "most_blocks", "resamples")

@@ -19,8 +19,8 @@ from simgap.simulation import FittedEffect
 
 _TRENDS = 0.1
 """Odds that something on a machine changes slowly while it is recorded: motors heat up, grease gets thin."""
-_SHAPES = 8
-"""Shapes that a trend may have: through the recording or each run, to an end or in a straight line, up or down."""
+_SHAPES = 4
+"""Shapes that a trend may have: to an end or in a straight line, up or down; as many through each of several runs."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,13 @@ def trending_reading(reading: Reading, trend: Trend) -> Reading:
     """Return a reading in which an effect grows or fades."""
     problem = replace(reading.problem, blocks=trend.marked(reading.problem.blocks), presence=trend)
     prepared = replace(reading.prepared, problem=problem)
-    odds = reading.odds * _TRENDS / _SHAPES
-    return Reading(reading.held, prepared, reading.catalogue, odds, reading.driver, trend)
+    odds = reading.odds * _odds(trend)
+    return replace(reading, prepared=prepared, odds=odds, presence=trend, throughout=reading)
+
+
+def _odds(trend: Trend) -> float:
+    """Return the prior odds of one of the trends that a recording allows."""
+    return _TRENDS / (_SHAPES * min(len(trend.origins), 2))
 
 
 def _has_two_sides(effect: Effect) -> bool:
@@ -87,7 +92,7 @@ def _weighed(
     factor = -float(steps[best][-1])
     if factor < 0.0 and not _has_two_sides(effect):
         return Trending(trend, (), -math.inf)
-    cost = near.cost_of(effect.key) + math.log(_TRENDS / _SHAPES)
+    cost = near.cost_of(effect.key) + math.log(_odds(trend))
     promise = near.centre.score + float(values[best] - near.present) + cost
     start = FittedEffect(trending(effect), _sized(effect, near.values_of(effect.key), factor))
     return Trending(trend, (*near.starts_with(()), start), promise)

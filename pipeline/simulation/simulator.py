@@ -168,8 +168,17 @@ class Simulator:
 
     def is_linear_in(self, effect: Effect) -> bool:
         """Whether what acts is linear in an effect's parameters: no dry friction holds against what it does."""
-        held = any(f.effect.acts_on == effect.acts_on for f in self.of_type(DryFriction))
-        return isinstance(effect, WrenchEffect) and effect.linear and not held
+        return isinstance(effect, WrenchEffect) and effect.linear and not self._holds(effect)
+
+    def is_sum_with(self, effect: Effect) -> bool:
+        """Whether an effect follows from the recorded motion alone and only adds to what acts."""
+        changing = ActuatorEffect | ConstantEffect | MeasurementEffect | DryFriction
+        if not isinstance(effect, WrenchEffect) or isinstance(effect, changing) or not effect.needs:
+            return False
+        return not self._holds(effect) and set(self.mechanism.actuator_signals).isdisjoint(effect.needs)
+
+    def _holds(self, effect: Effect) -> bool:
+        return any(f.effect.acts_on == effect.acts_on for f in self.of_type(DryFriction))
 
     def balance(self, signals: Signals) -> Balance:
         """Return both sides of the equations of motion for signals that went through the actuator."""

@@ -18,8 +18,10 @@ class MotorLag(ActuatorEffect):
     acts_on = "actuator"
     prior_odds = 1.0  # every rotor has inertia
     # The geometric mean of both times and their ratio: an estimate of the one hardly depends on the other.
+    # A rotor is slower than its controller: 12.5 ms up and 25 ms down (Furrer et al.), 33 ms (Kaufmann et al.), 70 ms
+    # (Eschmann, Albani & Loianno 2024, Data-driven system identification of quadrotors subject to motor delays).
     parameters = (
-        Parameter("time_constant", "s", 0.04, 0.0, 0.5),
+        Parameter("time_constant", "s", 0.04, 0.0, 0.5, typical=True),
         Parameter("down_ratio", "1", 1.4, 0.2, 5.0, neutral=1.0, optional=True),
     )
     needs = ("motor_command",)

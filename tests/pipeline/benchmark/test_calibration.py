@@ -13,7 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from simgap.benchmark.calibration import (
-    LEAST_PROBABILITY,
     SEEDS,
     Statement,
     fit_calibration,
@@ -23,6 +22,7 @@ from simgap.benchmark.calibration import (
 from simgap.errors import InputError
 from simgap.gap import calibration
 from simgap.gap.calibration import CALIBRATION, Calibration, hash_of_score
+from simgap.gap.settings import POSSIBLE
 from simgap.runner import StageRun
 from simgap.stages._benchmark_case import _diagnosed
 from simgap.stages.calibrate import CalibrateStage, calibrate
@@ -32,14 +32,13 @@ CODE = "the present score"
 
 
 def drawn(
-    count: int, intercept: float, slope: float, discrepancy: float = 0.0, seed: int = 0
+    count: int, intercept: float, slope: float, unexplained: float = 0.0, seed: int = 0
 ) -> list[Statement]:
     """Draw statements, two a case, that are as often true as a calibration makes of their log odds."""
     random = np.random.default_rng(seed)
-    truth = Calibration(intercept, slope, discrepancy)
+    truth = Calibration(intercept, slope, unexplained)
     probabilities = 1.0 / (1.0 + np.exp(-random.uniform(-2.9, 6.0, count)))
-    missed = random.random(count) < 0.5
-    told = list(zip(probabilities.tolist(), missed.tolist(), strict=True))
+    told = list(zip(probabilities.tolist(), random.random(count).tolist(), strict=True))
     return [
         Statement(f"case-{number // 2:05d}", *each, bool(random.random() < truth(*each)))
         for number, each in enumerate(told)
@@ -47,14 +46,14 @@ def drawn(
 
 
 @pytest.mark.parametrize(
-    ("intercept", "slope", "discrepancy"),
+    ("intercept", "slope", "unexplained"),
     [(0.0, 1.0, 0.0), (-1.0, 0.5, 1.5), (0.5, 1.5, 1.0), (-0.3, 0.2, -0.5)],
 )
-def test_known_numbers_are_recovered(intercept: float, slope: float, discrepancy: float) -> None:
-    found = fit_calibration(drawn(8000, intercept, slope, discrepancy))
+def test_known_numbers_are_recovered(intercept: float, slope: float, unexplained: float) -> None:
+    found = fit_calibration(drawn(8000, intercept, slope, unexplained))
     assert found["intercept"] == pytest.approx(intercept, abs=0.2)
     assert found["slope"] == pytest.approx(slope, abs=0.05, rel=0.1)
-    assert found["discrepancy"] == pytest.approx(discrepancy, abs=0.3)
+    assert found["unexplained"] == pytest.approx(unexplained, abs=0.3)
     assert found["expected_calibration_error"] < 0.02
     assert found["statements"] == 8000
 
@@ -74,8 +73,8 @@ def test_few_statements_move_the_probabilities_less() -> None:
 
 
 def test_sure_and_right_stays_finite() -> None:
-    certain = [Statement(f"a-{n}", 1.0, False, True) for n in range(60)]
-    certain += [Statement(f"b-{n}", 0.05, False, False) for n in range(60)]
+    certain = [Statement(f"a-{n}", 1.0, 1.0, True) for n in range(60)]
+    certain += [Statement(f"b-{n}", 0.05, 1.0, False) for n in range(60)]
     found = fit_calibration(certain)
     assert 1.0 <= found["slope"] < math.e**2
     assert found["brier_score"] < 0.01
@@ -90,19 +89,19 @@ def test_the_order_is_kept_whatever_the_statements_say(seed: int, intercept: flo
         Statement(
             str(n),
             p,
-            False,
+            1.0,
             bool(random.random() < 1.0 / (1.0 + math.exp(-intercept - tilt * 4.0 * (p - 0.5)))),
         )
         for n, p in enumerate(random.uniform(0.05, 1.0, 60).tolist())
     ]
-    statements += [Statement("right", 0.5, False, True), Statement("wrong", 0.5, False, False)]
+    statements += [Statement("right", 0.5, 1.0, True), Statement("wrong", 0.5, 1.0, False)]
     found = fit_calibration(statements)
     fitted = Calibration(found["intercept"], found["slope"])
     assert fitted(0.1) < fitted(0.5) < fitted(0.9)
 
 
 @pytest.mark.parametrize(
-    "statements", [drawn(10, 0.0, 1.0), [Statement(str(n), 0.9, False, True) for n in range(200)]]
+    "statements", [drawn(10, 0.0, 1.0), [Statement(str(n), 0.9, 1.0, True) for n in range(200)]]
 )
 def test_too_few_or_one_sided_statements_are_refused(statements: Sequence[Statement]) -> None:
     with pytest.raises(InputError, match="are too few"):
@@ -110,21 +109,22 @@ def test_too_few_or_one_sided_statements_are_refused(statements: Sequence[Statem
 
 
 def result(
-    seed: int = SEED, concealed: Sequence[str] = ("rotor_drag",), missed: bool = True, **posterior: float
+    seed: int = SEED, concealed: Sequence[str] = ("rotor_drag",), share: float = 1.0, **posterior: float
 ) -> dict[str, Any]:
-    key = {"score": {"concealed": list(concealed)}, "posterior": posterior, "missed": missed, "code": CODE}
+    key = {"score": {"concealed": list(concealed)}, "posterior": posterior, "code": CODE}
+    key["shares"] = dict.fromkeys(posterior, share)
     return {"name": f"quadrotor-{seed}-0000", "seed": seed, "case": {"kind": "quadrotor"}, **key}
 
 
 def test_statements_are_told_true_by_the_key() -> None:
     found = statements_of([result(rotor_drag=0.9, body_drag=0.2, payload=0.01)], CODE)
     name = f"quadrotor-{SEED}-0000"
-    assert found == [Statement(name, 0.9, True, True), Statement(name, 0.2, True, False)]
+    assert found == [Statement(name, 0.9, 1.0, True), Statement(name, 0.2, 1.0, False)]
 
 
 def test_what_nobody_would_name_is_no_statement() -> None:
-    found = statements_of([result(a=LEAST_PROBABILITY, b=LEAST_PROBABILITY - 1e-9)], CODE)
-    assert [statement.probability for statement in found] == [LEAST_PROBABILITY]
+    found = statements_of([result(a=POSSIBLE, b=POSSIBLE - 1e-9)], CODE)
+    assert [statement.probability for statement in found] == [POSSIBLE]
 
 
 def test_groups_count_only_where_the_key_has_them() -> None:
@@ -155,9 +155,11 @@ def test_a_case_keeps_its_posterior_as_it_was_before_recalibration(tmp_path: Pat
     evidence.mkdir(parents=True)
     (evidence.parent / "diagnosis.json").write_text('{"verdict": "none"}')
     assert _diagnosed({}, tmp_path, ()) == {"diagnosis": {"verdict": "none"}}
-    (evidence / "posterior.json").write_text('{"probabilities": {"rotor_drag": 0.9}, "missed": false}')
+    (evidence / "posterior.json").write_text(
+        '{"probabilities": {"rotor_drag": 0.9}, "shares": {"rotor_drag": 0.4}}'
+    )
     found = _diagnosed({}, tmp_path, ())
-    assert (found["posterior"], found["missed"]) == ({"rotor_drag": 0.9}, False)
+    assert (found["posterior"], found["shares"]) == ({"rotor_drag": 0.9}, {"rotor_drag": 0.4})
 
 
 def written(folder: Path, statements: Sequence[Statement], **changes: Any) -> str:
@@ -167,7 +169,7 @@ def written(folder: Path, statements: Sequence[Statement], **changes: Any) -> st
         result(
             SEED + number % 2,
             ("rotor_drag",) if statement.true else (),
-            statement.missed,
+            statement.share,
             rotor_drag=statement.probability,
         )
         | {"name": str(number), "code": code}

@@ -3,8 +3,14 @@
 from dataclasses import replace
 
 import pytest
+import torch
 
-from simgap.diagnosis.rollout_fit import refit_through_rollouts
+from simgap.diagnosis.rollout_fit import (
+    RolloutProblem,
+    fit_with_kept_slopes,
+    refit_through_rollouts,
+    rollout_problem,
+)
 from simgap.equations.fit import Fit, fit
 from simgap.equations.problem import Problem
 from simgap.simulation import FittedEffect
@@ -53,6 +59,25 @@ def test_values_that_no_prediction_bears_out_are_replaced():
     assert _damping(refitted) == pytest.approx(_DAMPING, rel=0.005)
     (fitted,) = refitted.simulator.free
     assert fitted.std["coefficient"] < 0.02 * _DAMPING
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_kept_slopes_lead_to_the_same_values_with_fewer_predictions(monkeypatch, noise):
+    names = ("viscous_friction", "inertia_error", "motor_constant_error")
+    wrong = ({"coefficient": 0.03}, {"ratio": 1.1}, {"ratio": 0.9})
+    simulator = joint_simulator(*map(FittedEffect, of_joint(*names), wrong))
+    problem = problem_of(joint_recording(Plant(viscous=_DAMPING), noise=noise), joint_simulator())
+    rollouts, counted = rollout_problem(simulator, problem, horizon=0.3), []
+    predicted = RolloutProblem.residual
+    monkeypatch.setattr(
+        RolloutProblem, "residual", lambda self, each: counted.append(each) or predicted(self, each)
+    )
+    kept = fit_with_kept_slopes(simulator, rollouts)
+    few, counted[:] = len(counted), []
+    full = fit(simulator, rollouts)
+    assert kept.values.tolist() == pytest.approx(full.values.tolist(), rel=1e-4)
+    torch.testing.assert_close(kept.covariance, full.covariance, rtol=1e-2, atol=0.0)
+    assert few <= len(counted)
 
 
 def test_a_simulator_without_free_parameters_stays_as_it_is():

@@ -1,9 +1,12 @@
 """What commands do to rows: by which simulators are compared on the side of the commands."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 
 from simgap.effects import effect_by_key
+from simgap.equations.residuals import residual_rows
 from simgap.gap.reading import readings_of
 from simgap.gap.settings import Gap
 from simgap.simulation import FittedEffect, Simulator
@@ -36,6 +39,17 @@ def test_rotors_that_are_weak_one_by_one_answer_as_a_weak_coefficient_does():
     factor = reading.problem.factor(apart)
     torch.testing.assert_close(factor, reading.problem.factor(together), rtol=1e-6, atol=1e-9)
     assert factor.max() == pytest.approx(1.0 / WEAK, rel=0.02)
+
+
+def test_an_effect_that_joins_blocks_is_not_mixed_with_the_copies_without_commands():
+    """The copies begin at the same times as the blocks: as parts of the same run they would take their place."""
+    load = FittedEffect(
+        effect_by_key("quadrotor", "slung_payload"), effect_by_key("quadrotor", "slung_payload").defaults()
+    )
+    reading = readings_of(flight(), Simulator(racer(), (replace(load, known=True),)), Gap())[0]
+    problem = reading.problem
+    alone = residual_rows(reading.nominal, problem.blocks, problem.functions)
+    torch.testing.assert_close(problem.residual(reading.nominal), alone)
 
 
 def test_the_noise_of_the_motion_grows_on_the_side_of_the_commands():

@@ -5,7 +5,7 @@ import math
 import pytest
 import torch
 
-from simgap.equations.temper import Temper, energy_of, temper_of
+from simgap.equations.temper import Mixture, Temper, energy_of, temper_of
 from simgap.gap.settings import Gap
 from tests.pipeline.gap.problems import problem_of, random_like
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
@@ -158,3 +158,40 @@ def test_what_noise_costs_by_chance_is_the_mean_of_what_it_costs(independent, to
     costs = 0.5 * independent * (energy - 1.0).clamp_min(0.0)
     error = 5.0 * float(costs.std()) / 1000.0
     assert float(temper.by_chance(tolerated)) == pytest.approx(float(costs.mean()), abs=error)
+
+
+def _missed(
+    temper: Temper, left: torch.Tensor, noise: torch.Tensor, share: float, usual: float
+) -> torch.Tensor:
+    """Return how probably each block of a channel holds a discrepancy, (blocks,), by the equations of the method."""
+    ratio = left / noise
+    sound = -0.5 * (temper.total * (ratio - 1.0) + temper.lasting * noise.log())
+    tail = 5.0 * ((4.0 + left / usual) / 5.0).log()
+    beside = -0.5 * (temper.lasting * (math.log(usual) + tail) + temper.short * (1.0 - 1.0 / ratio)) - 1.65
+    return torch.sigmoid(math.log(share / (1.0 - share)) + beside - sound)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_likeliest_mixture_is_a_fixed_point_and_no_other_share_is_likelier(seed):
+    temper, noise = Temper(20, 0.7, 8.0), torch.tensor([1.0, 1e-4], dtype=torch.float64)
+    left = torch.maximum(noise * spread_of(seed)[:, :1], noise)
+    found = temper.mixture(left, noise)
+    for channel in range(2):
+        share, usual = float(found.share[0, channel]), float(found.usual[0, channel])
+        mine = left[:, channel]
+        missed = _missed(temper, mine, noise[channel], share, usual)
+        mean = float((5.0 * missed / (4.0 / mine + 1.0 / usual)).sum() / missed.sum())
+        assert usual == pytest.approx(max(mean, float(noise[channel])), rel=1e-3)
+    best = temper.value_of(found, left, noise)
+    for share in (0.01, 0.2, 0.6, 0.95):
+        other = Mixture(torch.full_like(found.share, share), found.usual)
+        assert torch.all(temper.value_of(other, left, noise) <= best + 0.1)
+
+
+def test_mixtures_of_many_recordings_are_those_of_each():
+    temper, noise = Temper(20, 0.7, 8.0), torch.ones(1, dtype=torch.float64)
+    each = [torch.maximum(spread_of(seed)[:, :1], noise) for seed in range(4)]
+    together = temper.mixture(torch.stack(each), noise)
+    alone = [temper.mixture(left, noise) for left in each]
+    torch.testing.assert_close(together.share, torch.stack([one.share for one in alone]))
+    torch.testing.assert_close(together.usual, torch.stack([one.usual for one in alone]))

@@ -75,6 +75,16 @@ def test_one_run_has_one_clock():
     assert len(trends_of(FRICTION, [blocks_of([5])])) == 4
 
 
+def test_what_begins_anew_does_so_whatever_the_clocks_of_the_runs_say():
+    """Some logs begin at zero with every run, others go on through all of them."""
+    blocks = blocks_of([3, 3])
+    later = replace(blocks, start=blocks.start + 100.0 * blocks.run)
+    for alike, moved in zip(trends_of(FRICTION, [blocks]), trends_of(FRICTION, [later]), strict=True):
+        assert alike.begins_anew == moved.begins_anew
+        assert alike.sentence == moved.sentence
+        assert torch.equal(alike.share(blocks), moved.share(later))
+
+
 def test_the_part_that_changes_is_another_effect_than_the_part_that_stays():
     changing = trending(FRICTION)
     assert changing is trending(FRICTION)
@@ -142,5 +152,5 @@ def test_a_trend_takes_only_its_own_effect_away():
     simulator = joint_simulator().with_effects(
         (FittedEffect(FRICTION, {"coefficient": 0.1}), FittedEffect(trending(FRICTION), {"coefficient": 0.2}))
     )
-    trend = Trend(trending(FRICTION).key, (0.0,), 1.0, None, grows=True, is_dry=False)
+    trend = Trend(trending(FRICTION).key, (0.0,), 1.0, None, grows=True, is_dry=False, begins_anew=False)
     assert [f.effect for f in trend.without(simulator).effects] == [FRICTION]

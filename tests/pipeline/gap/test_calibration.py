@@ -30,26 +30,26 @@ def test_the_calibration_was_made_with_the_present_score() -> None:
 
 def test_the_file_says_what_it_was_fitted_to() -> None:
     fitted = ["statements", "true", "brier_score", "expected_calibration_error"]
-    numbers = ["intercept", "slope", "discrepancy"]
+    numbers = ["intercept", "slope", "unexplained"]
     assert list(CONTENT) == ["made_by", "seeds", "kinds", "code", *numbers, *fitted]
     stored = Calibration(*(CONTENT[number] for number in numbers))
-    assert (calibrated(0.3, False), calibrated(0.3, True)) == (stored(0.3), stored(0.3, True))
+    assert (calibrated(0.3, 1.0), calibrated(0.3, 0.2)) == (stored(0.3), stored(0.3, 0.2))
 
 
-@given(PROBABILITIES)
-def test_a_name_is_less_sure_where_a_part_of_the_recording_is_missed(probability: float) -> None:
-    assert calibrated(probability, True) < calibrated(probability, False)
+@given(PROBABILITIES, st.floats(0.0, 0.9))
+def test_a_name_is_less_sure_where_it_explains_less_of_the_error(probability: float, share: float) -> None:
+    assert calibrated(probability, share) < calibrated(probability, share + 0.1)
 
 
-@given(CALIBRATIONS, PROBABILITIES, PROBABILITIES, st.booleans())
-@example(Calibration(0.0, 1.0), 0.0, 1.0, False)
+@given(CALIBRATIONS, PROBABILITIES, PROBABILITIES, PROBABILITIES)
+@example(Calibration(0.0, 1.0), 0.0, 1.0, 1.0)
 def test_the_order_of_probabilities_is_kept(
-    calibration: Calibration, first: float, second: float, missed: bool
+    calibration: Calibration, first: float, second: float, share: float
 ) -> None:
     low, high = sorted((first, second))
-    assert 0.0 < calibration(low, missed) <= calibration(high, missed) < 1.0
+    assert 0.0 < calibration(low, share) <= calibration(high, share) < 1.0
     if log_odds(high) - log_odds(low) > 1e-3:  # far above what rounding takes near 1
-        assert calibration(low, missed) < calibration(high, missed)
+        assert calibration(low, share) < calibration(high, share)
 
 
 @given(PROBABILITIES)
@@ -121,12 +121,12 @@ def test_the_stored_numbers_are_the_ones_that_are_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = tmp_path / "calibration.yaml"
-    file.write_text("intercept: -1.0\nslope: 0.5\ndiscrepancy: 0.4\n")
+    file.write_text("intercept: -1.0\nslope: 0.5\nunexplained: 0.4\n")
     monkeypatch.setattr(calibration, "CALIBRATION", file)
     calibration._stored.cache_clear()
     try:
-        assert calibrated(0.9, True) == Calibration(-1.0, 0.5, 0.4)(0.9, True) < 0.9
+        assert calibrated(0.9, 0.5) == Calibration(-1.0, 0.5, 0.4)(0.9, 0.5) < 0.9
         file.unlink()
-        assert calibrated(0.9, True) < 0.9  # it was read once
+        assert calibrated(0.9, 0.5) < 0.9  # it was read once
     finally:
         calibration._stored.cache_clear()

@@ -247,6 +247,19 @@ def test_an_inertia_is_not_grown_by_the_noise_of_rotor_speeds():
     assert found.simulator.free[0].values["ratio"] < 1.5
 
 
+def test_what_is_left_is_told_in_the_units_of_the_rows():
+    """Where rows are not put on the side of the commands, too, and noise is quiet beside a weak actuator."""
+    reading = readings_of(flight(), Simulator(racer()), Gap())[0]
+    problem = replace(reading.problem, nominal=None, noise=4.0 * reading.problem.noise)
+    weak = FittedEffect(effect_by_key("quadrotor", "thrust_coefficient_error"), {"ratio": 0.5})
+    found = fitted_as(reading.nominal.with_effects((weak,)), problem)
+    likelihood = LikelihoodOf(problem, reading.nominal)(found)
+    left = found.residual.square().mean(1)
+    loud = left > 10.0 * likelihood.noise
+    assert loud.any(0).sum() >= 3
+    torch.testing.assert_close(likelihood.left[loud], left[loud])
+
+
 @pytest.mark.parametrize("held", [False, True])
 def test_to_listen_less_is_no_merit(held):
     """A joint at rest with a voltage that jumps from sample to sample, and a winding that would filter it."""

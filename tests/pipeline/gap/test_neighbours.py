@@ -4,13 +4,16 @@ import functools
 
 import torch
 
+from simgap.effects import effect_by_key
 from simgap.equations.fit import fit
+from simgap.equations.presence import beginning
 from simgap.equations.refit import extend
+from simgap.gap.changes import changed_reading
 from simgap.gap.hypothesis import Hypothesis, weigh
 from simgap.gap.neighbours import Neighbours
 from simgap.gap.reading import readings_of
 from simgap.gap.settings import Gap
-from simgap.simulation import Simulator
+from simgap.simulation import FittedEffect, Simulator
 from tests.pipeline.gap.recordings import flight, racer
 
 SETTINGS = Gap(effects=["rotor_drag", "axial_inflow", "angular_drag", "gyroscopic_torque"])
@@ -46,6 +49,37 @@ def test_known_sets_are_not_proposed_again():
 def test_without_other_effects_nothing_is_proposed():
     centre, _ = around_nothing()
     assert Neighbours(centre, [], {}).best(6, set()) == []
+
+
+def test_an_effect_that_was_known_before_goes_back_to_what_was_known():
+    """It is there whatever the answer is: what a hypothesis without it has is the value of before."""
+    effect = effect_by_key("quadrotor", "rotor_drag")
+    known = FittedEffect(effect, {"coefficient": 0.2}, known=True)
+    recording = flight(("rotor_drag", 0.35), ("axial_inflow", 0.3))
+    reading = readings_of(recording, Simulator(racer(), (known,)), SETTINGS)[0]
+    freed = extend(fit(reading.nominal, reading.problem), effect, reading.problem, reading.starts)
+    near = Neighbours(weigh(freed, reading), [], {})
+    back = reading.problem.residual(reading.nominal) - freed.residual
+    found = near.gram[..., near.offset[effect.key], near.offset[effect.key]]
+    torch.testing.assert_close(torch.from_numpy(found), back.square().mean(1)[near.part])
+
+
+def test_beside_a_change_no_set_lacks_what_it_changes():
+    reading = readings_of(flight(("rotor_drag", 0.35), ("axial_inflow", 0.3)), Simulator(racer()), SETTINGS)[
+        0
+    ]
+    change = beginning(reading.problem.blocks, 2).joined_by("rotor_drag")
+    reading = changed_reading(reading, change)
+    drag = effect_by_key("quadrotor", "rotor_drag")
+    centre = weigh(extend(fit(reading.nominal, reading.problem), drag, reading.problem), reading)
+    added = [
+        weigh(extend(centre.fit, effect, reading.problem, reading.starts), reading)
+        for effect in reading.catalogue
+        if effect.key != drag.key
+    ]
+    found = Neighbours(centre, added, {}).best(20, set())
+    assert found
+    assert all(drag.key in each.keys for each in found)
 
 
 def test_what_is_usual_shrinks_with_what_is_left():

@@ -124,6 +124,14 @@ def test_damage_is_hardly_ever_as_small_as_what_rotors_of_one_batch_differ_by():
     assert density.log(found) + math.log(found) > density.log(batch) + math.log(batch) + 10.0
 
 
+def test_a_rotor_may_take_longer_to_follow_than_a_bus_to_deliver():
+    """Published rotors take 12 to 100 ms, buses and controllers some 20 ms."""
+    lag, delay = (effect_by_key("quadrotor", name) for name in ("motor_lag", "command_delay"))
+    rotor, bus = (density_of(effect, effect.parameters[0], SCALES) for effect in (lag, delay))
+    assert rotor.log(0.07) > bus.log(0.07) + 1.0
+    assert bus.log(0.005) > rotor.log(0.005) + 1.0
+
+
 @pytest.mark.parametrize("name", DENSITIES)
 def test_the_precision_is_the_curvature_at_the_centre(name):
     """Up to the heavier tails of a Student and the logarithm's slope; of a uniform density, its variance."""

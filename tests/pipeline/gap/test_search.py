@@ -6,6 +6,7 @@ import pytest
 
 from simgap.diagnosis.diagnose import diagnose
 from simgap.effects import effect_by_key
+from simgap.equations.presence import Presence
 from simgap.gap import search as searched
 from simgap.gap.hypothesis import Hypothesis
 from simgap.gap.name import name
@@ -129,6 +130,22 @@ def test_the_same_search_finds_the_same():
     assert first.run(8, 600.0)
     assert second.run(8, 600.0)
     assert [(h.place, h.score) for h in first.ranked] == [(h.place, h.score) for h in second.ranked]
+
+
+@pytest.mark.parametrize(
+    ("change", "grows"), [({"since": 1.0}, True), ({}, True), ({"until": 1.0}, False)], ids=str
+)
+def test_what_begins_may_grow_and_what_ends_may_fade(monkeypatch, change, grows):
+    """In the last run, too, what acts until a time within it ends."""
+    search, reading = Search(readings(), Gap(effects=FEW)), readings()[0]
+    last = reading.problem.blocks.runs[-1]
+    presence = Presence(("viscous_friction",), (last,), **change)
+    tried = []
+    monkeypatch.setattr(search, "_drifting", lambda _, trend, *rest: tried.append(trend))
+    centre = search.visited[reading.timing, frozenset()]
+    search._slowly(centre, presence)
+    assert tried
+    assert all(trend.grows == grows for trend in tried)
 
 
 def test_what_is_known_of_an_effect_is_corrected_and_not_doubled():

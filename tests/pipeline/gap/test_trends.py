@@ -6,7 +6,11 @@ import math
 import pytest
 
 from simgap.diagnosis.diagnose import diagnose
+from simgap.effects import effect_by_key
+from simgap.equations.trend import trends_of
+from simgap.gap.reading import readings_of
 from simgap.gap.settings import Gap
+from simgap.gap.trends import trending_reading
 from tests.pipeline.gap.recordings import Plant, joint_recording, joint_simulator
 
 pytestmark = pytest.mark.slow
@@ -48,6 +52,15 @@ def test_what_stays_is_named_beside_what_grows():
     diagnosis = found(GROWING, viscous=0.1)
     assert [named.effect.key for named in diagnosis.naming.named] == ["viscous_friction"]
     assert diagnosis.naming.named[0].probability > 0.9
+
+
+@pytest.mark.parametrize("runs", [1, 3])
+def test_the_shapes_of_a_trend_share_its_odds(runs):
+    reading = readings_of(joint_recording(Plant(), runs=runs), joint_simulator(), Gap())[0]
+    friction = effect_by_key("joint", "coulomb_friction")
+    shapes = trends_of(friction, reading.prepared.recorded)
+    total = sum(trending_reading(reading, shape).odds for shape in shapes)
+    assert total == pytest.approx(0.1 * reading.odds)
 
 
 def test_friction_that_stays_grows_nowhere():
