@@ -1,15 +1,19 @@
 """The resolution of a recording: the slowest motion with a known direction, and the shortest delay."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
 
+from simgap.equations.encoder import encoder_step, resting
 from simgap.equations.sample_noise import sample_noise
 from simgap.simulation import Simulator
 from simgap.simulation.blocks import Blocks
 
+_POSITIONS = {"sliding_velocity": "position", "steer_sliding_velocity": "steer_angle"}
+"""The signal whose rate of change a velocity is, by the name of the sliding-velocity setting."""
+_AT_REST = 3.0  # of the velocity at rest: a third of the sliding velocity is noise, and counts as rest
 _LEAST_CHANGES = 0.05  # quantile of the changes of a velocity that estimates its quantum
 _CROSSED = 0.5  # of the change of velocity per step; below it, the velocity passes zero within the step
 _MOST_CHANGES = 10_000_000  # most values for a quantile
@@ -43,26 +47,47 @@ def resolved(nominal: Simulator, blocks: Blocks) -> Simulator:
     return replace(nominal, settings={**found, **nominal.settings})
 
 
-def with_resolution(blocks: Blocks, nominal: Simulator, known_to: Mapping[str, float]) -> Blocks:
+@dataclass(frozen=True)
+class Sensors:
+    """What the sensors of an axis resolve.
+
+    Attributes:
+        velocity: the slowest one whose direction shows, rad/s or m/s.
+        step: of the encoder, rad or m; 0 where the position shows none, or was not recorded.
+    """
+
+    velocity: float
+    step: float
+
+
+def with_resolution(blocks: Blocks, nominal: Simulator, known_to: Mapping[str, Sensors]) -> Blocks:
     """Add the velocity below which the direction of motion is unknown, for each sample.
 
-    It is the resolution of the sensor, or half of the change of velocity per sample if that is more.
+    It is the resolution of the sensor, or half of the change of velocity per sample if that is more. An axis that stays
+    within a step of its encoder rests, however fast that step makes it look.
     """
     resolution = {}
     for name, velocity in _sliding_velocities(nominal, blocks.signals).items():
+        sensors = known_to[name]
         change = torch.gradient(velocity, dim=1)[0].abs()
-        resolution[name] = (_CROSSED * change).clamp_min(known_to[name])
+        slowest = (_CROSSED * change).clamp_min(sensors.velocity)
+        if sensors.step > 0.0:
+            rests = resting(blocks.signals[_POSITIONS[name]], sensors.step, blocks.time_step)
+            slowest = torch.where(rests, torch.maximum(slowest, _AT_REST * velocity.abs()), slowest)
+        resolution[name] = slowest
     return replace(blocks, resolution=resolution)
 
 
-def resolution_of(nominal: Simulator, blocks: Blocks) -> dict[str, float]:
-    """Return the velocity resolution of the sensors, by the name of the sliding-velocity setting."""
+def resolution_of(nominal: Simulator, blocks: Blocks) -> dict[str, Sensors]:
+    """Return what the sensors resolve, by the name of the sliding-velocity setting."""
     known = {}
     for name, velocity in _sliding_velocities(nominal, blocks.signals).items():
         inner = blocks.inner(velocity)
         per_axis = inner.flatten(2).transpose(1, 2).flatten(0, 1) if inner.ndim > 2 else inner
         noise = _CERTAIN * float(sample_noise(per_axis, blocks.noise_kept)) ** 0.5
-        known[name] = max(noise, _quantum(inner), _LEAST_SHARE * _usual(inner), _LEAST_SPEED)
+        slowest = max(noise, _quantum(inner), _LEAST_SHARE * _usual(inner), _LEAST_SPEED)
+        position = blocks.signals.get(_POSITIONS.get(name, ""))
+        known[name] = Sensors(slowest, 0.0 if position is None else encoder_step(position))
     return known
 
 

@@ -79,6 +79,17 @@ def test_the_friction_that_a_simulated_robot_was_given(shared_data):
     assert math.isclose(volts, 0.11114, rel_tol=0.02)
 
 
+def test_a_servo_loses_a_part_of_the_load_that_its_gear_carries(shared_data):
+    """Rhoban/bam find that friction grows with the load; here it holds a raised weight against the whole voltage."""
+    folder = shared_data / "servo_xl330" / "raw"
+    found = quick(
+        _recording("servo_xl330", folder, sorted(folder.glob("*.json"))), Simulator(_platform("servo_xl330"))
+    )
+    believed = [entry.effect.key for entry in found.naming.named if entry.probability >= 0.5]
+    assert believed == ["load_dependent_friction"]
+    assert 0.4 < value_of(found, "load_dependent_friction") < 0.6
+
+
 def _case(shared_data: Path, name: str) -> tuple[Answer, dict]:
     """Return the answer to a case beside the data, and what is known of it."""
     folder = shared_data.parent / "cases" / "real" / name
