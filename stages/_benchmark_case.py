@@ -111,6 +111,7 @@ def _examine_published(task: Published, folder: Path, answer: dict[str, Any]) ->
 
     _diagnosed(task.values, folder, ("record", "clean"))
     answer |= _timed(partial(_diagnosed, task.values, folder, ("build_sim", "diagnose")))
+    answer["explained"] = _explained(answer["diagnosis"], folder / "diagnose" / "evidence")
     fitted = read_simulator(folder / "diagnose" / "simulator")
     named = {effect.effect.key: dict(effect.values) for effect in fitted.free}
     known = task.values["simulator"]["effects"] or {}
@@ -123,6 +124,16 @@ def _examine_published(task: Published, folder: Path, answer: dict[str, Any]) ->
         shutil.copytree(folder / "clean", place / "clean")
         values = task.values | {"simulator": simulator}
         answer["ablated"][name] = _timed(partial(_diagnosed, values, place, ("build_sim", "diagnose")))
+
+
+def _explained(diagnosis: dict[str, Any], evidence: Path) -> dict[str, float] | None:
+    """Return what names and a flexible regression explain on held-out runs; None where nothing was held out."""
+    from simgap.benchmark.flexible import explained
+
+    if not diagnosis["fit"]["held_out_runs"]:
+        return None
+    found = explained(evidence, [mismatch["channel"] for mismatch in diagnosis["mismatch"]])
+    return asdict(found) if found else None
 
 
 def _timed(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from simgap.extras import require
 from simgap.runner import StageRun, stage
 from simgap.stages._benchmark_case import Concealed, Published, examine
 from simgap.stages._prove_settings import ProveStage
@@ -51,6 +52,7 @@ def _concealed(config: ProveStage) -> dict[str, Concealed]:
 def _published(config: ProveStage) -> dict[str, Published]:
     if "real" not in config.prove.kinds:
         return {}
+    require("sklearn")
     return {
         f"real-{branch}": Published(
             branch, _composed(f"branch={branch}"), tuple(answer.get("ablate", ())), config.prove.keep

@@ -36,7 +36,15 @@ def results_text(results: Sequence[measures.Result], command: str) -> str:
     if concealed:
         parts += _concealed(concealed)
     if published:
-        head = ["recording", "known", "named", "gap closed", "removed and named first again", "seconds"]
+        head = [
+            "recording",
+            "known",
+            "named",
+            "gap closed",
+            "error explained by names, by a regression",
+            "removed and named first again",
+            "seconds",
+        ]
         parts += [
             "Published recordings with known effects:",
             markdown_table(["measured", "bar", ""], _bar_rows(measures.PUBLISHED_BARS, published)),

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from simgap.benchmark.flexible import Explained
 from simgap.benchmark.score import BELIEVED
 
 
@@ -17,6 +18,7 @@ def score_published(known: Mapping[str, Any], answer: Mapping[str, Any]) -> dict
     Returns:
         `found` and `missed`: of the known effects; `undecided`: those that would be found if the recording could tell
         them from their rivals, with these; `first`: what is named first; `first_known`: whether that is known;
+        `explained_enough`: whether the names explain four fifths of what a flexible regression does on held-out runs;
         `errors`: relative errors of known values; `restored`: by effect that was taken out, whether it is named first
         when it is missing.
     """
@@ -39,9 +41,14 @@ def score_published(known: Mapping[str, Any], answer: Mapping[str, Any]) -> dict
         "missed": [entry for entry in wanted if entry not in found and entry not in undecided],
         "first": first,
         "first_known": any(first in entry.split("|") for entry in wanted),
+        "explained_enough": _explained_enough(answer.get("explained")),
         "errors": _errors(known.get("values", {}), diagnosis),
         "restored": {name: _first(again) == name for name, again in answer.get("ablated", {}).items()},
     }
+
+
+def _explained_enough(explained: Mapping[str, float] | None) -> bool:
+    return explained is not None and Explained(**explained).enough
 
 
 def _rivals_of_believed(
@@ -62,7 +69,7 @@ def _rivals_of_believed(
 
 
 def published_rows(results: Sequence[Mapping[str, Any]]) -> list[list[str]]:
-    """Return a row per recording: what is known, what was named, what was missed, gap closed, ablations, seconds."""
+    """Return a row per recording: what is known, named, closed and explained, what came back, and the seconds."""
     return [_row(result) for result in results]
 
 
@@ -73,6 +80,7 @@ def _row(result: Mapping[str, Any]) -> list[str]:
             result["branch"],
             ", ".join(score["missed"]),
             f"failed: {result.get('failed', '')}",
+            "–",
             "–",
             "–",
             "–",
@@ -89,6 +97,7 @@ def _row(result: Mapping[str, Any]) -> list[str]:
         ", ".join(known),
         named or f"nothing ({diagnosis['verdict']})",
         _closed(diagnosis["fit"]),
+        _explained(result.get("explained")),
         ", ".join(restored) or "–",
         f"{result['seconds']:.0f}",
     ]
@@ -110,6 +119,10 @@ def _closed(fit: Mapping[str, Any]) -> str:
         return f"{fit['gap_closed']:.0%} (one run: no interval)"
     low, high = fit["gap_closed_interval"]
     return f"{fit['gap_closed']:.0%} ({low:.0%}–{high:.0%})"
+
+
+def _explained(explained: Mapping[str, float] | None) -> str:
+    return f"{explained['named']:.0%}, {explained['flexible']:.0%}" if explained else "–"
 
 
 def _errors(

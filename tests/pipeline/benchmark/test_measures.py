@@ -91,14 +91,15 @@ def test_an_ambiguous_recording_is_right_where_the_right_name_is_listed():
     assert measured("ambiguous", [result("ambiguous", outcome) for outcome in outcomes]) == Share(2, 4)
 
 
-def test_a_published_recording_counts_where_all_that_is_known_is_found():
-    whole = {"score": {"missed": [], "undecided": {}}}
+def test_a_published_recording_counts_where_all_that_is_known_is_found_and_what_can_be_is_explained():
+    whole = {"score": {"missed": [], "undecided": {}, "explained_enough": True}}
     parts = (
-        {"score": {"missed": ["lag"], "undecided": {}}},
-        {"score": {"missed": [], "undecided": {"drag": []}}},
+        {"score": {"missed": ["lag"], "undecided": {}, "explained_enough": True}},
+        {"score": {"missed": [], "undecided": {"drag": []}, "explained_enough": False}},
     )
-    (bar,) = measures.PUBLISHED_BARS
-    assert bar.measured([whole, *parts]) == Share(1, 3)
+    found, is_explained = measures.PUBLISHED_BARS
+    assert found.measured([whole, *parts]) == Share(1, 3)
+    assert is_explained.measured([whole, *parts]) == Share(2, 3)
 
 
 @pytest.mark.parametrize(

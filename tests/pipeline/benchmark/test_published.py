@@ -65,12 +65,14 @@ def test_a_recording_that_cannot_be_diagnosed_is_said():
 
 def test_a_row_says_what_is_known_found_and_restored():
     answer = diagnosis(friction=(0.9, 2.2)) | {"ablated": {"friction": diagnosis(friction=(0.9, 2.0))}}
+    answer |= {"explained": {"named": 0.5, "flexible": 0.6}}
     (row,) = published_rows([{"branch": "arm", "score": score_published(KNOWN, answer)} | answer])
     assert row == [
         "arm",
         "`friction|stiction` found (off by 10%), `backlash` **missed**",
         "`friction` 0.90",
         "80% (70%–90%)",
+        "50%, 60%",
         "`friction` back",
         "12",
     ]
@@ -81,3 +83,12 @@ def test_one_held_out_run_has_no_interval():
     answer["score"] = score_published(KNOWN, answer)
     answer["diagnosis"]["fit"]["gap_closed_interval"] = None
     assert published_rows([answer])[0][3] == "80% (one run: no interval)"
+
+
+@pytest.mark.parametrize(
+    ("explained", "enough"),
+    [(None, False), ({"named": 0.5, "flexible": 0.6}, True), ({"named": 0.4, "flexible": 0.6}, False)],
+)
+def test_names_have_to_explain_most_of_what_can_be_explained(explained, enough):
+    answer = diagnosis(friction=(0.9, 2.0)) | {"explained": explained}
+    assert score_published(KNOWN, answer)["explained_enough"] == enough
