@@ -57,22 +57,29 @@ class Sliding(NamedTuple):
     Attributes:
         velocity: threshold in the unit of the velocity: half of its change within a sample, or its resolution.
         within_samples: whether a slower axis passes through zero within a sample; otherwise it rests.
+        resting: share of a sample in which the axis is known to rest, however fast its sensor says that it is.
     """
 
     velocity: Value
     within_samples: bool
+    resting: Value = 0.0
+
+    def moving(self, velocity: Real) -> Real:
+        """Return the velocity (...,) without what the sensor makes of an axis at rest."""
+        return velocity * (1.0 - torch.as_tensor(self.resting, dtype=velocity.dtype))
 
 
 def sliding_of(signals: Signals, constants: Values, group: str = "") -> Sliding:
     """Return the sliding threshold: of each sample if known, otherwise one value for the recording.
 
     Args:
-        signals: may hold `sliding_velocity`, of the shape of the velocity.
+        signals: may hold `sliding_velocity` and `resting`, of the shape of the velocity.
         constants: hold the single value.
-        group: prefix of both names: `drive_` or `steer_` for a swerve drive.
+        group: prefix of these names: `drive_` or `steer_` for a swerve drive.
     """
     name = f"{group}sliding_velocity"
-    return Sliding(signals[name], True) if name in signals else Sliding(constants[name], False)
+    resting = signals.get(f"{group}resting", 0.0)
+    return Sliding(signals[name], True, resting) if name in signals else Sliding(constants[name], False)
 
 
 def dry_friction(
@@ -85,7 +92,8 @@ def dry_friction(
     """Return friction that opposes motion at its level, and at standstill the applied load up to its level (...,).
 
     An axis that reverses within a sample slides in both directions. Its mean friction is the level times the difference
-    of the two shares of time. It sticks longer the slower it is, and the less the applied load exceeds the level.
+    of the two shares of time. It sticks longer the slower it is, and the less the applied load exceeds the level. What
+    rests is held at the level, whatever load exceeds it.
     Source: Karnopp 1985, Computer simulation of stick-slip friction (ASME J. Dyn. Syst. 107).
 
     Args:
@@ -101,9 +109,9 @@ def dry_friction(
     level, load = 0.5 * (level + backward), 0.5 * (level - backward)
     applied = applied - load
     held = torch.maximum(torch.minimum(applied, level), -level)
-    speed = velocity / slides.velocity
+    speed = slides.moving(velocity) / slides.velocity
     if slides.within_samples:
-        return _over_samples(level, speed, held, applied) - load
+        return _over_samples(level, speed, held, applied, slides.resting) - load
     return _at_an_instant(level, speed, held) - load
 
 
@@ -113,10 +121,11 @@ def _at_an_instant(level: Tensor, speed: Tensor, held: Tensor) -> Tensor:
     return -level * slip * slip.abs() - (1.0 - slip.square()) * held
 
 
-def _over_samples(level: Tensor, speed: Tensor, held: Tensor, applied: Tensor) -> Tensor:
+def _over_samples(level: Tensor, speed: Tensor, held: Tensor, applied: Tensor, rests: Value) -> Tensor:
     """Return the mean friction over a sample with sliding in both directions and a share of sticking."""
     direction = speed.clamp(-1.0, 1.0)
     share = held / torch.where(applied == 0.0, 1.0, applied)
     share = torch.where(applied == held, 1.0, share)
+    share = share + rests * (1.0 - share)
     resting = (1.0 - direction**_NOISY) * share
     return -(1.0 - resting) * level * direction - resting * held

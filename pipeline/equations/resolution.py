@@ -13,7 +13,6 @@ from simgap.simulation.blocks import Blocks
 
 _POSITIONS = {"sliding_velocity": "position", "steer_sliding_velocity": "steer_angle"}
 """The signal whose rate of change a velocity is, by the name of the sliding-velocity setting."""
-_AT_REST = 3.0  # of the velocity at rest: a third of the sliding velocity is noise, and counts as rest
 _LEAST_CHANGES = 0.05  # quantile of the changes of a velocity that estimates its quantum
 _CROSSED = 0.5  # of the change of velocity per step; below it, the velocity passes zero within the step
 _MOST_CHANGES = 10_000_000  # most values for a quantile
@@ -61,20 +60,19 @@ class Sensors:
 
 
 def with_resolution(blocks: Blocks, nominal: Simulator, known_to: Mapping[str, Sensors]) -> Blocks:
-    """Add the velocity below which the direction of motion is unknown, for each sample.
+    """Add the velocity below which the direction of motion is unknown, for each sample, and where an axis rests.
 
-    It is the resolution of the sensor, or half of the change of velocity per sample if that is more. An axis that stays
-    within a step of its encoder rests, however fast that step makes it look.
+    That velocity is the resolution of the sensor, or half of the change of velocity per sample if that is more. An axis
+    that stays within a step of its encoder rests, however fast that step makes it look.
     """
     resolution = {}
     for name, velocity in _sliding_velocities(nominal, blocks.signals).items():
         sensors = known_to[name]
         change = torch.gradient(velocity, dim=1)[0].abs()
-        slowest = (_CROSSED * change).clamp_min(sensors.velocity)
+        resolution[name] = (_CROSSED * change).clamp_min(sensors.velocity)
         if sensors.step > 0.0:
             rests = resting(blocks.signals[_POSITIONS[name]], sensors.step, blocks.time_step)
-            slowest = torch.where(rests, torch.maximum(slowest, _AT_REST * velocity.abs()), slowest)
-        resolution[name] = slowest
+            resolution[name.replace("sliding_velocity", "resting")] = rests.to(velocity.dtype)
     return replace(blocks, resolution=resolution)
 
 

@@ -36,7 +36,6 @@ class StribeckFriction(AxisFriction):
 
     def friction(self, signals: Signals, values: Values, constants: Values) -> Real:
         """Return the friction on the axis, N·m or N."""
-        velocity = signals["velocity"]
-        level = values["extra_level"] * torch.exp(-(velocity / values["velocity"]).square())
-        load = applied(signals, constants)
-        return dry_friction(level, velocity, load, sliding_of(signals, constants))
+        velocity, slides = signals["velocity"], sliding_of(signals, constants)
+        level = values["extra_level"] * torch.exp(-(slides.moving(velocity) / values["velocity"]).square())
+        return dry_friction(level, velocity, applied(signals, constants), slides)

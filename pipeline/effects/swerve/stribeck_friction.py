@@ -70,5 +70,5 @@ class SteerStribeckFriction(_SwerveStribeckFriction, ModuleFriction):
 
 
 def _friction(speed: Tensor, applied: Tensor, values: Values, slides: Sliding) -> Tensor:
-    level = values["extra_level"] * torch.exp(-(speed / values["velocity"]).square())
+    level = values["extra_level"] * torch.exp(-(slides.moving(speed) / values["velocity"]).square())
     return dry_friction(level, speed, applied, slides)

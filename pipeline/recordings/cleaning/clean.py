@@ -1,7 +1,7 @@
 """Clean a recording step by step and report every change."""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +27,7 @@ from simgap.recordings.cleaning.settings import Cleaning
 from simgap.recordings.cleaning.spikes import erase_spikes
 from simgap.recordings.cleaning.straight import erase_straight
 from simgap.recordings.cleaning.table import ChannelTable
-from simgap.recordings.cleaning.work import RunUnderCleaning, changes_table
+from simgap.recordings.cleaning.work import WHERE, RunUnderCleaning, changes_table
 from simgap.recordings.cleaning.wraps import mend_wraps
 from simgap.recordings.contract import required_channels
 from simgap.recordings.recording import Recording
@@ -103,10 +103,23 @@ def clean_with_coverage(
         split=split_recording(frame, recording.kind, split, seed),
         clock_offset={run.name: run.clock_offset for run in usable if run.clock_offset is not None},
         noise_kept={run.name: run.noise_kept for run in usable if run.noise_kept < 1.0},
-        warnings=(*recording.warnings, *dict.fromkeys(remark for run in runs for remark in run.remarks)),
+        warnings=(*recording.warnings, *_remarks(runs)),
         cleaned=True,
     )
     return Cleaned(_completed(result, time_step), changes, coverage(runs))
+
+
+def _remarks(runs: Sequence[RunUnderCleaning]) -> list[str]:
+    """Return the remarks on all runs; what is said of several is said once."""
+    names: dict[str, list[str]] = {}
+    for run in runs:
+        for remark in run.remarks:
+            names.setdefault(remark, []).append(run.name)
+
+    def where(of: list[str]) -> str:
+        return f"run {of[0]!r}" if len(of) == 1 else f"{len(of)} of {len(runs)} runs"
+
+    return [remark.replace(WHERE, where(of)) for remark, of in names.items()]
 
 
 def _completed(recording: Recording, time_step: float) -> Recording:

@@ -4,15 +4,21 @@ Many drives count how far a joint went in the last so many samples. Such a veloc
 smoother than the motion. No effect of the catalogue is like it, so the rate of the position takes its place.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.signal import lfilter, savgol_filter
 
-from simgap.recordings.cleaning.work import RunUnderCleaning
+from simgap.recordings.cleaning.work import WHERE, RunUnderCleaning
 
-_WIDTHS = range(4, 61)  # samples; a shorter average is hardly late
-_LAGS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)  # time constants of a filter, samples
+_SHORTEST, _EVERY, _COARSER = 4, 60, 1.05
+"""Widths of an average that are tried, samples: a shorter one is hardly late; all up to here; then by a factor."""
+_LONGEST, _LONGEST_SHARE = 0.5, 0.25
+"""Of them, s and of a run: motor controllers average up to some 0.3 s."""
+_UNEVEN, _GAP = 0.5, 10.0
+"""Steps: times that differ by less are even; over a longer gap no position is interpolated."""
+_LAGS = tuple(size * 2**octave for octave in range(9) for size in (0.5, 0.75))
+"""Time constants of a filter that are tried, samples."""
 _BETTER = 0.5  # energy of the error, against every other explanation
 _FEWEST = 200  # samples
 _JUDGED = 20_000  # samples of a run that are compared; more of them would say the same
@@ -23,21 +29,33 @@ def replace_averaged(run: RunUnderCleaning) -> None:
     """Put the rate of the position in the place of a velocity that is a moving average of it."""
     if run.kind != "joint" or "velocity" not in run.columns or len(run.time) < _FEWEST:
         return
-    velocity, position = run.column("velocity"), run.column("position")
     steps = np.diff(run.time)
-    if np.isnan(velocity).any() or np.isnan(position).any() or np.ptp(steps) > 0.5 * run.time_step:
+    whole = not (np.isnan(run.column("velocity")).any() or np.isnan(run.column("position")).any())
+    if not whole or steps.max() > _GAP * run.time_step:
         return
+    time, velocity, position = _evenly(run, steps)
     width = averaged_over(velocity, position, run.time_step)
     if width == 0:
         return
-    rate = savgol_filter(position, _SMOOTHING, _ORDER, deriv=1, delta=run.time_step)
+    slope = savgol_filter(position, _SMOOTHING, _ORDER, deriv=1, delta=run.time_step)
+    rate = np.interp(run.time, time, slope)
     seconds = width * run.time_step
-    how = f"a moving average over {seconds:.3g} s"
+    how = f"a moving average over {seconds:.2g} s"
     run.replace(np.ones(len(rate), dtype=bool), "velocity", rate, "filtered", how)
     run.remarks.append(
         f"Channel 'velocity' is {how} of the position's rate of change, and so {0.5 * seconds:.2g} s late: "
-        f"the rate of change took its place in run {run.name!r}."
+        f"the rate of change took its place in {WHERE}."
     )
+
+
+def _evenly(run: RunUnderCleaning, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return time, velocity and position of a run at even times: as recorded, or interpolated."""
+    columns = run.column("velocity"), run.column("position")
+    if np.ptp(steps) <= _UNEVEN * run.time_step:
+        return run.time, *columns
+    even = np.arange(run.time[0], run.time[-1], run.time_step)
+    velocity, position = (np.interp(even, run.time, series) for series in columns)
+    return even, velocity, position
 
 
 def averaged_over(velocity: np.ndarray, position: np.ndarray, time_step: float) -> int:
@@ -51,15 +69,15 @@ def averaged_over(velocity: np.ndarray, position: np.ndarray, time_step: float) 
         time_step: s.
     """
     rate = np.gradient(position, time_step)
-    past = max(_WIDTHS)
-    rows = np.arange(past, len(velocity) - past, max(len(velocity) // _JUDGED, 1))
+    widths = _widths(len(velocity), time_step)
+    rows = np.arange(widths[-1], len(velocity) - 1, max(len(velocity) // _JUDGED, 1))
     judged = velocity[rows]
 
     def error(expected: np.ndarray) -> float:
         return float(np.mean((judged - expected) ** 2))
 
     averages = {}
-    for width in _WIDTHS:
+    for width in widths:
         way, next_way = (
             (position[at] - position[at - width]) / (width * time_step) for at in (rows, rows + 1)
         )
@@ -68,9 +86,23 @@ def averaged_over(velocity: np.ndarray, position: np.ndarray, time_step: float) 
     width = min(averages, key=lambda each: averages[each])
 
     def others() -> Iterator[float]:
-        yield from (error(rate[rows - delay]) for delay in range(max(_WIDTHS) // 2))
-        for lag in _LAGS:
+        yield from (error(rate[rows - delay]) for delay in _delays(widths))
+        for lag in (each for each in _LAGS if each <= widths[-1]):
             kept = float(np.exp(-1.0 / lag))
             yield error(lfilter([1.0 - kept], [1.0, -kept], rate)[rows])
 
     return width if all(averages[width] < _BETTER * other for other in others()) else 0
+
+
+def _widths(samples: int, time_step: float) -> Sequence[int]:
+    """Return the widths that are tried in a run, in samples."""
+    longest = min(_LONGEST / time_step, _LONGEST_SHARE * samples)
+    widths = list(range(_SHORTEST, _EVERY + 1))
+    while widths[-1] * _COARSER < longest:
+        widths.append(round(widths[-1] * _COARSER))
+    return widths
+
+
+def _delays(widths: Sequence[int]) -> list[int]:
+    """Return the delays that an average is told from, in samples: up to that of the longest one."""
+    return sorted({*range(_SHORTEST), *(width // 2 for width in widths)})

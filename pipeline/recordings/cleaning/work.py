@@ -15,6 +15,9 @@ CHANGE_COLUMNS = ("run", "step", "column", "reason", "samples", "seconds", "deta
 COVERAGE_COLUMNS = ("run", "start", "end", "state", "reason")
 """`state` is kept, interpolated, dropped or missing from `start` to `end`, s."""
 
+WHERE = "{runs}"
+"""Stands in a remark for the runs that it is said of, so that what is said of several is said once."""
+
 Change = dict[str, object]
 
 
@@ -36,7 +39,7 @@ class RunUnderCleaning:
         dropped: number of the reason why a sample is dropped, 0 where it is kept, shape (samples,).
         reasons: by number; the first one is none.
         changes: the ledger.
-        remarks: what a reader of the result has to know of them, one sentence each.
+        remarks: what a reader of the result has to know of them, one sentence each, perhaps with `WHERE`.
         noise_kept: share of white noise that a fifth difference still shows after interpolation.
         filled: whether an input that is needed was made up, shape (samples,).
         clock_offset: s, how late the state is with respect to the motors; None where that is unknown.

@@ -113,6 +113,13 @@ def test_an_axis_that_stands_for_a_whole_sample_is_held(applied):
     assert float(dry_friction(6.0, still, load, slides)) == pytest.approx(-applied)
 
 
+@given(applied=st.floats(-50.0, 50.0), seeming=st.floats(-5.0, 5.0))
+def test_an_axis_that_is_known_to_rest_is_held_up_to_the_level_whatever_its_sensor_says(applied, seeming):
+    slides = Sliding(torch.tensor(0.1, dtype=torch.float64), within_samples=True, resting=1.0)
+    velocity, load = (torch.tensor(value, dtype=torch.float64) for value in (seeming, applied))
+    assert float(dry_friction(6.0, velocity, load, slides)) == pytest.approx(-max(-6.0, min(6.0, applied)))
+
+
 @pytest.mark.parametrize("effect", DRY, ids=identity)
 @pytest.mark.parametrize("share", [0.5, 0.99, 1.5])
 def test_dry_friction_holds_up_to_its_level_and_no_further(effect, share):

@@ -1,4 +1,4 @@
-"""Registers that overflow, columns that stand still, and velocities that are averages are mended, and said."""
+"""Registers that overflow and columns that stand still are mended, and said."""
 
 import dataclasses
 
@@ -78,29 +78,6 @@ def test_a_sign_bit_is_read_as_a_sign(bits):
     mended, _, warnings = cleaned(recording(register * 2 * np.pi / 4096, velocity))
     np.testing.assert_allclose(mended, ticks * 2 * np.pi / 4096, atol=1e-6)
     assert any("'position' has its sign in its highest bit" in warning for warning in warnings)
-
-
-def test_a_moving_average_gives_way_to_the_rate_of_the_position():
-    position, velocity = motion(3)
-    noisy = position + np.random.default_rng(0).normal(0, 1e-5, len(TIME))
-    width = 15
-    average = np.convolve(velocity, np.full(width, 1 / width))[: len(velocity)]
-    _, mended, warnings = cleaned(recording(noisy, average))
-    inside = slice(30, -30)
-    assert np.abs((mended - velocity)[inside]).max() < 0.05 * np.abs(velocity).max()
-    assert any("'velocity' is a moving average over 0.15 s" in warning for warning in warnings)
-
-
-@pytest.mark.parametrize("lag", [1.5, 4.0, 8.0])
-def test_a_first_order_filter_is_left_for_the_search(lag):
-    position, velocity = motion(4)
-    kept = np.exp(-1.0 / lag)
-    filtered = np.zeros_like(velocity)
-    for row in range(1, len(velocity)):
-        filtered[row] = kept * filtered[row - 1] + (1 - kept) * velocity[row]
-    _, mended, warnings = cleaned(recording(position, filtered))
-    np.testing.assert_allclose(mended, filtered)
-    assert not any("moving average" in warning for warning in warnings)
 
 
 @pytest.mark.parametrize("column", ["position", "velocity"])
