@@ -19,6 +19,7 @@ _UNEVEN, _GAP = 0.5, 10.0
 """Steps: times that differ by less are even; over a longer gap no position is interpolated."""
 _LAGS = tuple(size * 2**octave for octave in range(9) for size in (0.5, 0.75))
 """Time constants of a filter that are tried, samples."""
+_NARROWER = 4  # times as narrow is an average that is taken for the rate itself, without its noise
 _BETTER = 0.5  # energy of the error, against every other explanation
 _FEWEST = 200  # samples
 _JUDGED = 20_000  # samples of a run that are compared; more of them would say the same
@@ -61,37 +62,42 @@ def _evenly(run: RunUnderCleaning, steps: np.ndarray) -> tuple[np.ndarray, np.nd
 def averaged_over(velocity: np.ndarray, position: np.ndarray, time_step: float) -> int:
     """Return over how many samples a velocity is averaged, zero if it is no moving average.
 
-    It has to be met twice as well, in energy, as by the rate itself, by a pure delay and by a first-order filter.
+    It has to be met twice as well, in energy, as by the rate itself and by a pure delay, each with and without
+    smoothing that is not late, and as by a first-order filter.
 
     Args:
         velocity: shape (samples,).
         position: shape (samples,).
         time_step: s.
     """
-    rate = np.gradient(position, time_step)
     widths = _widths(len(velocity), time_step)
-    rows = np.arange(widths[-1], len(velocity) - 1, max(len(velocity) // _JUDGED, 1))
-    judged = velocity[rows]
+    margin = widths[-1] + 1
+    rows = np.arange(margin, len(velocity) - margin // 2 - 1, max(len(velocity) // _JUDGED, 1))
 
     def error(expected: np.ndarray) -> float:
-        return float(np.mean((judged - expected) ** 2))
+        return float(np.mean((velocity[rows] - expected) ** 2))
 
-    averages = {}
-    for width in widths:
-        way, next_way = (
-            (position[at] - position[at - width]) / (width * time_step) for at in (rows, rows + 1)
-        )
+    def average(width: int, last: int) -> float:
+        """Return the error of the mean rate over samples of which the last one lies so far after each row."""
+        ways = (position[at + last] - position[at + last - width] for at in (rows, rows + 1))
+        first, second = (way / (width * time_step) for way in ways)
         # The mean of both is that of the rate, as `np.gradient` takes it, over as many samples.
-        averages[width] = min(error(way), error(0.5 * (way + next_way)))
-    width = min(averages, key=lambda each: averages[each])
+        return min(error(first), error(0.5 * (first + second)))
+
+    found = {width: average(width, 0) for width in widths}
+    width = min(found, key=lambda each: found[each])
 
     def others() -> Iterator[float]:
-        yield from (error(rate[rows - delay]) for delay in _delays(widths))
+        yield average(width, width // 2)
+        rate = np.gradient(position, time_step)
+        for delay in _delays(widths):
+            yield error(rate[rows - delay])
+            yield average(width // _NARROWER, width // _NARROWER // 2 - delay)
         for lag in (each for each in _LAGS if each <= widths[-1]):
             kept = float(np.exp(-1.0 / lag))
             yield error(lfilter([1.0 - kept], [1.0, -kept], rate)[rows])
 
-    return width if all(averages[width] < _BETTER * other for other in others()) else 0
+    return width if all(found[width] < _BETTER * other for other in others()) else 0
 
 
 def _widths(samples: int, time_step: float) -> Sequence[int]:

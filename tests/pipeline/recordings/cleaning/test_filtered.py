@@ -64,6 +64,26 @@ def test_a_first_order_filter_is_left_for_the_search(lag):
     assert not run.remarks
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_right_velocity_stays_beside_a_position_whose_times_are_off(seed):
+    """A step: at a constant speed the rate is so noisy that even a late average of it comes nearer to the velocity."""
+    random = np.random.default_rng(seed)
+    time = STEP * np.arange(600)
+    stamps = time + random.uniform(-0.3, 0.3, len(time)) * STEP
+    velocity = 2.5 * (1.0 - np.exp(-time / 0.15))
+    frame = {"run": "one", "t": stamps, "position": 2.5 * time - 0.15 * velocity, "velocity": velocity}
+    run = run_of(pd.DataFrame(frame), "joint")
+    replace_averaged(run)
+    np.testing.assert_array_equal(run.column("velocity"), velocity)
+
+
+@pytest.mark.parametrize("samples", [200, 241, 600])
+def test_a_run_may_be_hardly_longer_than_the_average(samples):
+    time = STEP * np.arange(samples)
+    for seconds in (0.28, 0.31):
+        cleaned(time, averaged(time, seconds, 3), 3)
+
+
 def test_over_a_long_gap_no_rate_is_made_up():
     time = uneven(2, longest=12.0)
     run = cleaned(time, averaged(time, 0.15, 5), 5)
