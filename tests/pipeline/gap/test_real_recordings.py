@@ -85,9 +85,9 @@ def test_a_servo_loses_a_part_of_the_load_that_its_gear_carries(shared_data):
     found = quick(
         _recording("servo_xl330", folder, sorted(folder.glob("*.json"))), Simulator(_platform("servo_xl330"))
     )
-    assert named(found)[0] == "load_dependent_friction"
-    assert found.naming.named[0].probability > 0.9
-    assert 0.3 < value_of(found, "load_dependent_friction") < 0.6
+    believed = [entry.effect.key for entry in found.naming.named if entry.probability >= 0.5]
+    assert believed == ["load_dependent_friction"]
+    assert 0.4 < value_of(found, "load_dependent_friction") < 0.6
 
 
 def _case(shared_data: Path, name: str) -> tuple[Answer, dict]:
