@@ -12,8 +12,10 @@ import numpy as np
 import pandas as pd
 
 _LABELS = ["run", "t", "before", "after", "part", "channel", "unit", "elapsed"]
-_NEARBY = (-2, -1, 1, 2)
-"""Windows before and after each one that are looked at beside it: what remembers shows there."""
+_BEFORE = (1, 2)
+"""Windows before each one whose commands are looked at, too: what remembers shows there. Not so the motion: with its
+change a regression would not explain the force, but measure it.
+"""
 _APART = 1.5  # of the usual distance of two windows; more is another block
 _TREES, _FEWEST = 200, 5  # of the forest, and windows in a leaf: scikit-learn's doubled, against noise
 _PENALTY = 1.0  # of the linear part, with features of unit variance: scikit-learn's
@@ -41,7 +43,8 @@ def explained(evidence: Path, channels: Sequence[str]) -> Explained | None:
     """Return what the named effects and a flexible regression explain on held-out runs.
 
     The regression is linear with an ensemble of extremely randomised trees on its residual (Geurts, Ernst & Wehenkel
-    2006, Machine Learning 63). Its inputs are the means of all recorded signals over a window and its four neighbours.
+    2006, Machine Learning 63). Its inputs are the means of all recorded signals over a window, and of the commands
+    over the two before it.
 
     Args:
         evidence: folder of a diagnosis with held-out runs.
@@ -84,13 +87,20 @@ def _left(rows: pd.DataFrame) -> tuple[float, float] | None:
 
 
 def _inputs(rows: pd.DataFrame) -> np.ndarray:
-    """Return the signals of each window and its neighbours, (windows, features); an end repeats its own."""
+    """Return signals of each window and commands before it, (windows, features); a beginning repeats its own."""
     signals = rows.drop(columns=[name for name in _LABELS if name in rows])
+    commands = signals[_commands(list(signals))]
     step = rows["t"].diff().abs().median()
     groups = rows.groupby(["part", "run"], sort=False)
     parts = [signals]
-    for nearby in _NEARBY:
-        moved = groups[list(signals)].shift(nearby)
-        near = (groups["t"].shift(nearby) - rows["t"]).abs() < (abs(nearby) - 1 + _APART) * step
-        parts.append(moved.where(near, signals).fillna(signals))
+    for before in _BEFORE if len(commands.columns) else ():
+        earlier = groups[list(commands)].shift(before)
+        near = rows["t"] - groups["t"].shift(before) < (before - 1 + _APART) * step
+        parts.append(earlier.where(near, commands).fillna(commands))
     return np.concatenate([part.to_numpy(float) for part in parts], axis=1)
+
+
+def _commands(names: Sequence[str]) -> list[str]:
+    """Return the signals that are commands: the voltages, else the effort of an axis."""
+    voltages = [name for name in names if name == "voltage" or name.startswith("drive_voltage")]
+    return voltages or [name for name in names if name == "effort"]
