@@ -89,12 +89,13 @@ def _left(rows: pd.DataFrame) -> tuple[float, float] | None:
 def _inputs(rows: pd.DataFrame) -> np.ndarray:
     """Return signals of each window and commands before it, (windows, features); a beginning repeats its own."""
     signals = rows.drop(columns=[name for name in _LABELS if name in rows])
-    commands = signals[_commands(list(signals))]
+    names = _commands([str(name) for name in signals.columns])
+    commands = signals[names]
     step = rows["t"].diff().abs().median()
     groups = rows.groupby(["part", "run"], sort=False)
     parts = [signals]
-    for before in _BEFORE if len(commands.columns) else ():
-        earlier = groups[list(commands)].shift(before)
+    for before in _BEFORE if names else ():
+        earlier = groups[names].shift(before)
         near = rows["t"] - groups["t"].shift(before) < (before - 1 + _APART) * step
         parts.append(earlier.where(near, commands).fillna(commands))
     return np.concatenate([part.to_numpy(float) for part in parts], axis=1)
