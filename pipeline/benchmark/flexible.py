@@ -17,6 +17,7 @@ _BEFORE = (1, 2)
 change a regression would not explain the force, but measure it.
 """
 _APART = 1.5  # of the usual distance of two windows; more is another block
+_ENOUGH = 0.8  # the target: of what can be explained
 _TREES, _FEWEST = 200, 5  # of the forest, and windows in a leaf: scikit-learn's doubled, against noise
 _PENALTY = 1.0  # of the linear part, with features of unit variance: scikit-learn's
 
@@ -36,7 +37,7 @@ class Explained:
     @property
     def enough(self) -> bool:
         """Whether the named effects explain four fifths of what the regression does."""
-        return self.named >= 0.8 * self.flexible
+        return self.named >= _ENOUGH * self.flexible
 
 
 def explained(evidence: Path, channels: Sequence[str]) -> Explained | None:

@@ -14,7 +14,7 @@ from simgap.recordings.cleaning.work import WHERE, RunUnderCleaning
 _SHORTEST, _EVERY, _COARSER = 4, 60, 1.05
 """Widths of an average that are tried, samples: a shorter one is hardly late; all up to here; then by a factor."""
 _LONGEST, _LONGEST_SHARE = 0.5, 0.25
-"""Of them, s and of a run: motor controllers average up to some 0.3 s."""
+"""Of them, s and of a run: in the published `swerve_drive`, motor controllers average over some 0.3 s."""
 _UNEVEN, _GAP = 0.5, 10.0
 """Steps: times that differ by less are even; over a longer gap no position is interpolated."""
 _LAGS = tuple(size * 2**octave for octave in range(9) for size in (0.5, 0.75))

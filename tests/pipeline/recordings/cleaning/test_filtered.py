@@ -81,7 +81,8 @@ def test_a_right_velocity_stays_beside_a_position_whose_times_are_off(seed):
 def test_a_run_may_be_hardly_longer_than_the_average(samples):
     time = STEP * np.arange(samples)
     for seconds in (0.28, 0.31):
-        cleaned(time, averaged(time, seconds, 3), 3)
+        run = cleaned(time, averaged(time, seconds, 3), 3)
+        assert np.isfinite(run.column("velocity")).all()
 
 
 def test_over_a_long_gap_no_rate_is_made_up():
