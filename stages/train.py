@@ -99,13 +99,12 @@ def _train(config: TrainStage, run: StageRun) -> None:
             before = next_values(model, machines, history)
             model.correct(chosen)
     save_model(model, run.output / "model")
-    run.log_metrics({"best_validation_loss": loss})
     with accelerated(model):
         after = next_values(model, machines, history)
         scores = held_out_scores(model, held, config.train, FitContext(config.seed))
         _write_traces(model, held, config.train, run)
     _write_residuals(after, before, _units(recording, layout, after), run)
-    scores |= one_step_scores(after, before)
+    scores |= one_step_scores(after, before) | {"validation": {"loss": loss}}
     _write_metrics(_finite(scores), run)
     run.log_metrics({name: value for name, value in flat(scores).items() if value is not None})
     remove_checkpoint(checkpoint)

@@ -54,7 +54,7 @@ def run_stage(tmp_path, recorded, name="linear", settings=QUICK, platform=None):
 def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path):
     run = run_stage(tmp_path, learnable.linear_joint(), name)
     metrics = json.loads((run.output / "metrics.json").read_text())
-    assert set(metrics) == {"position", "velocity", "steps"}
+    assert set(metrics) == {"position", "velocity", "steps", "validation"}
     assert set(metrics["velocity"]) == {"h1", "h10", "sum"}
     assert set(metrics["steps"]) == {"velocity"}
     assert run.metrics["steps/velocity/mse"] == metrics["steps"]["velocity"]["mse"]
@@ -63,7 +63,7 @@ def test_the_stage_writes_a_model_and_its_errors_on_held_out_runs(name, tmp_path
     assert (">velocity (m/s): " in figure, "uncorrected" in figure) == (True, False)
     model = load_model(run.output / "model")
     assert model.provenance.data == next(iter(run.inputs.values()))
-    assert model.provenance.value == run.metrics["best_validation_loss"]
+    assert model.provenance.value == run.metrics["validation/loss"]
     assert model.provenance.training["max_epochs"] == 2
     assert not any((tmp_path / "artifacts").rglob("*.ckpt"))
 
