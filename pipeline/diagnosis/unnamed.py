@@ -18,6 +18,9 @@ _HARMONICS = 12  # of one turn of a joint
 _FORMULA_LEVEL = 1e-3  # level of the test, over the whole library
 _LEAST_ENERGY = 0.2  # of the noise energy, which a formula must explain
 _LEAST_STEP = 0.02  # of the remaining energy, cross-validated, which one more term must explain
+_INEXACT = (
+    0.05  # of what a term explains: no law is exact to better than a twentieth, as in gap/likelihood.py
+)
 
 
 @dataclass(frozen=True)
@@ -107,7 +110,8 @@ def _library(regimes: Sequence[Regime], problem: Problem) -> list[_Term]:
 def _pursue(left: Tensor, terms: list[_Term], fold: Tensor, cluster: Tensor) -> tuple[list[_Term], float]:
     """Return the chosen terms and the energy that they explain on folds left out.
 
-    A term was chosen as the best of many on all the data, so that its own test has to allow for the choice.
+    A term was chosen as the best of many on all the data, so that its own test has to allow for the choice. It must
+    explain more than the terms before it may leave, which are no more exact than laws are.
     """
     matrix = torch.stack([term.series for term in terms], dim=1)
     size = matrix.square().mean(0).sqrt().clamp_min(1e-12)
@@ -121,7 +125,8 @@ def _pursue(left: Tensor, terms: list[_Term], fold: Tensor, cluster: Tensor) -> 
         tried = [*chosen, int(correlation.argmax())]
         after = _cross_validated_energy(matrix[:, tried], left, fold)
         chance = _chance_of_last(matrix[:, tried], left, cluster) * len(terms)
-        if energy - after < _LEAST_STEP * energy or chance > _FORMULA_LEVEL:
+        least = max(_LEAST_STEP * energy, _INEXACT**2 * (start - energy))
+        if energy - after < least or chance > _FORMULA_LEVEL:
             break
         chosen, energy = tried, after
         weights = torch.linalg.lstsq(matrix[:, chosen], left[:, None]).solution

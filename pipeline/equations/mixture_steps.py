@@ -13,32 +13,34 @@ Array = NDArray[np.float64]
 
 _MOST = 700.0
 """Of a logarithm of odds, beyond which its exponential overflows."""
-_LEAST_MISSED = 1e-30
-"""Of blocks: where none holds a discrepancy, its usual size is the least one."""
+_LEAST = 1e-300
+"""Of a sum: where no block holds a discrepancy, there is nothing to divide by."""
 
 
 @njit(cache=True)
 def likeliest(
     left: Array,
-    beyond: Array,
-    sound: Array,
-    least: Array,
-    lasting: float,
-    tail: float,
+    noise: Array,
+    independent: Array,
     shares: Array,
+    samples: Array,
+    costs: Array,
+    tail: float,
+    spread: float,
     first: int,
     last: int,
 ) -> tuple[Array, Array]:
     """Return the likeliest share of blocks that hold a discrepancy, and its likeliest usual mean square.
 
     Args:
-        left: mean square of the residual, (groups, blocks).
-        beyond: log likelihood of what is left of the noise beside a discrepancy, (groups, blocks).
-        sound: log likelihood with noise alone, (groups, blocks).
-        least: usual mean square of a discrepancy, (groups,).
-        lasting: independent samples of a discrepancy in a block.
-        tail: degrees of freedom of its size.
+        left: mean square of the residual, at least the noise's, (groups, blocks).
+        noise: mean square of the noise, (groups, blocks).
+        independent: rows, (groups, blocks).
         shares: among which the likeliest is chosen, (shares,).
+        samples: independent samples of a discrepancy in a block that holds one, for each share, (shares,).
+        costs: of each share by its prior, (shares,).
+        tail: degrees of freedom of a discrepancy's size.
+        spread: what these cost a sample.
         first: iterations for the usual size with each share.
         last: iterations with the chosen one.
 
@@ -48,53 +50,74 @@ def likeliest(
     groups = left.shape[0]
     share, usual = np.empty(groups), np.empty(groups)
     for group in range(groups):
-        rows = left[group], beyond[group], sound[group]
-        start, best = math.exp(np.log(left[group]).mean()), -math.inf
-        for each in shares:
-            size = _settled(rows, each, start, least[group], lasting, tail, first)
-            value = _value(rows, each, size, lasting, tail)
+        alone = -0.5 * independent[group] * (left[group] / noise[group] - 1.0)
+        start, best, chosen = math.exp(np.log(left[group]).mean()), -math.inf, 0
+        for each in range(len(shares)):
+            rows = _samples_of(left[group], noise[group], independent[group], alone, samples[each])
+            size = _settled(rows, shares[each], start, samples[each], tail, spread, first)
+            value = _value(rows, shares[each], size, samples[each], tail, spread) - costs[each]
             if value > best:
-                best, share[group], usual[group] = value, each, size
-        usual[group] = _settled(rows, share[group], usual[group], least[group], lasting, tail, last)
+                best, chosen, usual[group] = value, each, size
+        share[group] = shares[chosen]
+        rows = _samples_of(left[group], noise[group], independent[group], alone, samples[chosen])
+        usual[group] = _settled(rows, share[group], usual[group], samples[chosen], tail, spread, last)
     return share, usual
 
 
 @njit(cache=True)
+def _samples_of(
+    left: Array, noise: Array, independent: Array, alone: Array, samples: float
+) -> tuple[Array, Array, Array, Array]:
+    """Return what is found of a sample, what noise alone makes of it, and its rows, over the noise; and `alone`."""
+    repeats = independent / samples
+    return (
+        1.0 + repeats * (left / noise - 1.0),
+        1.0 + repeats * np.sqrt(2.0 / independent),
+        repeats / noise,
+        alone,
+    )
+
+
+@njit(cache=True)
 def _settled(
-    rows: tuple[Array, Array, Array],
+    rows: tuple[Array, Array, Array, Array],
     share: float,
     usual: float,
-    least: float,
-    lasting: float,
+    samples: float,
     tail: float,
+    spread: float,
     times: int,
 ) -> float:
-    """Return the usual mean square after some iterations of its fixed point."""
-    left, beyond, sound = rows
+    """Return the usual mean square after some iterations of its fixed point (Kent, Tyler & Vardi 1994)."""
+    seen, noise, repeats, sound = rows
     odds = math.log(share / (1.0 - share))
     for _ in range(times):
-        weighted, missed = 0.0, 0.0
-        level, slope = _size_of(usual, lasting, tail)
-        for block in range(len(left)):
-            above = tail * usual + left[block]
-            against = sound[block] - beyond[block] - odds - level + slope * math.log(above)
-            there = 1.0 / (1.0 + math.exp(min(against, _MOST)))
-            weighted += there * left[block] / above
-            missed += there
-        usual = max((tail + 1.0) * usual * weighted / max(missed, _LEAST_MISSED), least)
+        found, counted = _LEAST, _LEAST
+        for block in range(len(seen)):
+            expected = noise[block] + repeats[block] * usual
+            against = sound[block] - _beside(seen[block], expected, samples, tail, spread) - odds
+            there = repeats[block] / (1.0 + math.exp(min(against, _MOST))) / (tail * expected + seen[block])
+            found += there * seen[block] / expected
+            counted += there
+        usual *= found / counted
     return usual
 
 
 @njit(cache=True)
 def _value(
-    rows: tuple[Array, Array, Array], share: float, usual: float, lasting: float, tail: float
+    rows: tuple[Array, Array, Array, Array],
+    share: float,
+    usual: float,
+    samples: float,
+    tail: float,
+    spread: float,
 ) -> float:
     """Return the log likelihood of all blocks."""
-    left, beyond, sound = rows
+    seen, noise, repeats, sound = rows
     total = 0.0
-    level, slope = _size_of(usual, lasting, tail)
-    for block in range(len(left)):
-        spoilt = math.log(share) + beyond[block] + level - slope * math.log(tail * usual + left[block])
+    for block in range(len(seen)):
+        expected = noise[block] + repeats[block] * usual
+        spoilt = math.log(share) + _beside(seen[block], expected, samples, tail, spread)
         alone = math.log(1.0 - share) + sound[block]
         greater = max(spoilt, alone)
         total += greater + math.log1p(math.exp(min(spoilt, alone) - greater))
@@ -102,7 +125,7 @@ def _value(
 
 
 @njit(cache=True)
-def _size_of(usual: float, lasting: float, tail: float) -> tuple[float, float]:
-    """Return c and m of the log likelihood c − m·ln(ν·D + s²) of independent samples of a usual mean square D."""
-    slope = 0.5 * lasting * (tail + 1.0)
-    return slope * math.log((tail + 1.0) * usual) - 0.5 * lasting * math.log(usual), slope
+def _beside(seen: float, expected: float, samples: float, tail: float, spread: float) -> float:
+    """Return the log likelihood of a block with a discrepancy, of an expected mean square with the noise."""
+    above = math.log1p((seen / expected - 1.0) / (tail + 1.0))
+    return -0.5 * samples * (math.log(expected) + (tail + 1.0) * above + spread)

@@ -21,8 +21,10 @@ CALIBRATION = _PACKAGE / "gap" / "calibration.yaml"
 """The file of the three numbers, and of what they were fitted to."""
 
 MODULES = (
+    "effects/dry_friction",
     "equations/command_gain",
     "equations/derived_noise",
+    "equations/encoder",
     "equations/fit",
     "equations/mixture_steps",
     "equations/noise_ceiling",
@@ -32,6 +34,7 @@ MODULES = (
     "equations/recent",
     "equations/refit",
     "equations/residuals",
+    "equations/resolution",
     "equations/row_noise",
     "equations/sample_noise",
     "equations/starts",

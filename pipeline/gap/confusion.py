@@ -1,6 +1,6 @@
 """Effects that a recording cannot tell from a gain of a servo's position loop, and the log that would.
 
-Where nobody gave a gain, it is fitted beside every effect. Their posterior says how much the two depend on each other.
+Where nobody gave a gain, it is fitted beside every effect. The recording says how much the two depend on each other.
 An effect that hardly differs from another gain is not named: the gain explains what it explains.
 """
 
@@ -15,12 +15,13 @@ from simgap.equations.fit import effect_jacobian, inverse_of
 from simgap.gap.gains import IdentifiedGain
 from simgap.gap.hypothesis import Hypothesis, information_of
 from simgap.gap.name import Named, Naming
-from simgap.gap.prior import prior_precision
 from simgap.simulation import FittedEffect
 
 _INFLATION = 10.0
 """Of a parameter's variance by not knowing the other one: from here on collinearity is harmful.
 Source: Marquardt 1970, Generalized inverses, ridge regression, biased linear estimation (Technometrics 12)."""
+_LEAST_KNOWN = 1e-9
+"""Of a parameter's information, which no other one takes: far above rounding, far below what makes a confusion."""
 _EFFORT = "log the effort or the motor's current"
 _LOADS = f"{_EFFORT}, or hold a known weight at several positions"
 _SEPARATED_BY = {
@@ -40,7 +41,7 @@ class Confusion:
     Attributes:
         gain: `proportional` or `derivative`.
         effect: which hardly differs from it here.
-        correlation: of the two in the posterior.
+        correlation: of the two, by the recording alone.
     """
 
     gain: str
@@ -147,10 +148,13 @@ def _in(hypothesis: Hypothesis) -> list[Confusion]:
 
 
 def _correlation(hypothesis: Hypothesis) -> Tensor:
-    """Return the correlations of the parameters of a hypothesis in its posterior, (parameters, parameters)."""
-    precision = prior_precision(hypothesis.fit, hypothesis.reading.scales)
-    information = information_of(hypothesis.fit, hypothesis.likelihood) + torch.diag(precision)
-    covariance = inverse_of(information)
+    """Return the correlations of the parameters of a hypothesis by the recording alone, (parameters, parameters).
+
+    A prior would make any two parameters independent of which the recording says little. Where two do exactly the same,
+    hardly anything is known of their difference.
+    """
+    information = information_of(hypothesis.fit, hypothesis.likelihood)
+    covariance = inverse_of(information + _LEAST_KNOWN * torch.diag(information.diagonal()))
     size = covariance.diagonal().clamp_min(1e-300).sqrt()
     return covariance / size / size[:, None]
 

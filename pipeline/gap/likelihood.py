@@ -102,10 +102,12 @@ class LikelihoodOf:
         explained = (self.base - residual).square().mean(1)
         if self.problem.is_axis:
             explained = torch.minimum(explained, energy)
-        chance = self.temper.by_chance(TOLERATED) * (silenced / noise) * torch.ones_like(explained)
+        silent = silenced / noise
         noise = noise + _INEXACT**2 * explained
         left = torch.maximum(residual.square().mean(1) + silenced, noise)
         mixture = self.temper.mixture(left, noise)
+        sound = 1.0 - self.temper.missed(mixture, left, noise)
+        chance = self.temper.by_chance(TOLERATED) * silent * sound
         value = self.temper.value_of(mixture, left, noise) - chance.sum(0)
         value = value + 0.5 * self.temper.lasting * len(left) * energy.log() + self.untouched
         return Likelihood(value, self.temper.weight_of(mixture, left, noise), left, noise)
@@ -126,8 +128,9 @@ class LikelihoodOf:
         """Return the mean square of the noise that a simulator passes on, and of what it filters out, (channels,) each.
 
         An effect that filters a noisy input lowers the residual and explains nothing: the noise that it removes is
-        added again, with what it would cost by chance. Commands that a program sent hold no noise, so that filters on
-        them remove none. Where an effect takes an input away altogether, its noise goes with it.
+        added again, with what it would cost by chance in a block of noise alone. Commands that a program sent hold no
+        noise, so that filters on them remove none. Where an effect takes an input away altogether, its noise goes with
+        it.
         """
         blocks, functions = self.problem.blocks, self.problem.functions
         bare = simulator.with_effects(tuple(f for f in simulator.effects if not _filters(f.effect)))

@@ -200,8 +200,7 @@ class Neighbours:
     def _scaled(self, left: Tensor) -> Mixture:
         """Return the mixture of the centre with a discrepancy as large as what is left, (..., blocks, channels)."""
         ratio = torch.maximum(left, self.noise).log() - self.left.log()
-        usual = self.mixture.usual * ratio.mean(-2, keepdim=True).exp()
-        return Mixture(self.mixture.share, torch.maximum(usual, self.noise.amin(-2, keepdim=True)))
+        return Mixture(self.mixture.share, self.mixture.usual * ratio.mean(-2, keepdim=True).exp())
 
     def _starts(self, keys: frozenset[str]) -> tuple[FittedEffect, ...]:
         every = self.new | self.mine

@@ -24,8 +24,9 @@ STEPS = {
     "joint-flexible_coupling": (1e-3, 4),
     "joint-motor_inductance": (2e-3, 8),
     "quadrotor-slung_payload": (4e-3, 1),
-    "quadrotor-tip_path_plane_flapping": (2e-3, 2),
+    "quadrotor-tip_path_plane_flapping": (1e-3, 2),
     "swerve-motor_inductance@steer": (2e-3, 6),
+    "swerve-tyre_creep@drive": _SHORT,
     **dict.fromkeys(
         ("joint-hysteresis", "joint-stribeck_friction", "quadrotor-grey_box_aerodynamics"), _SHORT
     ),

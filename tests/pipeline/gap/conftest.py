@@ -8,6 +8,8 @@ import pytest
 _CASE = "test_real_recordings.py::test_what_a_real_machine_is_known_to_have_is_believed_and_nothing_else"
 OPEN = {
     f"{_CASE}[f1tenth_speed]": "steps from rest: friction and the inductance of a winding stand in for lag and delay",
+    f"{_CASE}[dfki_pendulum]": "Coulomb friction explains a third of one channel in twelve samples: 0.3",
+    f"{_CASE}[hsm150]": "friction that grows with the load, in two of six runs, stands in for asymmetric friction",
     "test_real_recordings.py::test_rotor_drag_and_inflow_of_a_real_quadrotor": (
         "both are named, but the drag is 0.38 1/s where the authors have about 0.45"
     ),
