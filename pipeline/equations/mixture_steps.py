@@ -22,6 +22,7 @@ def likeliest(
     left: Array,
     noise: Array,
     independent: Array,
+    chance: Array,
     shares: Array,
     samples: Array,
     costs: Array,
@@ -36,6 +37,7 @@ def likeliest(
         left: mean square of the residual, at least the noise's, (groups, blocks).
         noise: mean square of the noise, (groups, blocks).
         independent: rows, (groups, blocks).
+        chance: what noise alone costs a block on average, (groups, blocks).
         shares: among which the likeliest is chosen, (shares,).
         samples: independent samples of a discrepancy in a block that holds one, for each share, (shares,).
         costs: of each share by its prior, (shares,).
@@ -50,7 +52,7 @@ def likeliest(
     groups = left.shape[0]
     share, usual = np.empty(groups), np.empty(groups)
     for group in range(groups):
-        alone = -0.5 * independent[group] * (left[group] / noise[group] - 1.0)
+        alone = chance[group] - 0.5 * independent[group] * (left[group] / noise[group] - 1.0)
         start, best, chosen = math.exp(np.log(left[group]).mean()), -math.inf, 0
         for each in range(len(shares)):
             rows = _samples_of(left[group], noise[group], independent[group], alone, samples[each])

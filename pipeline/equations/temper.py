@@ -36,6 +36,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from simgap.equations.row_noise import TOLERATED
 from simgap.physics.weak_form import WindowFunctions
 from simgap.simulation.blocks import Blocks
 
@@ -133,6 +134,7 @@ class Temper:
             _by_block(left),
             _by_block(noise),
             _by_block(torch.as_tensor(self.total, dtype=left.dtype).expand_as(left)),
+            _by_block(self.by_chance(TOLERATED).to(left.dtype).expand_as(left)),
             np.array(_SHARES),
             np.array([self.samples(each) for each in _SHARES]),
             np.array(_SHARES) / _USUAL_SHARE,
@@ -200,7 +202,7 @@ class Temper:
 
     def _alone(self, left: Tensor, noise: Tensor) -> Tensor:
         """Return the log likelihood of each block with noise alone, beyond that of as much noise as is expected."""
-        return -0.5 * self.total * (left / noise - 1.0)
+        return self.by_chance(TOLERATED) - 0.5 * self.total * (left / noise - 1.0)
 
     def _beside(self, left: Tensor, noise: Tensor, mixture: "Mixture") -> Tensor:
         """Return the log likelihood of each block with a discrepancy beside the noise; see `_alone`."""
