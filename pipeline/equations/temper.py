@@ -7,21 +7,22 @@ few blocks it is in, and each is seen in many rows. With s² the mean square of 
 that of its noise, R = s²/n², D the usual mean square of the channel's discrepancy and π the share of blocks that hold
 one, the log likelihood of a block with n rows is
 
-    noise alone:      ℓ₀ = −½ · n·(R − 1)
+    noise alone:      ℓ₀ = k − ½ · n·(R − 1)
     a discrepancy:    ℓ₁ = −½ · n_d·[log(t/n²) + (ν + 1)·log((ν + q/t) / (ν + 1)) + c]
 
     q = n²·(1 + ρ·(R − 1)),     t = n²·(1 + ρ·√(2/n)) + ρ·D
 
 and that of the noise beside both, −½·(N_d/blocks)·log n². A block that holds a discrepancy has n_d = N_d / (π·blocks)
-samples of it, at most one, or N_d / blocks where that is more; and ρ = n / n_d rows for each. Rows n are fewer than
-the independent ones where laws that are not exact add to the noise. A sample of the discrepancy is the sum of ρ rows
-over √ρ: noise adds n² to its square, a discrepancy ρ·D, and q is what was found. By chance the mean square of the
-noise is off by √(2/n). What noise costs beyond these samples is the same under all hypotheses. A sample has Student's
-t with ν degrees of freedom, and c makes its density one: the size of a discrepancy differs from block to block, rest
-from acceleration, and yet a block that is met ever better cannot make up for one that is missed by far more. A
-recording is a mixture of both kinds of block, whose share and D are fitted; the prior of the share is exponential.
-Where a hypothesis meets most blocks within the noise, a block that it misses counts against it; where something else
-is at work everywhere, N_d samples count, and not each block that is met.
+samples of it, at most one, or N_d / blocks where that is more; and ρ = n / n_d rows for each. k is what noise alone
+costs on average: what is less than the noise counts as much, so that it would cost by chance what a discrepancy
+without size does not. Rows n are fewer than the independent ones where laws that are not exact add to the noise. A
+sample of the discrepancy is the sum of ρ rows over √ρ: noise adds n² to its square, a discrepancy ρ·D, and q is what
+was found. By chance the mean square of the noise is off by √(2/n). What noise costs beyond these samples is the same
+under all hypotheses. A sample has Student's t with ν degrees of freedom, and c makes its density one: the size of a
+discrepancy differs from block to block, rest from acceleration, and yet a block that is met ever better cannot make up
+for one that is missed by far more. A recording is a mixture of both kinds of block, whose share and D are fitted; the
+prior of the share is exponential. Where a hypothesis meets most blocks within the noise, a block that it misses counts
+against it; where something else is at work everywhere, N_d samples count, and not each block that is met.
 Sources: Rasmussen & Williams 2006, Gaussian processes for machine learning, eq. 2.30, for the evidence of a function
 that is seen through noise, here with N_d equal eigenvalues; Grünwald & van Ommen 2017, Inconsistency of Bayesian
 inference for misspecified linear models (Bayesian Analysis 12), for the tempering; Lange, Little & Taylor 1989, Robust
@@ -118,7 +119,7 @@ class Temper:
         """Return what a row's squared residual counts under a mixture, (blocks, channels); see `weight`."""
         missed = self.missed(mixture, left, noise)
         repeats = self.total / self.samples(mixture.share)
-        seen, expected = self._sample(left, noise, mixture.usual, repeats)
+        seen, expected = self._sample(left, noise, mixture.usual, repeats)  # type: ignore[arg-type]
         lasting = (_TAIL + 1.0) / (_TAIL * expected + seen)
         return self.total * (missed * lasting + (1.0 - missed) / noise) / self.rows
 
@@ -207,7 +208,7 @@ class Temper:
     def _beside(self, left: Tensor, noise: Tensor, mixture: "Mixture") -> Tensor:
         """Return the log likelihood of each block with a discrepancy beside the noise; see `_alone`."""
         samples = self.samples(mixture.share)
-        seen, expected = self._sample(left, noise, mixture.usual, self.total / samples)
+        seen, expected = self._sample(left, noise, mixture.usual, self.total / samples)  # type: ignore[arg-type]
         tail = torch.log1p((seen / expected - 1.0) / (_TAIL + 1.0))
         return -0.5 * samples * ((expected / noise).log() + (_TAIL + 1.0) * tail + _SPREAD)
 

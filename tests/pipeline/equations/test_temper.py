@@ -7,6 +7,7 @@ import pytest
 import scipy.stats
 import torch
 
+from simgap.equations.row_noise import TOLERATED
 from simgap.equations.temper import Mixture, Temper, energy_of, temper_of
 from simgap.gap.settings import Gap
 from tests.pipeline.gap.problems import problem_of, random_like
@@ -49,10 +50,10 @@ def test_it_falls_for_one_block_as_for_all(block, others):
     assert (torch.stack(values).diff(dim=0) < 0).all()
 
 
-def test_blocks_of_noise_alone_cost_nothing_but_the_measure():
+def test_blocks_of_as_much_as_noise_differ_by_the_measure_only():
     """Whatever the noise is: it enters through the independent samples of a discrepancy only."""
     value = TEMPER.value(left_of(), NOISE)
-    measure = -0.5 * TEMPER.lasting * BLOCKS * NOISE.log()
+    measure = BLOCKS * (TEMPER.by_chance(TOLERATED) - 0.5 * TEMPER.lasting * NOISE.log())
     assert (value - measure).abs().max() < 1e-3 * BLOCKS
     torch.testing.assert_close(
         TEMPER.weight(left_of(), NOISE) * NOISE * TEMPER.rows,
@@ -60,6 +61,19 @@ def test_blocks_of_noise_alone_cost_nothing_but_the_measure():
         rtol=1e-3,
         atol=0.0,
     )
+
+
+@pytest.mark.parametrize("independent", [2, 10, 100])
+def test_drawn_noise_costs_nothing_on_average(independent):
+    """The noise is an estimate with an allowance, and what is below it counts as it: within four standard errors."""
+    blocks, temper = 20_000, Temper(2 * independent, 0.1, independent - 0.1)
+    drawn = np.random.default_rng(independent).chisquare(independent, blocks) / independent / TOLERATED
+    left = torch.from_numpy(np.maximum(drawn, 1.0))[:, None]
+    mixture = Mixture(torch.full((1, 1), 1e-12).double(), torch.full((1, 1), 1e-9).double())
+    noise = torch.ones(1, dtype=torch.float64)
+    costs = 0.5 * independent * (left - 1.0)
+    error = float(costs.std()) / math.sqrt(blocks)
+    assert float(temper.value_of(mixture, left, noise)) / blocks == pytest.approx(0.0, abs=4.0 * error)
 
 
 def test_a_recording_in_smaller_units_is_as_probable_up_to_the_measure():
@@ -173,6 +187,7 @@ def test_a_sample_seen_in_one_row_has_the_density_of_noise_or_of_t():
     expected = (1.0 + math.sqrt(2.0)) * noise + usual
     beside = scipy.stats.t.logpdf((left / expected).sqrt(), 0.8) - 0.5 * expected.log().numpy()
     alone = scipy.stats.norm.logpdf((left / noise).sqrt()) - 0.5 * noise.log().numpy()
+    alone = alone + float(temper.by_chance(TOLERATED))
     densities = np.log(share * np.exp(beside) + (1.0 - share) * np.exp(alone)).sum(0)
     costs = 0.5 * BLOCKS * math.log(2.0 * math.pi * math.e)
     prior = -share / 0.2  # exponential, a fifth on average
