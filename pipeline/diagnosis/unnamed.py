@@ -19,7 +19,6 @@ _FORMULA_LEVEL = 1e-3  # level of the test, over the whole library
 _LEAST_ENERGY = 0.2  # of the noise energy, which a formula must explain
 _LEAST_STEP = 0.02  # of the remaining energy, cross-validated, which one more term must explain
 _INEXACT = 0.05  # of what terms explain: no law is exact to better than a twentieth, as in the likelihood
-_INEXACT = 0.05  # of what terms explain: no law is exact to better than a twentieth, as in the likelihood
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,9 @@ from simgap.simulation import Simulator
 
 pytestmark = pytest.mark.slow
 
-# A limit of 12 A is reached in one block of ninety: that is no evidence for a limit (0.15).
-# A limit of 12 A is reached in one block of ninety: that is no evidence for a limit (0.15).
 CONCEALED = {
     "wheel_slip@drive": {"friction_coefficient": 0.2, "stiffness": 40.0, "height": 0.05},
-    "current_limit@drive": {"limit": 10.0},
+    "current_limit@drive": {"limit": 12.0},
 }
 
 ALIKE = [*CONCEALED, "motor_constant_error@drive", "mass_error@drive", "command_delay@drive"]
