@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from simgap.consistency.redundancy import FLOOR, INDEPENDENT, LAG_COST, LAGS, Agreement, shifted
+from simgap.consistency.redundancy import FLOOR, INDEPENDENT, LAG_COST, LAGS, Agreement, at_best_lag, shifted
 
 _COLOURED = 3.0  # times the standard error of white errors: what the law leaves out lasts for several windows
 _EXACT = 0.15  # of a ratio: no law holds better
@@ -125,16 +125,12 @@ def law_agreement(
         None where there are too few windows, or the drive never changes.
     """
     motion = _motion(terms, others)
-    best: Agreement | None = None
-    for lag in LAGS:
-        found = _compared(
-            name, columns, *shifted(drive, motion, lag), terms, LAG_COST * abs(lag), weight, fits
-        )
-        if found is not None and (best is None or found.support > best.support):
-            best = found
-        if best is None or not best.opposed:
-            break
-    return best
+
+    def compared(lag: int) -> Agreement | None:
+        shift = shifted(drive, motion, lag)
+        return _compared(name, columns, *shift, terms, LAG_COST * abs(lag), weight, fits)
+
+    return at_best_lag(compared)
 
 
 def estimates_of(

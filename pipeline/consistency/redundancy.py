@@ -7,6 +7,7 @@ a part of the windows may be spoilt; as it is a ratio, a change of the unit of b
 Gaussian error of unknown size the log likelihood is −½·n·ln D, up to a constant.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,15 +95,25 @@ class Agreement:
 
 
 def agreement_of(pair: Pair) -> Agreement | None:
-    """Compare two series; see the module. Where they are opposed, a lag is tried. None where nothing moved."""
-    best: Agreement | None = None
-    for lag in LAGS:
-        found = _compared(pair, *shifted(pair.recorded, pair.derived, lag), LAG_COST * abs(lag))
-        if found is not None and (best is None or found.support > best.support):
-            best = found
-        if best is None or not best.opposed:
-            break
-    return best
+    """Compare two series; see the module. None where nothing moved."""
+
+    def compared(lag: int) -> Agreement | None:
+        return _compared(pair, *shifted(pair.recorded, pair.derived, lag), LAG_COST * abs(lag))
+
+    return at_best_lag(compared)
+
+
+def at_best_lag(compared: Callable[[int], Agreement | None]) -> Agreement | None:
+    """Return the comparison at the likeliest lag.
+
+    Every lag is tried, also where both sides agree without one: else a recording would be credited with a better lag
+    only as long as nothing is undone.
+
+    Args:
+        compared: gives the comparison at a lag, in windows; None where there is nothing to compare.
+    """
+    found = (compared(lag) for lag in LAGS)
+    return max((each for each in found if each is not None), key=lambda each: each.support, default=None)
 
 
 def shifted(first: np.ndarray, second: np.ndarray, lag: int) -> tuple[np.ndarray, np.ndarray]:

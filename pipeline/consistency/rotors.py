@@ -35,14 +35,18 @@ def rotor_laws(samples: Samples, quadrotor: Quadrotor, stem: str) -> Iterator[Ag
     felt, wanted, others = samples.once("motion", columns, lambda same: _motion(same, quadrotor))
     thrusts, reactions = _rotors(samples, quadrotor, stem)
     group = f"{stem}_1..4"
-    lift = thrusts.sum(axis=-1) / quadrotor.mass
+    thrust = thrusts.sum(axis=-1)
     if felt is not None:
         measured = ("attitude", "velocity") if "attitude" in parts else ("specific_force_z",)
         name = f"the thrust of {group!r} against the acceleration"
         # The motion is regressed on what is foretold, without any other term: a thrust carries the weight all the time.
         none = np.ones((len(felt), 0))
-        yield law_agreement(name, (group, *measured), felt[:, 2], [Term(lift, THRUST)], none)
+        yield law_agreement(
+            name, (group, *measured), felt[:, 2], [Term(thrust / quadrotor.mass, THRUST)], none
+        )
     positions = np.array(quadrotor.rotor_positions)
+    # Rotors that are not alike, and a centre of mass beside the middle, bring a torque in proportion to the thrust.
+    others = np.concatenate([others, thrust[:, None]], axis=-1)
     torques = (thrusts @ positions[:, 1], -thrusts @ positions[:, 0], reactions.sum(axis=-1))
     for axis, made, needed in zip("xyz", torques, wanted.T, strict=True):
         name = f"the torque about {axis} of {group!r} against the turning"
