@@ -5,7 +5,6 @@ rosbag2_storage_sqlite3 of ros2/rosbag2.
 """
 
 from collections.abc import Iterator
-from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,7 +13,6 @@ from numpy.typing import NDArray
 
 from simgap.logs.readers.packed import Packed
 
-_FETCHED = 500  # rows at once: so few are still near the processor when they are packed
 _FORMATS = {"ros2msg": "MSG", "ros2idl": "IDL"}
 
 
@@ -38,25 +36,26 @@ class Topic(NamedTuple):
 
 def opened(path: Path) -> Any:
     """Return a connection to a database that is only read."""
-    import apsw
+    from adbc_driver_sqlite import dbapi
 
-    flags = apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI
-    return apsw.Connection(f"{path.absolute().as_uri()}?immutable=1", flags=flags)
+    return dbapi.connect(f"{path.absolute().as_uri()}?mode=ro&immutable=1", autocommit=True)
+
+
+def rows_of(database: Any, query: str) -> list[tuple[Any, ...]]:
+    """Return the rows that a query finds; few of them, each is made of Python's objects."""
+    with database.cursor() as cursor:
+        found: list[tuple[Any, ...]] = cursor.execute(query).fetchall()
+    return found
 
 
 def topics_of(database: Any) -> Iterator[Topic]:
     """Yield the topics; definitions of their types are there since ROS 2 Iron."""
     definitions: dict[str, tuple[str, str]] = {}
-    tables = database.execute("SELECT name FROM sqlite_master WHERE name = 'message_definitions'")
-    for kind, encoding, text in (
-        database.execute(
-            "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions ORDER BY id"
-        )
-        if tables.fetchall()
-        else ()
-    ):
-        definitions.setdefault(kind, (text, _FORMATS.get(encoding, "NONE")))
-    for number, name, kind in database.execute("SELECT id, name, type FROM topics ORDER BY id"):
+    if rows_of(database, "SELECT name FROM sqlite_master WHERE name = 'message_definitions'"):
+        query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions ORDER BY id"
+        for kind, encoding, text in rows_of(database, query):
+            definitions.setdefault(kind, (text, _FORMATS.get(encoding, "NONE")))
+    for number, name, kind in rows_of(database, "SELECT id, name, type FROM topics ORDER BY id"):
         yield Topic(number, name, kind, *definitions.get(kind, ("", "NONE")))
 
 
@@ -67,18 +66,13 @@ def messages_of(database: Any, at_once: int) -> Iterator[tuple[NDArray[np.int64]
         database: that is opened.
         at_once: messages.
     """
-    rows = database.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp")
-    fetched = min(_FETCHED, at_once)
-    while found := list(islice(rows, fetched)):
-        which: list[int] = []
-        times: list[int] = []
-        sizes: list[int] = []
-        data: list[bytes] = []
-        while found:
-            some, moments, messages = zip(*found, strict=True)
-            which += some
-            times += moments
-            sizes += map(len, messages)
-            data.append(b"".join(messages))
-            found = list(islice(rows, fetched)) if len(which) < at_once else []
-        yield np.array(which), np.array(times, dtype=np.int64), Packed.joined(data, sizes)
+    import pyarrow as pa
+    from adbc_driver_sqlite import StatementOptions
+
+    kinds = pa.schema({"topic_id": pa.int64(), "timestamp": pa.int64(), "data": pa.binary()})
+    with database.cursor() as cursor:
+        cursor.adbc_statement.set_options(**{StatementOptions.BATCH_ROWS.value: str(at_once)})
+        cursor.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp")
+        for batch in cursor.fetch_record_batch():
+            which, times, data = batch.cast(kinds).columns
+            yield which.to_numpy(), times.to_numpy(), Packed.of_arrow(data)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from simgap import compiled
 from simgap.artifacts.plain_yaml import read_yaml
 from simgap.logs.readers import mcap_records as mcap
-from simgap.logs.readers.bag_database import messages_of, opened, topics_of
+from simgap.logs.readers.bag_database import messages_of, opened, rows_of, topics_of
 from simgap.logs.readers.json_messages import json_columns
 from simgap.logs.readers.packed import Columns, Packed
 from simgap.logs.readers.ros_messages import MessageType
@@ -128,12 +128,10 @@ def _of_database(path: Path) -> Iterator[Block]:
             topic.number: _ros_channel(topic.name, topic.type, topic.text, topic.written_in, padded=True)
             for topic in topics_of(database)
         }
-        ((count,),) = database.execute("SELECT COUNT(*) FROM messages")
+        ((count,),) = rows_of(database, "SELECT COUNT(*) FROM messages")
         at_once = min(1 + _BYTES_AT_ONCE * count // path.stat().st_size, _AT_ONCE)
         for which, times, messages in messages_of(database, at_once):
-            known = np.flatnonzero(np.isin(which, list(channels)))
-            if len(known):
-                yield Block(channels, which[known], times[known], messages[known])
+            yield from _known(Block(channels, which, times, messages))
 
 
 def _of_bag1(path: Path) -> Iterator[Block]:
@@ -145,9 +143,17 @@ def _of_bag1(path: Path) -> Iterator[Block]:
             entry.id: _channel_of(entry, padded=False) for entry in bag.connections if entry.id in recorded
         }
         for connections, times, messages in bag.stretches():
-            known = np.flatnonzero(np.isin(connections, list(channels)))
-            if len(known):
-                yield Block(channels, connections[known], times[known], messages[known])
+            yield from _known(Block(channels, connections, times, messages))
+
+
+def _known(block: Block) -> Iterator[Block]:
+    """Yield a block without the messages of channels that it does not have; nothing where none is left."""
+    if block.channels.keys() >= set(np.unique(block.which).tolist()):
+        yield block
+        return
+    known = np.flatnonzero(np.isin(block.which, list(block.channels)))
+    if len(known):
+        yield Block(block.channels, block.which[known], block.times[known], block.messages[known])
 
 
 def _of_packed(path: Path) -> Iterator[tuple[Channel, int, bytes]]:

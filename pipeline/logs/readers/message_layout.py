@@ -69,5 +69,5 @@ class Layout:
 
     def _read(self, messages: NDArray[np.uint8], place: int, code: str, count: int) -> NDArray[np.float64]:
         kind = np.dtype(code).newbyteorder(self.order)
-        part = np.ascontiguousarray(messages[:, place : place + count * kind.itemsize])
-        return part.view(kind).astype(np.float64)
+        strides = messages.strides[0], kind.itemsize
+        return np.ndarray((len(messages), count), kind, messages, place, strides).astype(np.float64)

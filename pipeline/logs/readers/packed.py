@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,13 +43,18 @@ class Packed:
     @classmethod
     def of(cls, messages: Sequence[bytes]) -> "Packed":
         """Return messages that come one by one."""
-        return cls.joined(messages, [len(message) for message in messages])
+        sizes = np.array([len(message) for message in messages], dtype=np.int64)
+        return cls(np.frombuffer(b"".join(messages), dtype=np.uint8), np.cumsum(sizes) - sizes, sizes)
 
     @classmethod
-    def joined(cls, parts: Sequence[bytes], lengths: Sequence[int]) -> "Packed":
-        """Return messages of some lengths that lie one behind the other in parts of any length."""
-        sizes = np.array(lengths, dtype=np.int64)
-        return cls(np.frombuffer(b"".join(parts), dtype=np.uint8), np.cumsum(sizes) - sizes, sizes)
+    def of_arrow(cls, messages: Any) -> "Packed":
+        """Return messages of an array of Arrow (binary, none of them null), as they lie in its memory."""
+        _, places, content = messages.buffers()
+        ends = np.frombuffer(places, dtype=np.int32)[messages.offset :][: len(messages) + 1].astype(np.int64)
+        buffer = (
+            np.frombuffer(content, dtype=np.uint8) if content is not None else np.empty(0, dtype=np.uint8)
+        )
+        return cls(buffer, ends[:-1], np.diff(ends))
 
     def __len__(self) -> int:
         return len(self.begins)

@@ -81,7 +81,7 @@ class Topic:
 
     def has_stamps(self) -> bool:
         """Whether the messages bear any stamps."""
-        return bool(np.any(np.nan_to_num(_all_of(self._stamps)) != 0))
+        return bool((np.abs(_all_of(self._stamps)) > 0).any())
 
     def too_many(self) -> bool:
         """Whether some signals were left out, since there are too many."""
@@ -113,7 +113,10 @@ class Topic:
 
 
 def _all_of(parts: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    return np.concatenate(parts) if parts else np.empty(0)
+    """Return all parts as one, and keep them as one."""
+    if len(parts) != 1:
+        parts[:] = [np.concatenate([np.empty(0), *parts])]
+    return parts[0]
 
 
 def _merged(parts: list[_Part]) -> _Part:

@@ -223,8 +223,11 @@ def _frequencies(length: int) -> np.ndarray:
 
 
 def _gains(inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:
-    """Return by how much each input explains each output, (inputs, outputs)."""
-    return np.linalg.lstsq(inputs, outputs, rcond=None)[0]
+    """Return by how much each input explains each output, (inputs, outputs), by the normal equations.
+
+    They are of a few columns alike in size: many times as fast as a decomposition of all samples, and as exact.
+    """
+    return np.linalg.lstsq(inputs.T @ inputs, inputs.T @ outputs, rcond=None)[0]
 
 
 def _standard_error(
