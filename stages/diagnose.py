@@ -36,7 +36,7 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
     A recording of your own:
 
       simgap diagnose platform=arm.yaml recording=log.csv output=answer
-      simgap diagnose platform=robot.urdf joint=elbow recording=log.mcap mapping=log.mapping.yaml output=answer
+      simgap diagnose platform=robot.urdf joint=elbow recording=log.mcap mapping=log.mcap.mapping.yaml output=answer
 
     platform   a YAML, URDF or MJCF file of what you know of the machine, or the name of one of the project
     joint      which joint of a URDF or MJCF file

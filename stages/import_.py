@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
+from simgap.errors import InputError
 from simgap.runner.command import report_mistakes
 from simgap.stages._log_options import LogOptions, add_log_options, log_options
 
@@ -14,6 +15,7 @@ def import_(path: Path, output: Path, options: LogOptions) -> None:
     from simgap.logs.opening import open_recording
     from simgap.recordings.recording import write_recording
 
+    _check_output(path, output)
     recording = open_recording(path, options.kind, options.mapping, options.platform)
     for warning in recording.warnings:
         print(f"warning: {warning}", file=sys.stderr)
@@ -21,6 +23,15 @@ def import_(path: Path, output: Path, options: LogOptions) -> None:
     print(
         f"{len(recording.frame)} samples of {len(recording.runs)} runs of a {recording.kind}: wrote {output}"
     )
+
+
+def _check_output(path: Path, output: Path) -> None:
+    """Refuse a file that would replace the log, or whose name says that it is no Parquet file."""
+    if output.suffix != ".parquet":
+        remedy = f"write {output.with_suffix('.parquet')}"
+        raise InputError("the recording is a Parquet file, and its name says otherwise", str(output), remedy)
+    if output.exists() and output.samefile(path):
+        raise InputError("is the log itself", str(output), "write the recording to another file")
 
 
 def main(argv: list[str] | None = None) -> NoReturn:

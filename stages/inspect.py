@@ -22,6 +22,7 @@ def inspect(path: Path, options: LogOptions, output: Path | None = None, every: 
     from simgap.logs.listing import log_lines, signal_lines
     from simgap.logs.opening import recording_as_it_is
     from simgap.logs.proposal import propose
+    from simgap.logs.rotor_order import by_place
 
     log = read_log(path)
     if options.mapping is not None:
@@ -32,7 +33,7 @@ def inspect(path: Path, options: LogOptions, output: Path | None = None, every: 
         print(*signal_lines(log, recording.channels, every), "", *_prospect(recording, options), sep="\n")
         print(f"It has the contract's columns, so it needs no mapping: {_command(path, options)}")
         return
-    proposal = propose(log, options.kind)
+    proposal = by_place(propose(log, options.kind), options.platform)
     print(*log_lines(log, proposal, every), "", sep="\n")
     if proposal.refusal:
         print(f"No diagnosis. {path.name}: {proposal.refusal}.")
@@ -44,32 +45,34 @@ def _show_proposed(log: "Log", proposal: "Proposal", path: Path, options: LogOpt
     """Say what comes out with a proposal, and write it."""
     from simgap.logs.proposal_file import write_proposal
 
-    if proposal.is_sure:
-        print(*_mapped(log, proposal, options), sep="\n")
-    else:
-        print(f"No diagnosis yet: {_doubt(proposal)}.")
+    usable = _shown(log, proposal, options)
     written = write_proposal(log, proposal, output)
-    if proposal.is_sure:
-        print(f"wrote {written}: no need to give it, if it is right: {_command(path, options)}")
-    else:
-        shown = shlex.join(["simgap", "inspect", str(path), "--map", str(written)])
-        print(f"wrote {written}: correct it; {shown} shows what comes out")
-        print(f"then {_command(path, options, written)}")
+    if usable:
+        print(f"wrote {written}, which a diagnosis uses without being told: {_command(path, options)}")
+        return
+    shown = shlex.join(["simgap", "inspect", str(path), "--map", str(written)])
+    print(
+        f"wrote {written}: if a signal of the log is what is asked for, put it in; {shown} shows what comes out"
+    )
+    print(f"then {_command(path, options, written)}")
 
 
 def _show_given(log: "Log", path: Path, options: LogOptions, mapping: Path, every: bool) -> None:
     """Show what comes out with the mapping that a person gives."""
+    from simgap.logs.correction import corrected
     from simgap.logs.given import as_proposal
     from simgap.logs.listing import log_lines
     from simgap.logs.opening import mapping_for
 
-    proposal = as_proposal(log, mapping_for(path, mapping, options.kind), mapping.name)
+    chosen = mapping_for(path, mapping, options.kind)
+    proposal = corrected(log, chosen, mapping.name, options.platform) or as_proposal(
+        log, chosen, mapping.name
+    )
     print(*log_lines(log, proposal, every), "", sep="\n")
-    if proposal.is_sure:
-        print(*_mapped(log, proposal, options), sep="\n")
+    if _shown(log, proposal, options):
         print(f"To diagnose it: {_command(path, options, mapping)}")
     else:
-        print(f"No diagnosis yet: {_doubt(proposal)}. Correct {mapping}.")
+        print(f"Correct {mapping}.")
 
 
 def _command(path: Path, options: LogOptions, mapping: Path | None = None) -> str:
@@ -81,37 +84,41 @@ def _command(path: Path, options: LogOptions, mapping: Path | None = None) -> st
 
 def _doubt(proposal: "Proposal") -> str:
     """Say why a proposal is not enough."""
-    from simgap.logs.proposal import SURE, lacking
+    from simgap.logs.proposal import SURE, grouped, lacking
 
     if proposal.kind is None:
         return "no kind of machine fits"
     lost = lacking(proposal.kind, set(proposal.columns))
     if lost:
-        return f"no signal for {', '.join(lost[:4])} was found, which a {proposal.kind} needs"
+        return f"no signal for {grouped(lost)} was found, which a {proposal.kind} needs"
     doubted = [column for column, found in proposal.columns.items() if found.confidence < SURE]
-    return f"{', '.join(doubted[:4])} {'is' if len(doubted) == 1 else 'are'} not sure"
+    return f"{grouped(doubted)} {'is' if len(doubted) == 1 else 'are'} not sure"
 
 
-def _mapped(log: "Log", proposal: "Proposal", options: LogOptions) -> Iterator[str]:
-    """Yield what a diagnosis would get by a mapping."""
+def _shown(log: "Log", proposal: "Proposal", options: LogOptions) -> bool:
+    """Print what a diagnosis would get by a mapping; return whether that can be used."""
     from simgap.errors import InputError
     from simgap.logs.apply import recording_of
     from simgap.logs.ratio import without_ratios
 
+    if not proposal.is_sure:
+        print(f"No diagnosis yet: {_doubt(proposal)}.")
+        return False
     mapping = proposal.mapping()
     try:
         recording = recording_of(
             log, without_ratios(mapping) if options.platform is None else mapping, options.platform
         )
     except InputError as error:
-        yield f"No diagnosis: {error}."
-    else:
-        yield from _prospect(recording, options)
+        print(f"No diagnosis: {error}.")
+        return False
+    print(*_prospect(recording, options), sep="\n")
+    return True
 
 
 def _prospect(recording: "Recording", options: LogOptions) -> Iterator[str]:
     """Yield what a diagnosis would get: runs, samples, doubts, and what the recording contradicts itself in."""
-    from simgap.consistency import contradictions
+    from simgap.consistency import contradictions, size_doubts
     from simgap.platforms import platform_from_config
 
     seconds = recording.frame.groupby("run", sort=False)["t"].agg(lambda t: t.iloc[-1] - t.iloc[0]).sum()
@@ -122,7 +129,9 @@ def _prospect(recording: "Recording", options: LogOptions) -> Iterator[str]:
     found = contradictions(recording, platform)
     yield from (f"Contradiction: {each.sentence}" for each in found)
     if not found:
-        yield "Nothing in it contradicts itself."
+        yield from (doubts := list(size_doubts(recording)))
+        if not doubts:
+            yield "Nothing in it contradicts itself."
 
 
 def main(argv: list[str] | None = None) -> NoReturn:

@@ -135,15 +135,15 @@ def diagnosed(
 
 
 def _doubted(recording: "Recording", nominal: "Simulator") -> "Recording":
-    """Return a recording whose warnings also say which other gear ratio or motor would explain it."""
-    from simgap.consistency import gear_doubts
+    """Return a recording whose warnings also say which size, gear ratio or motor looks wrong."""
+    from simgap.consistency import gear_doubts, size_doubts
     from simgap.effects import ParameterError
     from simgap.platforms import Joint
 
+    said = list(size_doubts(recording))
     corrected = any(isinstance(known.effect, ParameterError) for known in nominal.effects)
-    if corrected or not isinstance(nominal.platform, Joint):
-        return recording
-    said = gear_doubts(recording, nominal.platform)
+    if isinstance(nominal.platform, Joint) and not corrected:
+        said += gear_doubts(recording, nominal.platform)
     return replace(recording, warnings=(*recording.warnings, *said)) if said else recording
 
 

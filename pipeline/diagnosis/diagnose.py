@@ -289,7 +289,7 @@ def _shortness(problem: Problem) -> list[str]:
     seconds = len(problem.blocks) * problem.blocks.samples * problem.blocks.time_step
     if seconds >= _SHORT:
         return []
-    return [f"only {seconds:.2g} s could be fitted; record at least {_SHORT:g} seconds"]
+    return [f"only {seconds:.3g} s could be fitted; record more than {_SHORT:g} s"]
 
 
 def _part(problem: Problem) -> list[str]:

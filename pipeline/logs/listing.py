@@ -6,8 +6,8 @@ import numpy as np
 
 from simgap.logs.common_times import step_of
 from simgap.logs.log import Log, Signal
-from simgap.logs.mapping import Source, source_to_config
-from simgap.logs.proposal import SURE, Proposal, lacking
+from simgap.logs.mapping import Source
+from simgap.logs.proposal import SURE, Proposal, grouped, lacking
 
 _SHOWN = 40  # signals that are listed unless all are asked for: a screen
 _FACTS = 8  # facts that are listed likewise
@@ -81,11 +81,17 @@ def _run_lines(log: Log, proposal: Proposal) -> Iterator[str]:
 
 
 def _source_text(source: Source) -> str:
-    """Return a signal with its unit and what else is done to it: "motor_deg [deg], sign -1"."""
-    done = source_to_config(source)
-    unit = f" [{source.unit}]" if source.unit else ""
-    others = [f", {key} {value}" for key, value in done.items() if key not in ("from", "unit")]
-    return f"{source.signal}{unit}{''.join(others)}"
+    """Return a signal with what is done to it, and the unit of that: "motor_deg · -1, in deg"."""
+    factors = [f"{each:.4g}" for each in (source.sign * source.scale,) if each != 1.0]
+    factors += [each for each in (source.times, source.ratio) if each]
+    value = " · ".join([source.signal, *factors])
+    value += f" {'-' if source.offset < 0 else '+'} {abs(source.offset):.4g}" if source.offset else ""
+    value = f"the square root of {value}" if source.root else value
+    value = f"the integral of {value}" if source.integrate else value
+    words = [f"in {source.unit}"] if source.unit and source.unit != "1" else []
+    words += ["held" if source.held else "not held"] if source.held is not None else []
+    words += [f"{source.missing:g} is missing"] if source.missing is not None else []
+    return ", ".join([value, *words])
 
 
 def _column_lines(proposal: Proposal) -> Iterator[str]:
@@ -97,6 +103,11 @@ def _column_lines(proposal: Proposal) -> Iterator[str]:
         doubt = "" if entry.confidence >= SURE else "  please check"
         yield f"  {column:20} {_source_text(entry.source)}  {entry.confidence:.2f}: {entry.reason}{doubt}"
     lost = lacking(proposal.kind, set(proposal.columns))
+    alike: dict[tuple[bool, str], list[str]] = {}
     for column in dict.fromkeys([*lost, *proposal.missing]):
-        needed = "needed" if column in lost else "better with it"
-        yield f"  {column:20} missing ({needed}). {proposal.missing.get(column, '')}".rstrip()
+        advice = proposal.missing.get(column, "") or "no signal looks like it"
+        advice = f"{advice[0].upper()}{advice[1:].rstrip('.')}."
+        alike.setdefault((column in lost, advice), []).append(column)
+    for (needed, advice), columns in alike.items():
+        named = grouped(columns).replace("'", "")
+        yield f"  {named:20} missing ({'needed' if needed else 'better with it'}). {advice}"

@@ -7,11 +7,13 @@ from typing import Any
 import pyarrow as pa
 
 from simgap.errors import InputError
+from simgap.logs.correction import corrected
 from simgap.logs.formats import format_of, read_log
 from simgap.logs.log import Log
 from simgap.logs.mapping import Mapping, completed, read_mapping
-from simgap.logs.proposal import Proposal, lacking, propose
-from simgap.logs.proposal_file import write_proposal
+from simgap.logs.proposal import Proposal, grouped, lacking, propose
+from simgap.logs.proposal_file import proposal_path, write_proposal
+from simgap.logs.rotor_order import by_place
 from simgap.recordings.contract import COLUMNS, INDEX_COLUMNS, KINDS
 from simgap.recordings.recording import Recording, recording_from_table
 from simgap.recordings.storage import header_of, read_table
@@ -41,12 +43,17 @@ def open_recording(
     from simgap.logs.apply import at_common_times, converted, recording_of
 
     if mapping is not None:
-        return recording_of(read_log(path), mapping_for(path, mapping, kind), platform)
+        log, chosen = read_log(path), mapping_for(path, mapping, kind)
+        upon = corrected(log, chosen, mapping.name, platform)
+        if upon is not None:
+            _require(log, upon, path)
+            chosen = upon.mapping()
+        return recording_of(log, chosen, platform)
     found = recording_as_it_is(path, kind)
     if found is not None:
         return found
     log = read_log(path)
-    proposal = propose(log, kind)
+    proposal = by_place(propose(log, kind), platform)
     _require(log, proposal, path)
     columns = converted(log, proposal.mapping(), platform)
     del log
@@ -107,23 +114,13 @@ def _require(log: Log, proposal: Proposal, path: Path) -> None:
     lost = lacking(proposal.kind, set(proposal.columns)) if proposal.kind else []
     if lost:
         advice = proposal.missing.get(lost[0], f"simgap inspect {path} shows what is in it")
-        raise InputError(f"no signal for {_grouped(lost)} was found", str(path), advice)
+        raise InputError(f"no signal for {grouped(lost)} was found", str(path), advice)
     if not proposal.is_sure:
         doubted = min(proposal.columns.items(), key=lambda entry: entry[1].confidence, default=None)
         reason = f" ({doubted[0]}: {doubted[1].reason})" if doubted else ""
-        written = write_proposal(log, proposal, Path(f"{path.stem}.mapping.yaml"))
+        written = write_proposal(log, proposal, proposal_path(path))
         raise InputError(
             f"which signal is which column is not clear{reason}",
             str(path),
             f"correct {written}, and give mapping={written}",
         )
-
-
-def _grouped(columns: list[str]) -> str:
-    """Return names of columns, four that differ by their number as one: 'drive_voltage_1..4'."""
-    named = []
-    for column in columns:
-        four = [f"{column[:-1]}{number}" for number in range(1, 5)]
-        named.append(f"{column}..4" if column == four[0] and set(four) <= set(columns) else column)
-    covered = {f"{name[:-4]}{number}" for name in named if name.endswith("..4") for number in range(2, 5)}
-    return ", ".join(repr(name) for name in named if name not in covered)

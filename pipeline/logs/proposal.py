@@ -51,6 +51,7 @@ class Proposal:
         notes: sentences for a person: what the log shows of the machine, what its rates allow.
         refusal: why a diagnosis makes no sense at all: nothing moves, not a quadrotor; empty where it does.
         rate: samples per second of the recording; None where the slowest of the measured signals sets them.
+        places: signs of x and y of each rotor, in the order of the log; empty where it does not say them.
     """
 
     kind: str | None
@@ -60,6 +61,7 @@ class Proposal:
     notes: tuple[str, ...] = ()
     refusal: str = ""
     rate: float | None = None
+    places: tuple[tuple[int, int], ...] = ()
 
     @property
     def is_sure(self) -> bool:
@@ -101,3 +103,13 @@ def lacking(kind: str, columns: set[str]) -> list[str]:
         begun = max(groups, key=lambda group: len(columns & set(group)))
         lost += [column for column in begun if column not in columns]
     return lost
+
+
+def grouped(columns: list[str]) -> str:
+    """Return names of columns, four that differ by their number as one: 'drive_voltage_1..4'."""
+    named = []
+    for column in columns:
+        four = [f"{column[:-1]}{number}" for number in range(1, 5)]
+        named.append(f"{column}..4" if column == four[0] and set(four) <= set(columns) else column)
+    covered = {f"{name[:-4]}{number}" for name in named if name.endswith("..4") for number in range(2, 5)}
+    return ", ".join(repr(name) for name in named if name not in covered)

@@ -37,6 +37,11 @@ def proposal_text(log: Log, proposal: Proposal) -> str:
     return "\n".join(lines) + "\n"
 
 
+def proposal_path(log: Path) -> Path:
+    """Return where the proposal for a log is written, in the working directory: the log's name and an ending."""
+    return Path(f"{log.name}.mapping.yaml")
+
+
 def write_proposal(log: Log, proposal: Proposal, path: Path) -> Path:
     """Write a proposal; a file that is there already is kept, and a number is added to the name of another one.
 

@@ -198,15 +198,18 @@ def _decimal(rows: Sequence[list[str]], separator: str, where: str) -> tuple[str
     with_comma = [cell for cell in cells if _COMMA.fullmatch(cell) or _GROUPS.fullmatch(cell)]
     if not with_comma:
         return ".", ""
-    point = any(_POINT.fullmatch(cell) for cell in cells)
+    with_point = [cell for cell in cells if _POINT.fullmatch(cell)]
+    point = bool(with_point)
     comma = any(not _GROUPS.fullmatch(cell) for cell in with_comma)
     if point and not comma:
         return ".", ","
     if comma and not point:
         return ",", ""
-    raise InputError(
-        f"{with_comma[0]!r} may be a fraction or thousands", where, "write numbers with a point, as 1234.5"
-    )
+    remedy = "write numbers with a point, as 1234.5"
+    if comma and point:
+        fraction = next(cell for cell in with_comma if not _GROUPS.fullmatch(cell))
+        raise InputError(f"{fraction!r} has a comma, and {with_point[0]!r} a point", where, remedy)
+    raise InputError(f"{with_comma[0]!r} may be a fraction or thousands", where, remedy)
 
 
 def _kinds(

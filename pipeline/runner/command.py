@@ -2,6 +2,7 @@
 
 import argparse
 import logging
+import os
 import signal
 import sys
 import threading
@@ -10,7 +11,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO
 
 from simgap.errors import InputError
 from simgap.extras import named_extras
@@ -49,6 +50,10 @@ def report_mistakes(name: str, debug: bool, action: Callable[[], None]) -> int:
     try:
         with _plain_output(debug), named_extras():
             action()
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Whoever reads, such as `head`, has seen enough: what Python still holds goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (InputError, OSError) as error:
         # An error of the system without a file's name is not something a person can mend.
         if isinstance(error, OSError) and error.filename is None:
@@ -117,10 +122,19 @@ def _ended_in_order() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
+class _Lines(logging.StreamHandler[TextIO]):
+    """Writes lines for as long as somebody reads them: a stage ends its work also after `| head`."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Report an error, but not that the reader has gone."""
+        if not isinstance(sys.exc_info()[1], BrokenPipeError):
+            super().handleError(record)
+
+
 @contextmanager
 def _plain_output(debug: bool) -> Iterator[None]:
     """Log plain lines to standard output, and leave out what libraries want to tell their developers."""
-    handler = logging.StreamHandler(sys.stdout)
+    handler = _Lines(sys.stdout)
     handler.setFormatter(logging.Formatter("%(message)s"))
     root = logging.getLogger()
     level = root.level

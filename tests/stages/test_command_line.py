@@ -95,6 +95,18 @@ def test_a_mistake_ends_with_exit_code_2_and_one_line(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_reader_that_has_seen_enough_is_no_error(tmp_path: Path) -> None:
+    simgap("configure", "branch=flywheel", "tracking.enabled=false", folder=tmp_path)
+    rows = "\n".join(f"{row / 100},{row % 7},{row % 5}" for row in range(300))
+    (tmp_path / "log.csv").write_text(f"a,b,c\n{rows}\n")
+    for command in ("inspect log.csv --kind joint", "configure branch=flywheel tracking.enabled=false"):
+        done = subprocess.run(
+            f"{sys.executable} -m simgap {command} | true",
+            shell=True, cwd=tmp_path, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.stderr == ""
+
+
 @pytest.mark.parametrize(
     ("module", "said"), [("simgap", "usage: simgap COMMAND"), ("simgap.stages.clean", "usage: simgap clean")]
 )

@@ -87,6 +87,32 @@ def test_a_mapped_log_is_written_as_a_recording(log: Path) -> None:
     np.testing.assert_allclose(frame["velocity"], np.cos(frame["t"]))
 
 
+@pytest.mark.parametrize(
+    ("output", "said"), [("log.csv", "name says otherwise"), ("log.parquet", "is the log itself")]
+)
+def test_an_import_never_replaces_the_log(
+    log: Path, capsys: pytest.CaptureFixture[str], output: str, said: str
+) -> None:
+    Path("mine.yaml").write_text(MAPPING)
+    with pytest.raises(SystemExit):
+        import_log([str(log), "--map", "mine.yaml", "-o", "log.parquet"])
+    before = Path(output).read_bytes()
+    given = [output] if output.endswith("parquet") else [output, "--map", "mine.yaml"]
+    with pytest.raises(SystemExit) as ended:
+        import_log([*given, "-o", output])
+    assert ended.value.code == 2
+    assert said in capsys.readouterr().err
+    assert Path(output).read_bytes() == before
+
+
+def test_a_mapping_that_gives_no_recording_is_not_diagnosed(
+    log: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shown = shown_with(MAPPING + "runs: {late: [900, 901]}\n", capsys, "--map", "mine.yaml")
+    assert "No diagnosis" in shown
+    assert "simgap diagnose" not in shown
+
+
 def test_a_platform_gives_the_numbers_that_a_mapping_needs(
     log: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -124,7 +150,7 @@ def shown_with(mapping: str, capsys: pytest.CaptureFixture[str], *more: str) -> 
 def test_a_mapping_is_shown_with_what_comes_out(log: Path, option: list[str], capsys) -> None:
     shown = shown_with(MAPPING, capsys, *option)
     assert "as a joint:" in shown
-    assert "position             B [deg]  1.00: as mine.yaml says" in shown
+    assert "position             B, in deg  1.00: as mine.yaml says" in shown
     assert "1 run, 300 samples, 3.0 s" in shown
     assert "Nothing in it contradicts itself." in shown
     assert "recording=log.csv mapping=mine.yaml" in shown
@@ -141,7 +167,7 @@ def test_a_mapping_that_contradicts_the_log_is_shown_to(log: Path, capsys) -> No
     shown = shown_with(
         MAPPING.replace("C, unit: deg/s", "C, unit: deg/s, sign: -1"), capsys, "--map", "mine.yaml"
     )
-    assert "C [deg/s], sign -1" in shown
+    assert "C · -1, in deg/s" in shown
     assert "Contradiction: " in shown
     assert "another sign" in shown
     assert "contradicts itself." not in shown
@@ -150,10 +176,11 @@ def test_a_mapping_that_contradicts_the_log_is_shown_to(log: Path, capsys) -> No
 def test_what_a_mapping_still_lacks_is_said_for_its_kind(log: Path, capsys) -> None:
     lacking = MAPPING.replace("voltage: D\n", "").replace("from: B", "from: BB")
     shown = shown_with(lacking, capsys, "--map", "mine.yaml")
-    assert "effort               missing (needed). log what the controller gives" in shown
+    assert "effort               missing (needed). Log what the controller gives" in shown
     assert "no signal 'BB'; did you mean 'B'?" in shown
     assert (
-        "No diagnosis yet: no signal for effort was found, which a joint needs. Correct mine.yaml." in shown
+        "No diagnosis yet: no signal for 'effort' was found, which a joint needs.\nCorrect mine.yaml."
+        in shown
     )
     wrong = shown_with(MAPPING.replace("from: B", "from: BB"), capsys, "--map", "mine.yaml")
     assert "No diagnosis yet: position is not sure. Correct mine.yaml." in wrong

@@ -52,6 +52,12 @@ def _placed(named: Sequence[str], rotors: Sequence[Rotor]) -> str:
     return f"Motors, seen from above: {numbered}. So the platform file needs rotor_positions with the signs [{signs}]"
 
 
+def places_of(rotors: Sequence[Rotor]) -> tuple[tuple[int, int], ...]:
+    """Return the signs of x (forward) and y (left) of each rotor."""
+    signs = [(round(cos(radians(angle)), 9), round(-sin(radians(angle)), 9)) for angle, _ in rotors]
+    return tuple(((x > 0) - (x < 0), (y > 0) - (y < 0)) for x, y in signs)
+
+
 def mixer_of(rotors: Sequence[Rotor]) -> list[list[float]]:
     """Return the sign of each rotor's torque about x (left ones lift), y (rear ones lift) and z, 3×4."""
     left = [copysign(1.0, -sin(radians(angle))) for angle, _ in rotors]

@@ -4,11 +4,14 @@ Messages: https://ardupilot.org/copter/docs/logmessages.html.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
+from simgap.logs.layouts.airframes import places_of
 from simgap.logs.layouts.ardupilot_events import crash_free, said
-from simgap.logs.layouts.ardupilot_motors import battery, commands, order, speeds
-from simgap.logs.layouts.choices import AXES, QUATERNION, Choice, choose, moves, number, vector
+from simgap.logs.layouts.ardupilot_motors import battery, commands, order, rotors, speeds
+from simgap.logs.layouts.choices import AXES, QUATERNION, Choice, choose, largest, moves, number, vector
 from simgap.logs.layouts.flights import flights, height_of
+from simgap.logs.layouts.placeless import whole_or_none
 from simgap.logs.layouts.rates import rated
 from simgap.logs.layouts.refusals import no_flight, too_slow, wrong_kind
 from simgap.logs.log import Log, Span
@@ -24,6 +27,8 @@ _CLASSES = {
     9: "coaxial copter", 10: "tailsitter", 11: "helicopter", 12: "dodecacopter", 13: "helicopter", 14: "decacopter",
 }  # fmt: skip
 """FRAME_CLASS that are no quadrotors."""
+_FASTEST = 2000.0
+"""deg/s: no gyroscope of a flight controller tells more."""
 _FILTERS = ("XKF1", "NKF1", "EKF1")  # of the newest estimator first
 _HEIGHTS = (
     ("SIM2.PD", -1.0),
@@ -57,9 +62,18 @@ def propose(log: Log, kind: str | None) -> Proposal | None:
         or _slow(fast.refused)
     )
     missing |= fast.missing
-    for column in lacking("quadrotor", set(fast.columns)):
+    columns, left_out = whole_or_none(fast.columns)
+    for column in lacking("quadrotor", set(columns)):
         missing.setdefault(column, MOTORS if column.startswith("motor") else HOW)
-    return Proposal("quadrotor", fast.columns, missing, windows, (*notes, *fast.notes), refusal)
+    return Proposal(
+        "quadrotor",
+        columns,
+        missing,
+        windows,
+        (*notes, *fast.notes, *left_out),
+        refusal,
+        places=places_of(rotors(log)),
+    )
 
 
 def _state(log: Log, missing: dict[str, str], notes: list[str]) -> dict[str, Proposed]:
@@ -94,12 +108,21 @@ def _state(log: Log, missing: dict[str, str], notes: list[str]) -> dict[str, Pro
 def _sensed(log: Log) -> dict[str, Proposed]:
     """Return what helps, but is not needed: specific force, and the commanded body rate."""
     columns: dict[str, Proposed] = {}
-    wanted = choose(log, [vector("RATE", ("RDes", "PDes", "YDes"), "the rate controller", AXES, "deg/s")])
+    wanted = choose(log, [_controlled(log, ("RDes", "PDes", "YDes"))])
     force = choose(log, [vector("IMU", ("AccX", "AccY", "AccZ"), "the accelerometer", AXES, "m/s²")])
     for name, choice in (("body_rate_command", wanted), ("specific_force", force)):
         if choice is not None:
             columns |= choice.columns([f"{name}_{axis}" for axis in "xyz"])
     return columns
+
+
+def _controlled(log: Log, fields: Sequence[str]) -> Choice:
+    """Return the choice of body rates that the rate controller tells: in hundredths of a degree before Copter 3.4."""
+    found = vector("RATE", fields, "the rate controller", AXES, "deg/s")
+    if max(largest(log, name) for name in found.signals) < _FASTEST:
+        return found
+    reason = "the rate controller, in hundredths of a degree per second"
+    return replace(found, reason=reason, scales=[0.01] * len(fields))
 
 
 def _slow(rates: Mapping[str, float]) -> str:
@@ -125,7 +148,7 @@ def _estimator(log: Log, group: str) -> Choice | None:
             log,
             [
                 vector("IMU", ("GyrX", "GyrY", "GyrZ"), "the gyroscope", AXES, "rad/s"),
-                vector("RATE", ("R", "P", "Y"), "the rate controller", AXES, "deg/s"),
+                _controlled(log, ("R", "P", "Y")),
             ],
         )
     present = [name for name in _FILTERS if moves(log, _plane(name))]  # without a fix it holds zero

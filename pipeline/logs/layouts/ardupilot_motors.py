@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from simgap.logs.layouts.airframes import ARDUPILOT, X, order_note
+from simgap.logs.layouts.airframes import ARDUPILOT, Rotor, X, order_note
 from simgap.logs.layouts.choices import Choice, choose, middle, number, rate_of
 from simgap.logs.layouts.rates import SLOWEST
 from simgap.logs.log import Log, Signal, Span
@@ -119,11 +119,16 @@ def battery(log: Log, missing: dict[str, str]) -> dict[str, Proposed]:
     return {}
 
 
-def order(log: Log) -> str:
-    """Return how the motors are counted, of the type of the frame."""
+def rotors(log: Log) -> Sequence[Rotor]:
+    """Return the rotors in the order of the log, by the type of the frame; none where it is not known."""
     kind = number(log, "FRAME_TYPE")
     kind = kind if kind is not None else number(log, "FRAME")
-    rotors = ARDUPILOT.get(int(kind)) if kind is not None else None
-    if rotors is None:
-        return f"The frame is not one that is known; if it is an X: {order_note(X)}"
-    return order_note(rotors)
+    return ARDUPILOT.get(int(kind), ()) if kind is not None else ()
+
+
+def order(log: Log) -> str:
+    """Return how the motors are counted, of the type of the frame."""
+    found = rotors(log)
+    return (
+        order_note(found) if found else f"The frame is not one that is known; if it is an X: {order_note(X)}"
+    )

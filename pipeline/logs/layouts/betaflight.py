@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from simgap.logs.common_times import step_of
-from simgap.logs.layouts.airframes import BETAFLIGHT_X, places_note
+from simgap.logs.layouts.airframes import BETAFLIGHT_X, places_note, places_of
 from simgap.logs.layouts.powered import flights_of, full_thrust
 from simgap.logs.layouts.quad_x import Turning, directions_of, turning_of
 from simgap.logs.log import Log, Signal, Span
@@ -59,6 +59,7 @@ def propose(log: Log, kind: str | None) -> Proposal | None:
         windows=flights,
         notes=(*_notes(log, turning, step), *_strength(log, time, commands, flights)),
         rate=_RATE if step * _RATE < 1.0 else None,
+        places=places_of(BETAFLIGHT_X),
     )
 
 

@@ -102,6 +102,11 @@ def middle(log: Log, name: str) -> float:
     return float(np.median(values)) if len(values) else 0.0
 
 
+def largest(log: Log, name: str) -> float:
+    """Return the largest size of a signal; 0 where it has no values."""
+    return float(np.abs(_finite(log, name)).max(initial=0.0))
+
+
 def _finite(log: Log, name: str) -> np.ndarray:
     values = log.signals[name].values if name in log.signals else np.empty(0)
     return values[np.isfinite(values)]

@@ -16,7 +16,8 @@ from simgap.logs.layouts.choices import (
     vector,
 )
 from simgap.logs.layouts.flights import Stretch, flights, height_of, states_at, stretches
-from simgap.logs.layouts.px4_motors import battery, commands, order, speeds
+from simgap.logs.layouts.placeless import whole_or_none
+from simgap.logs.layouts.px4_motors import battery, commands, order, places, speeds
 from simgap.logs.layouts.px4_vehicle import not_a_quadrotor
 from simgap.logs.layouts.rates import rated
 from simgap.logs.layouts.refusals import no_flight, too_slow, wrong_kind
@@ -60,9 +61,12 @@ def propose(log: Log, kind: str | None) -> Proposal | None:
         or _slow(log, fast.refused)
     )
     missing |= fast.missing
-    for column in lacking("quadrotor", set(fast.columns)):
+    columns, left_out = whole_or_none(fast.columns)
+    for column in lacking("quadrotor", set(columns)):
         missing.setdefault(column, HOW)
-    return Proposal("quadrotor", fast.columns, missing, windows, (*notes, *fast.notes), refusal)
+    return Proposal(
+        "quadrotor", columns, missing, windows, (*notes, *fast.notes, *left_out), refusal, places=places(log)
+    )
 
 
 def _state(log: Log) -> tuple[dict[str, Proposed], dict[str, str], list[str]]:

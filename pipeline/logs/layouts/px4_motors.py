@@ -1,8 +1,10 @@
 """The motors and the battery of PX4: commands, speeds, their order, and their range."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from simgap.logs.layouts.airframes import PLUS, X, geometry_note, order_note
+from simgap.logs.layouts.airframes import PLUS, Rotor, X, geometry_note, order_note, places_of
 from simgap.logs.layouts.choices import Choice, choose, middle, number, rate_of
 from simgap.logs.log import Log
 from simgap.logs.proposal import Proposed
@@ -108,13 +110,34 @@ def battery(log: Log, missing: dict[str, str]) -> dict[str, Proposed]:
     return {}
 
 
+def places(log: Log) -> tuple[tuple[int, int], ...]:
+    """Return the signs of x and y of each motor, by the geometry in the log, else by the airframe."""
+    positions = _geometry(log)
+    if positions is None:
+        return places_of(_airframe(log))
+    return tuple(((x > 0) - (x < 0), (y > 0) - (y < 0)) for x, y, _ in positions)
+
+
 def order(log: Log) -> str:
     """Return how the motors are counted: by the geometry in the log, else by the airframe."""
-    places = [[number(log, f"CA_ROTOR{rotor}_P{axis}") or 0.0 for axis in "XYZ"] for rotor in _ROTORS]
-    moments = [number(log, f"CA_ROTOR{rotor}_KM") for rotor in _ROTORS]
-    flat = [abs(value) for place in places for value in place[:2]]
-    if all(moments) and any(flat) and set(flat) != {1.0}:  # 1 stands for a square of any size
-        positions = [[x, -y + 0.0, -z + 0.0] for x, y, z in places]
-        return geometry_note(positions, [-1 if (moment or 0) > 0 else 1 for moment in moments])
-    airframe = number(log, "SYS_AUTOSTART") or 0
-    return order_note(PLUS if 5000 <= airframe < 6000 else X)
+    positions = _geometry(log)
+    if positions is None:
+        return order_note(_airframe(log))
+    return geometry_note(positions, [-1 if moment > 0 else 1 for moment in _moments(log)])
+
+
+def _geometry(log: Log) -> list[list[float]] | None:
+    """Return the positions of the rotors, body frame, m; None where the log does not say them."""
+    found = [[number(log, f"CA_ROTOR{rotor}_P{axis}") or 0.0 for axis in "XYZ"] for rotor in _ROTORS]
+    flat = [abs(value) for place in found for value in place[:2]]
+    if not all(_moments(log)) or not any(flat) or set(flat) == {1.0}:  # 1 stands for a square of any size
+        return None
+    return [[x, -y + 0.0, -z + 0.0] for x, y, z in found]
+
+
+def _moments(log: Log) -> list[float]:
+    return [number(log, f"CA_ROTOR{rotor}_KM") or 0.0 for rotor in _ROTORS]
+
+
+def _airframe(log: Log) -> Sequence[Rotor]:
+    return PLUS if 5000 <= (number(log, "SYS_AUTOSTART") or 0) < 6000 else X

@@ -152,6 +152,20 @@ def test_slow_pulses_are_computed_of_what_the_mixer_was_given(tmp_path: Path) ->
         np.testing.assert_allclose(frame[f"motor_command_{rotor}"], command, atol=2e-3)
 
 
+@pytest.mark.parametrize("factor", [1.0, 100.0])
+def test_old_firmware_tells_rates_in_hundredths_of_a_degree(tmp_path: Path, factor: float) -> None:
+    messages = flown(ESC=None, **controlled())
+    letters, rate = messages["RATE"]
+    asked = {
+        name: factor * np.degrees(3.0 * vehicle.ned(f"body_rate_{axis}"))
+        for name, axis in zip(("RDes", "PDes", "YDes"), "xyz", strict=True)
+    }
+    asked["RDes"][len(asked["RDes"]) // 2] = factor * 300.0
+    path = written(tmp_path, messages | {"RATE": (f"{letters}fff", rate | asked)})
+    found = open_recording(path, "quadrotor").frame["body_rate_command_y"]
+    np.testing.assert_allclose(found, 3.0 * vehicle.flight()["body_rate_y"], atol=1e-4)
+
+
 def test_pulses_that_the_mixer_does_not_explain_are_not_computed(tmp_path: Path) -> None:
     found = proposed(written(tmp_path, flown(ESC=None, **controlled(unmixed=50.0))))
     assert "RCOU at 20 Hz" in found.refusal

@@ -235,7 +235,7 @@ def test_without_a_unit_a_person_is_asked(tmp_path: Path, monkeypatch: pytest.Mo
     path = _sysid(("arm",), ("", "")).write(tmp_path / "a.wpilog")
     with pytest.raises(InputError, match="the log says no unit") as refused:
         open_recording(path, "joint")
-    assert "mapping=a.mapping.yaml" in str(refused.value)
+    assert "mapping=a.wpilog.mapping.yaml" in str(refused.value)
 
 
 def test_one_axis_of_many_is_proposed_but_not_taken(tmp_path: Path) -> None:
@@ -316,7 +316,7 @@ def test_a_sysid_file_with_two_readings_asks_and_takes_the_answer(
     path = _sysid_file(tmp_path / "data.json", 1.0)
     with pytest.raises(InputError, match=r"rotations \(1.2 m/s at 12 V\) or meters \(4 m/s at 12 V\)"):
         open_recording(path, "joint")
-    written = tmp_path / "data.mapping.yaml"
+    written = tmp_path / "data.json.mapping.yaml"
     assert "For rotations (1.2 m/s at 12 V): scale 0.3 of position" in written.read_text()
     recording = open_recording(path, "joint", written)
     assert recording.runs == [
