@@ -51,5 +51,6 @@ def gains_line(found: "Identified") -> str:
     said = [
         f"{name} {with_unit(estimate(gain.value, gain.standard_error), gain.unit)}"
         for name, gain in gains.items()
+        if gain.value is not None
     ]
     return f"feedforward gains of the motor: {', '.join(said)}"

@@ -1,4 +1,6 @@
-"""The DC motor's feedforward V = kS·sign(v) + kV·v + kA·dv/dt from voltage and speed.
+"""The DC motor's feedforward V = kS·sign(v) + kV·v + kA·dv/dt from voltage and speed, with the loads of a joint.
+
+Gravity adds kG·sin(position), a spring kSpring·position, where the platform file tells of them.
 
 The constants come from the law itself in weak form: averaged over windows with the acceleration integrated by
 parts, so that neither noise nor an uneven clock is differentiated. Beside them a ridge regression predicts
@@ -52,7 +54,7 @@ def identify_feedforward(
     threshold = settings.motion_threshold * max(np.percentile(np.abs(v), 99) for v in motor.velocity)
     numbers = motor.blocks(settings.block_duration)
     balance = _voltage_balance(motor, numbers, threshold, settings.window)
-    units = {"kS": "V", "kV": f"V/({motor.speed_unit})", "kA": f"V/({motor.speed_unit}²)"}
+    units = _units(motor)
     if not is_determined(balance.regressors):
         note = f"{WITHHELD}the motion does not excite all parameters"
         unknown = {
@@ -62,14 +64,31 @@ def identify_feedforward(
     fit = fit_table(balance)
     errors = jackknife_error(fit.left_out)
     following = _next_speed(motor, numbers, threshold)
-    one_step = constants_of(fit_table(following, settings.ridge).coefficients, motor.time_step)
+    one_step = constants_of(fit_table(following, settings.ridge).coefficients[:4], motor.time_step)
+    checks = [*one_step, *[np.nan] * len(motor.loads)]
     parameters = {
-        name: Parameter(float(value), unit, float(error), nominal.get(name), _note(check))
+        name: _parameter(name, float(value), float(error), unit, nominal.get(name), float(check))
         for (name, unit), value, error, check in zip(
-            units.items(), fit.coefficients, errors, one_step, strict=True
+            units.items(), fit.coefficients, errors, checks, strict=True
         )
     }
     return Feedforward(parameters, _scores(following, settings.ridge, seed))
+
+
+def _units(motor: MotorSamples) -> dict[str, str]:
+    units = {"kS": "V", "kV": f"V/({motor.speed_unit})", "kA": f"V/({motor.speed_unit}²)"}
+    length = motor.speed_unit.removesuffix("/s")
+    return units | {name: f"V/{length}" if name == "kSpring" else "V" for name in motor.loads}
+
+
+def _parameter(
+    name: str, value: float, error: float, unit: str, nominal: float | None, check: float
+) -> Parameter:
+    """Return a gain; no motor has a negative kV or kA, so that such a one is not told by the recording."""
+    if name in ("kV", "kA") and value <= 0.0:
+        note = f"{WITHHELD}it comes out as {value:.3g}; drive harder, with longer steps and fewer reversals"
+        return Parameter(None, unit, nominal=nominal, note=note)
+    return Parameter(value, unit, error, nominal, _note(check))
 
 
 def constants_of(coefficients: np.ndarray, time_step: float) -> np.ndarray:
@@ -92,31 +111,36 @@ def constants_of(coefficients: np.ndarray, time_step: float) -> np.ndarray:
 def _voltage_balance(
     motor: MotorSamples, numbers: list[np.ndarray], threshold: float, window: float
 ) -> Table:
-    """Return the law in weak form: means of sign(v), v, dv/dt against those of V, over moving windows."""
+    """Return the law in weak form: means of sign(v), v, dv/dt and loads against those of V, over moving windows."""
     function = moving_window(window, motor.time_step)
     pieces = []
-    for voltage, velocity, number in zip(motor.voltage, motor.velocity, numbers, strict=True):
+    for voltage, velocity, number, *loads in zip(
+        motor.voltage, motor.velocity, numbers, *motor.loads.values(), strict=True
+    ):
         # Held from its sample to the next: around a sample acts the mean of this voltage and the one before.
         held = 0.5 * (voltage + np.concatenate([voltage[:1], voltage[:-1]]))
         in_motion = np.abs(velocity) > threshold
-        series = torch.from_numpy(np.stack([np.sign(velocity), velocity, held, in_motion]))
-        sign, speed, target, share = moving_mean_of(function, series).numpy()
+        series = torch.from_numpy(np.stack([np.sign(velocity), velocity, held, in_motion, *loads]))
+        sign, speed, target, share, *taken = moving_mean_of(function, series).numpy()
         acceleration = moving_mean_rate_of(function, series[1]).numpy()
         moving = share > 1.0 - 1e-9
         centres = moving_centres(function, len(number)).numpy()
-        regressors = np.column_stack([sign, speed, acceleration])
+        regressors = np.column_stack([sign, speed, acceleration, *taken])
         pieces.append((regressors[moving], target[moving], number[centres][moving]))
     return join(pieces)
 
 
 def _next_speed(motor: MotorSamples, numbers: list[np.ndarray], threshold: float) -> Table:
-    """Return sign(v), V, v and a against the next speed, at every sample in motion."""
+    """Return sign(v), V, v, a and loads against the next speed, at every sample in motion."""
     pieces = []
-    for voltage, velocity, number in zip(motor.voltage, motor.velocity, numbers, strict=True):
+    for voltage, velocity, number, *loads in zip(
+        motor.voltage, motor.velocity, numbers, *motor.loads.values(), strict=True
+    ):
         now = velocity[1:-1]
         backward = np.diff(velocity)[:-1] / motor.time_step
         moving = np.abs(now) > threshold
-        table = np.column_stack([np.sign(now), voltage[1:-1], now, backward])
+        taken = [load[1:-1] for load in loads]
+        table = np.column_stack([np.sign(now), voltage[1:-1], now, backward, *taken])
         pieces.append((table[moving], velocity[2:][moving], number[1:-1][moving]))
     return join(pieces)
 

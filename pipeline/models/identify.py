@@ -58,7 +58,7 @@ def identify(
         return Identified(warnings=("no voltage was recorded: there is no motor to identify",))
     motors: dict[str, Feedforward] = {
         name: identify_feedforward(samples, settings, nominal_feedforward(platform, name), seed)
-        for name, samples in motors_of(recording, runs, settings.motors)
+        for name, samples in motors_of(recording, runs, settings.motors, platform)
     }
     named = [(f"{key} of {name}", p) for name, motor in motors.items() for key, p in motor.parameters.items()]
     parameters: dict[str, Any] = {name: motor.parameters for name, motor in motors.items()}

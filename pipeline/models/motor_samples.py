@@ -1,13 +1,14 @@
 """Voltage and speed of a single motor, from a recording of any kind."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 
 import numpy as np
 
 from simgap.errors import InputError
 from simgap.models.segments import segments
+from simgap.platforms import Joint, Platform
 from simgap.recordings.recording import Recording
 
 FEWEST_BLOCKS = 10
@@ -22,12 +23,15 @@ class MotorSamples:
         velocity: per segment (samples,), in `speed_unit`.
         time_step: s.
         speed_unit: rad/s or m/s.
+        loads: by the name of its gain, what a load that the platform tells of takes in proportion to, per segment
+            (samples,): of kG the sine of the angle from hanging down, of kSpring the position.
     """
 
     voltage: list[np.ndarray]
     velocity: list[np.ndarray]
     time_step: float
     speed_unit: str
+    loads: Mapping[str, list[np.ndarray]] = field(default_factory=dict)
 
     def blocks(self, duration: float) -> list[np.ndarray]:
         """Number the samples by blocks of so many seconds, at least ten in all; none spans two segments."""
@@ -60,7 +64,10 @@ def _one_step_error(motor: MotorSamples) -> float:
 
 
 def motors_of(
-    recording: Recording, runs: Sequence[str], patterns: Mapping[str, Sequence[str]]
+    recording: Recording,
+    runs: Sequence[str],
+    patterns: Mapping[str, Sequence[str]],
+    platform: Platform | None = None,
 ) -> Iterator[tuple[str, MotorSamples]]:
     """Yield the motors of a joint or swerve recording by name.
 
@@ -68,6 +75,7 @@ def motors_of(
         recording: cleaned, with voltages.
         runs: to take samples from.
         patterns: motor to patterns of the runs that it made, where the runs of a joint are of several motors.
+        platform: what is known before; gravity and a spring of a joint are loads of its motor.
 
     Raises:
         InputError: when the patterns leave out a run, or take none.
@@ -79,7 +87,17 @@ def motors_of(
                 yield f"{group}_{number}", _samples(recording, runs, columns)
         return
     for motor, chosen in _runs_by_motor(runs, patterns).items():
-        yield motor, _samples(recording, chosen, ("voltage", "velocity"))
+        samples = _samples(recording, chosen, ("voltage", "velocity", "position"))
+        yield motor, replace(samples, loads=_loads(samples.loads["position"], platform))
+
+
+def _loads(position: list[np.ndarray], platform: Platform | None) -> dict[str, list[np.ndarray]]:
+    loads = {}
+    if isinstance(platform, Joint) and platform.gravity_torque != 0.0:
+        loads["kG"] = [np.sin(angle) for angle in position]
+    if isinstance(platform, Joint) and platform.stiffness != 0.0:
+        loads["kSpring"] = position
+    return loads
 
 
 def _runs_by_motor(runs: Sequence[str], patterns: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
@@ -98,7 +116,8 @@ def _runs_by_motor(runs: Sequence[str], patterns: Mapping[str, Sequence[str]]) -
     return chosen
 
 
-def _samples(recording: Recording, runs: Sequence[str], columns: tuple[str, str]) -> MotorSamples:
+def _samples(recording: Recording, runs: Sequence[str], columns: tuple[str, ...]) -> MotorSamples:
+    """Return the samples of a voltage and a velocity; further columns are put among the loads."""
     pieces = [segment.columns(columns) for segment in segments(recording, runs)]
     pieces = [piece for piece in pieces if len(piece) > 2]
     if not pieces:
@@ -108,4 +127,5 @@ def _samples(recording: Recording, runs: Sequence[str], columns: tuple[str, str]
         velocity=[piece[:, 1] for piece in pieces],
         time_step=recording.time_step,
         speed_unit=recording.units[columns[1]],
+        loads={name: [piece[:, place] for piece in pieces] for place, name in enumerate(columns[2:], 2)},
     )

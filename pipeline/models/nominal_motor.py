@@ -4,7 +4,7 @@ from simgap.platforms import Joint, Platform, Swerve
 
 
 def nominal_feedforward(platform: Platform, motor: str) -> dict[str, float]:
-    """Return kS, kV and kA of a motor, in the units of its recorded speed; empty where no motor is described.
+    """Return kS, kV, kA and the gains of a joint's loads, by its recorded speed; empty where no motor is described.
 
     From V = R·i + k·N·v and J·dv/dt = N·k·i: kV = k·N, kA = R·J/(N·k). Data sheets know no friction: kS = 0.
 
@@ -14,7 +14,9 @@ def nominal_feedforward(platform: Platform, motor: str) -> dict[str, float]:
     """
     if isinstance(platform, Joint) and platform.motor is not None:
         gain = platform.motor.torque_constant * platform.motor.gear_ratio
-        return _constants(gain, platform.motor.resistance * platform.inertia / gain)
+        per_torque = platform.motor.resistance / gain
+        loads = {"kG": platform.gravity_torque * per_torque, "kSpring": platform.stiffness * per_torque}
+        return _constants(gain, platform.inertia * per_torque) | loads
     if isinstance(platform, Swerve):
         axis = platform.drive if motor.startswith("drive") else platform.steer
         speed, torque = axis.motor.back_emf_constant, axis.motor.torque_constant

@@ -7,6 +7,7 @@ from simgap.errors import InputError
 from simgap.models.feedforward import constants_of, identify_feedforward
 from simgap.models.motor_samples import MotorSamples, motors_of
 from simgap.models.settings import SystemIdentification
+from simgap.platforms import Joint
 from simgap.recordings.cleaning import clean_recording
 from simgap.recordings.dataset import Dataset
 from simgap.recordings.importers import importer
@@ -61,6 +62,33 @@ def test_standard_errors_cover_the_truth_under_a_disturbance_that_lasts():
         found = identified(characterisation(seed, time_step=0.02, disturbance=0.05)).parameters
         inside += [abs(p.value - MOTOR[n]) < 2 * p.standard_error for n, p in found.items()]
     assert np.mean(inside) > 0.88
+
+
+def test_gravity_and_a_spring_that_the_platform_tells_of_are_gains_of_their_own():
+    recorded, loads = characterisation(0), {"kG": 0.8, "kSpring": 0.3}
+    frame = recorded.frame.copy()
+    ahead = frame.groupby("run")["position"].shift(-1).fillna(frame["position"])
+    middle = 0.5 * (frame["position"] + ahead)
+    frame["voltage"] += loads["kG"] * np.sin(middle) + loads["kSpring"] * middle
+    arm = replace(recorded, frame=frame)
+    platform = Joint(inertia=1.0, gravity_torque=2.0, stiffness=1.0)
+    (_, motor), *_ = motors_of(arm, arm.runs, {}, platform)
+    found = identify_feedforward(motor, SystemIdentification(), {}).parameters
+    for name, value in (MOTOR | loads).items():
+        assert found[name].value == pytest.approx(value, rel=0.01), name
+    assert found["kG"].unit == "V"
+    blind = identified(arm).parameters
+    assert set(blind) == set(NAMES)
+    assert blind["kS"].value != pytest.approx(MOTOR["kS"], rel=0.1)
+
+
+def test_a_negative_gain_is_not_told():
+    rng = np.random.default_rng(0)
+    velocity = np.cumsum(rng.normal(size=4000)) * 0.01
+    backwards = MotorSamples([-velocity], [velocity], 0.01, "rad/s")
+    found = identify_feedforward(backwards, SystemIdentification(), {}).parameters
+    assert found["kV"].value is None
+    assert "not observable: it comes out as -1" in found["kV"].note
 
 
 def test_a_motor_that_stands_still_is_not_invented():
