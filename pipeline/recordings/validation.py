@@ -243,10 +243,14 @@ def _without_empty(frame: pd.DataFrame, kind: str, where: str) -> tuple[pd.DataF
     present = [column for column in frame.columns if column not in empty]
     checked = [*required_channels(kind, present), *(column for group in usable for column in group)]
     checked = [column for column in checked if frame[column].isna().any()]
+    lacking: dict[str, list[str]] = {}
     for run, samples in by_run(frame) if checked else ():
-        lacking = [column for column in checked if samples[column].isna().all()]
-        if lacking:
-            remarks.append(f"Run {run!r} has no values in {', '.join(lacking)}.")
+        names = ", ".join(column for column in checked if samples[column].isna().all())
+        if names:
+            lacking.setdefault(names, []).append(run)
+    for names, runs in lacking.items():
+        said = f"Run {runs[0]!r} has" if len(runs) == 1 else f"{len(runs)} runs, from {runs[0]!r} on, have"
+        remarks.append(f"{said} no values in {names}.")
     return frame.drop(columns=empty), remarks
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from simgap.logs.common_times import values_at
 from simgap.logs.guessing.motion import moves, range_of, wrap_of
 from simgap.logs.guessing.parts import Named, Part, choices
 from simgap.logs.guessing.words import said_by
@@ -14,6 +15,7 @@ from simgap.recordings.units import conversion
 
 _SUPPLY = (3.0, 60.0)  # V: from one lithium cell to the limit of protective low voltage
 _STEADY = 0.3  # of its mean; a supply sags by less, a driving voltage goes through zero
+_FOLLOWED = 0.5  # of a position's variance, which its target explains at least
 _FULL_DUTY = (1.0, 100.0)  # of what is a share, and what is in percent
 _RATED = 0.92  # a torque named in the notation of robotics libraries, which use SI units
 _RAW_CURRENT = ("units", "counts", "raw", "ticks", "lsb")
@@ -174,14 +176,30 @@ def _duty(signal: Signal, named: Named, supply: Proposed) -> Proposed | None:
 
 
 def _target(signal: Signal, named: Named, unit: str, position: Signal) -> Proposed | None:
-    """Propose a commanded position where it has the range of the measured one."""
+    """Propose a commanded position where it has the range of the measured one, which follows it."""
     span, own = range_of(signal), range_of(position)
     if span <= 0.0 or own <= 0.0:
         return None
     declared = conversion(signal.unit) if signal.unit else None
-    same = 0.3 < span / own < 3.0
-    why = f"a target with {span / own:.2g} times the range of the position"
+    followed = _correlation(position, signal)
+    is_followed = followed**2 > _FOLLOWED
+    same = 0.3 < span / own < 3.0 and is_followed
+    answer = "follows" if is_followed else "hardly follows"
+    why = (
+        f"a target with {span / own:.2g} times the range of the position, which {answer} it "
+        f"(correlation {followed:.2f})"
+    )
     return Proposed(Source(signal.name, signal.unit if declared else unit), 0.93 if same else 0.5, why)
+
+
+def _correlation(position: Signal, target: Signal) -> float:
+    """Return the correlation of a position with a target that is held; 0 where either never changes."""
+    told = values_at(target, position.time, held=True)
+    known = np.isfinite(told) & np.isfinite(position.values)
+    sides = np.stack([told[known], position.values[known]])
+    if sides.shape[1] < 2 or not np.ptp(sides, axis=1).all():
+        return 0.0
+    return float(np.corrcoef(sides)[0, 1])
 
 
 def _beside(log: Log, named: list[Named], part: Part, supply: Proposed | None) -> dict[str, Proposed]:

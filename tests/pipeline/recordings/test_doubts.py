@@ -84,3 +84,8 @@ def test_a_run_without_values_of_a_required_channel(doubted):
         return frame
 
     assert "Run 'run1' has no values in velocity." in doubted(change, runs=3)
+
+    def change_two(frame):
+        return frame.assign(velocity=frame["velocity"].where(frame["run"] == "run0"))
+
+    assert "2 runs, from 'run1' on, have no values in velocity." in doubted(change_two, runs=3)

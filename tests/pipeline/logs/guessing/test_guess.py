@@ -145,6 +145,17 @@ def test_a_raw_current_and_a_target_are_no_effort(moving: dict) -> None:
     assert "log what the controller gives" in proposed(frame).missing["effort"]
 
 
+@pytest.mark.parametrize("follows", [True, False])
+def test_a_target_is_one_that_the_position_follows(moving: dict, follows: bool) -> None:
+    late = np.concatenate([moving["p"][3:], moving["p"][-3:]])
+    target = late if follows else np.random.default_rng(0).permutation(late)
+    frame = pd.DataFrame(
+        {"t": moving["t"], "pos_rad": moving["p"], "vel_rad_s": moving["v"], "goal_pos_rad": target}
+    )
+    found = proposed(frame).columns["position_command"]
+    assert (found.confidence >= SURE) == follows, found.reason
+
+
 def test_a_torque_of_sixteen_bits_without_sign_is_not_believed(moving: dict) -> None:
     load = np.round(300 * moving["e"]) % 65536
     frame = pd.DataFrame({"t": moving["t"], "pos_rad": moving["p"], "vel_rad_s": moving["v"], "load": load})
