@@ -139,7 +139,7 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
     unit = source.unit or signal.unit
     if unit is not None:
         needed = f"{expected}/s" if source.integrate else expected
-        factor, added = factor_and_offset(unit, needed, f"{log.path}, column {column!r}")
+        factor, added = _conversion(source, unit, needed, f"{log.path}, column {column!r}")
         values *= factor
         values += added
     if source.root:
@@ -151,6 +151,15 @@ def _converted(log: Log, source: Source, expected: str, column: str) -> Signal:
         values[known] = np.unwrap(values[known])  # between π and −π lies no angle to interpolate
     held = signal.held if source.held is None else source.held
     return in_order(replace(signal, values=values, unit=expected, held=held))
+
+
+def _conversion(source: Source, unit: str, needed: str, where: str) -> tuple[float, float]:
+    """Return factor and offset of a unit; of one that only the log says, an error tells how to overrule it."""
+    found = conversion(unit)
+    if source.unit is None and (found is None or found[0] != needed):
+        remedy = f"say unit: in its line of the mapping, for the value with its scale: one of {needed}"
+        raise InputError(f"{source.signal!r} is in {unit!r}, which is no unit of {needed}", where, remedy)
+    return factor_and_offset(unit, needed, where)
 
 
 def _integral(time: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:

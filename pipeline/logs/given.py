@@ -1,9 +1,11 @@
 """A mapping that a person gives, shown as a proposal is: what it names, and what the kind still lacks."""
 
+import yaml
+
 from simgap.errors import InputError
 from simgap.logs.apply import signal_of
 from simgap.logs.log import Log
-from simgap.logs.mapping import Mapping, Source
+from simgap.logs.mapping import Mapping, Source, source_to_config
 from simgap.logs.proposal import Proposal, Proposed, propose
 
 
@@ -33,5 +35,7 @@ def _said(log: Log, source: Source, name: str) -> Proposed:
 
 
 def _candidate(found: Proposed) -> str:
-    unit = f", unit: {found.source.unit}" if found.source.unit else ""
-    return f"It may be {{from: {found.source.signal}{unit}}}: {found.reason} ({found.confidence:.2f})."
+    source = yaml.safe_dump(
+        source_to_config(found.source), default_flow_style=True, width=10_000, sort_keys=False
+    )
+    return f"It may be {source.strip()}: {found.reason} ({found.confidence:.2f})."

@@ -196,10 +196,11 @@ def _correlation(position: Signal, target: Signal) -> float:
     """Return the correlation of a position with a target that is held; 0 where either never changes."""
     told = values_at(target, position.time, held=True)
     known = np.isfinite(told) & np.isfinite(position.values)
-    sides = np.stack([told[known], position.values[known]])
-    if sides.shape[1] < 2 or not np.ptp(sides, axis=1).all():
+    if not known.any():
         return 0.0
-    return float(np.corrcoef(sides)[0, 1])
+    first, second = (values[known] - np.mean(values[known]) for values in (told, position.values))
+    size = float(np.sqrt((first @ first) * (second @ second)))
+    return float(first @ second) / size if size > 0.0 else 0.0
 
 
 def _beside(log: Log, named: list[Named], part: Part, supply: Proposed | None) -> dict[str, Proposed]:

@@ -138,10 +138,24 @@ def _strength(log: Log, time: np.ndarray, commands: np.ndarray, flights: tuple[S
         return
     strength = full_thrust(time, _STANDARD_GRAVITY * force.values, commands, flights)
     if strength is not None and strength > 0.0:
+        volts = _mean_voltage(log, time, flights)
         yield (
-            f"thrust_coefficient · motor_speed_max² / mass is near {strength:.3g} m/s² in these flights: choose the "
-            "three numbers of the platform file so, if you do not know them better."
+            f"thrust_coefficient · motor_speed_max² / mass is near {strength:.3g} m/s² in these flights"
+            f"{f', at {volts:.3g} V on average' if volts else ''}: choose the three numbers of the platform file so"
+            f"{', and nominal_voltage' if volts else ''}, if you do not know them better."
         )
+
+
+def _mean_voltage(log: Log, time: np.ndarray, flights: tuple[Span, ...]) -> float | None:
+    """Return the mean voltage of the battery in the flights; None where it was not logged at these times."""
+    battery = _battery(log).get("battery_voltage")
+    values = log.signals[battery.source.signal].values if battery else time[:0]
+    if len(values) != len(time):
+        return None
+    flown = np.zeros(len(time), dtype=bool)
+    for flight in flights:
+        flown |= (time >= flight.begin) & (time <= flight.end)
+    return float(values[flown].mean())
 
 
 def _unit(log: Log, name: str, usual: str) -> str:
