@@ -1,6 +1,7 @@
 """From the path of a log of any format to a recording: by the mapping that a person gives, or by a proposed one."""
 
 from collections.abc import Mapping as AbstractMapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -53,12 +54,15 @@ def open_recording(
     if found is not None:
         return found
     log = read_log(path)
-    proposal = by_place(propose(log, kind), platform)
+    plain = propose(log, kind)
+    proposal = by_place(plain, platform)
     _require(log, proposal, path)
     columns = converted(log, proposal.mapping(), platform)
     del log
     pa.default_memory_pool().release_unused()
-    return at_common_times(columns)
+    recording = at_common_times(columns)
+    said = proposal.notes[len(plain.notes) :]
+    return replace(recording, warnings=(*recording.warnings, *said))
 
 
 def mapping_for(path: Path, mapping: Path, kind: str | None = None) -> Mapping:

@@ -64,7 +64,11 @@ def test_motors_are_taken_by_their_places(tmp_path: Path) -> None:
     """The racer counts its rotors otherwise than PX4: the same flight has the columns of the racer."""
     path = written(tmp_path, flown())
     own = open_recording(path, "quadrotor").frame
-    frame = open_recording(path, "quadrotor", platform=RACER).frame
+    recording = open_recording(path, "quadrotor", platform=RACER)
+    assert "rotors 1 to 4 of the platform file are motors 1, 4, 2 and 3 of the log" in " ".join(
+        recording.warnings
+    )
+    frame = recording.frame
     for number, mine in enumerate(vehicle.ORDER, 1):
         np.testing.assert_array_equal(frame[f"motor_command_{mine}"], own[f"motor_command_{number}"])
 
