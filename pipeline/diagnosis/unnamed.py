@@ -10,6 +10,7 @@ from torch import Tensor
 
 from simgap.diagnosis.regimes import Regime
 from simgap.equations.problem import Problem
+from simgap.gap.likelihood import INEXACT
 from simgap.physics.weak_form import mean_of
 from simgap.platforms.mechanism import Channel
 
@@ -18,7 +19,6 @@ _HARMONICS = 12  # of one turn of a joint
 _FORMULA_LEVEL = 1e-3  # level of the test, over the whole library
 _LEAST_ENERGY = 0.2  # of the noise energy, which a formula must explain
 _LEAST_STEP = 0.02  # of the remaining energy, cross-validated, which one more term must explain
-_INEXACT = 0.05  # of what terms explain: no law is exact to better than a twentieth, as in the likelihood
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def _pursue(left: Tensor, terms: list[_Term], fold: Tensor, cluster: Tensor) -> 
         tried = [*chosen, int(correlation.argmax())]
         after = _cross_validated_energy(matrix[:, tried], left, fold)
         chance = _chance_of_last(matrix[:, tried], left, cluster) * len(terms)
-        least = max(_LEAST_STEP * energy, _INEXACT**2 * (start - energy))
+        least = max(_LEAST_STEP * energy, INEXACT**2 * (start - energy))
         if energy - after < least or chance > _FORMULA_LEVEL:
             break
         chosen, energy = tried, after

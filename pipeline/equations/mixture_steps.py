@@ -4,6 +4,7 @@ The likelihoods are those of `simgap.equations.temper`.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -15,6 +16,31 @@ _MOST = 700.0
 """Of a logarithm of odds, beyond which its exponential overflows."""
 _LEAST = 1e-300
 """Of a sum: where no block holds a discrepancy, there is nothing to divide by."""
+
+
+class _Rows(NamedTuple):
+    """The blocks of one channel, over their noise.
+
+    Attributes:
+        seen: mean square of what is found of a sample of a discrepancy, (blocks,).
+        noise: what noise alone makes of it, (blocks,).
+        repeats: rows of a sample over the mean square of the noise, (blocks,).
+        alone: log likelihood of noise alone, (blocks,).
+    """
+
+    seen: Array
+    noise: Array
+    repeats: Array
+    alone: Array
+
+
+class _Law(NamedTuple):
+    """What is assumed of a discrepancy: share of blocks, samples in each of them, its tail and what that costs."""
+
+    share: float
+    samples: float
+    tail: float
+    spread: float
 
 
 @njit(cache=True)
@@ -55,79 +81,59 @@ def likeliest(
         alone = chance[group] - 0.5 * independent[group] * (left[group] / noise[group] - 1.0)
         start, best, chosen = math.exp(np.log(left[group]).mean()), -math.inf, 0
         for each in range(len(shares)):
-            rows = _samples_of(left[group], noise[group], independent[group], alone, samples[each])
-            size = _settled(rows, shares[each], start, samples[each], tail, spread, first)
-            value = _value(rows, shares[each], size, samples[each], tail, spread) - costs[each]
+            law = _Law(shares[each], samples[each], tail, spread)
+            rows = _rows_of(left[group], noise[group], independent[group], alone, law.samples)
+            size = _settled(rows, law, start, first)
+            value = _value(rows, law, size) - costs[each]
             if value > best:
                 best, chosen, usual[group] = value, each, size
         share[group] = shares[chosen]
-        rows = _samples_of(left[group], noise[group], independent[group], alone, samples[chosen])
-        usual[group] = _settled(rows, share[group], usual[group], samples[chosen], tail, spread, last)
+        law = _Law(shares[chosen], samples[chosen], tail, spread)
+        rows = _rows_of(left[group], noise[group], independent[group], alone, law.samples)
+        usual[group] = _settled(rows, law, usual[group], last)
     return share, usual
 
 
 @njit(cache=True)
-def _samples_of(
-    left: Array, noise: Array, independent: Array, alone: Array, samples: float
-) -> tuple[Array, Array, Array, Array]:
-    """Return what is found of a sample, what noise alone makes of it, and its rows, over the noise; and `alone`."""
+def _rows_of(left: Array, noise: Array, independent: Array, alone: Array, samples: float) -> _Rows:
+    """Return the blocks of a channel with so many samples of a discrepancy in each block that holds one."""
     repeats = independent / samples
-    return (
-        1.0 + repeats * (left / noise - 1.0),
-        1.0 + repeats * np.sqrt(2.0 / independent),
-        repeats / noise,
-        alone,
-    )
+    seen = 1.0 + repeats * (left / noise - 1.0)
+    return _Rows(seen, 1.0 + repeats * np.sqrt(2.0 / independent), repeats / noise, alone)
 
 
 @njit(cache=True)
-def _settled(
-    rows: tuple[Array, Array, Array, Array],
-    share: float,
-    usual: float,
-    samples: float,
-    tail: float,
-    spread: float,
-    times: int,
-) -> float:
+def _settled(rows: _Rows, law: _Law, usual: float, times: int) -> float:
     """Return the usual mean square after some iterations of its fixed point (Kent, Tyler & Vardi 1994)."""
-    seen, noise, repeats, sound = rows
-    odds = math.log(share / (1.0 - share))
+    odds = math.log(law.share / (1.0 - law.share))
     for _ in range(times):
         found, counted = _LEAST, _LEAST
-        for block in range(len(seen)):
-            expected = noise[block] + repeats[block] * usual
-            against = sound[block] - _beside(seen[block], expected, samples, tail, spread) - odds
-            there = repeats[block] / (1.0 + math.exp(min(against, _MOST))) / (tail * expected + seen[block])
-            found += there * seen[block] / expected
+        for block in range(len(rows.seen)):
+            seen, repeats = rows.seen[block], rows.repeats[block]
+            expected = rows.noise[block] + repeats * usual
+            against = rows.alone[block] - _beside(seen, expected, law) - odds
+            there = repeats / (1.0 + math.exp(min(against, _MOST))) / (law.tail * expected + seen)
+            found += there * seen / expected
             counted += there
         usual *= found / counted
     return usual
 
 
 @njit(cache=True)
-def _value(
-    rows: tuple[Array, Array, Array, Array],
-    share: float,
-    usual: float,
-    samples: float,
-    tail: float,
-    spread: float,
-) -> float:
+def _value(rows: _Rows, law: _Law, usual: float) -> float:
     """Return the log likelihood of all blocks."""
-    seen, noise, repeats, sound = rows
     total = 0.0
-    for block in range(len(seen)):
-        expected = noise[block] + repeats[block] * usual
-        spoilt = math.log(share) + _beside(seen[block], expected, samples, tail, spread)
-        alone = math.log(1.0 - share) + sound[block]
+    for block in range(len(rows.seen)):
+        expected = rows.noise[block] + rows.repeats[block] * usual
+        spoilt = math.log(law.share) + _beside(rows.seen[block], expected, law)
+        alone = math.log(1.0 - law.share) + rows.alone[block]
         greater = max(spoilt, alone)
         total += greater + math.log1p(math.exp(min(spoilt, alone) - greater))
     return total
 
 
 @njit(cache=True)
-def _beside(seen: float, expected: float, samples: float, tail: float, spread: float) -> float:
+def _beside(seen: float, expected: float, law: _Law) -> float:
     """Return the log likelihood of a block with a discrepancy, of an expected mean square with the noise."""
-    above = math.log1p((seen / expected - 1.0) / (tail + 1.0))
-    return -0.5 * samples * (math.log(expected) + (tail + 1.0) * above + spread)
+    above = math.log1p((seen / expected - 1.0) / (law.tail + 1.0))
+    return -0.5 * law.samples * (math.log(expected) + (law.tail + 1.0) * above + law.spread)

@@ -119,7 +119,7 @@ class Temper:
         """Return what a row's squared residual counts under a mixture, (blocks, channels); see `weight`."""
         missed = self.missed(mixture, left, noise)
         repeats = self.total / self.samples(mixture.share)
-        seen, expected = self._sample(left, noise, mixture.usual, repeats)  # type: ignore[arg-type]
+        seen, expected = self._sample(left, noise, mixture.usual, repeats)
         lasting = (_TAIL + 1.0) / (_TAIL * expected + seen)
         return self.total * (missed * lasting + (1.0 - missed) / noise) / self.rows
 
@@ -130,15 +130,15 @@ class Temper:
         """
         from simgap.equations.mixture_steps import likeliest  # its import takes longer than all others here
 
-        noise = noise.detach().expand_as(left)
+        noise, shares = noise.detach().expand_as(left), torch.tensor(_SHARES, dtype=torch.float64)
         found = likeliest(
             _by_block(left),
             _by_block(noise),
             _by_block(torch.as_tensor(self.total, dtype=left.dtype).expand_as(left)),
             _by_block(self.by_chance(TOLERATED).to(left.dtype).expand_as(left)),
-            np.array(_SHARES),
-            np.array([self.samples(each) for each in _SHARES]),
-            np.array(_SHARES) / _USUAL_SHARE,
+            shares.numpy(),
+            self.samples(shares).numpy(),
+            (shares / _USUAL_SHARE).numpy(),
             _TAIL,
             _SPREAD,
             _FIXED_POINTS,
@@ -187,14 +187,12 @@ class Temper:
         """Independent samples of the noise in a block."""
         return self.lasting + self.short
 
-    def samples(self, share: float | Tensor) -> float | Tensor:
+    def samples(self, share: Tensor) -> Tensor:
         """Return the independent samples of a discrepancy in each block that holds one, of a share of all blocks.
 
         A discrepancy has as many samples, however few blocks it is in; but hardly more than one in a block.
         """
-        if isinstance(share, Tensor):
-            return (self.lasting / share).clamp_max(_OF_A_BLOCK).clamp_min(self.lasting)
-        return max(self.lasting, min(_OF_A_BLOCK, self.lasting / share))
+        return (self.lasting / share).clamp_max(_OF_A_BLOCK).clamp_min(self.lasting)
 
     def _sample(self, left: Tensor, noise: Tensor, usual: Tensor, repeats: Tensor) -> tuple[Tensor, Tensor]:
         """Return the mean square of what is found of a sample of a discrepancy, and of what is expected, with noise."""
@@ -208,7 +206,7 @@ class Temper:
     def _beside(self, left: Tensor, noise: Tensor, mixture: "Mixture") -> Tensor:
         """Return the log likelihood of each block with a discrepancy beside the noise; see `_alone`."""
         samples = self.samples(mixture.share)
-        seen, expected = self._sample(left, noise, mixture.usual, self.total / samples)  # type: ignore[arg-type]
+        seen, expected = self._sample(left, noise, mixture.usual, self.total / samples)
         tail = torch.log1p((seen / expected - 1.0) / (_TAIL + 1.0))
         return -0.5 * samples * ((expected / noise).log() + (_TAIL + 1.0) * tail + _SPREAD)
 

@@ -22,7 +22,7 @@ from simgap.equations.row_noise import TOLERATED, noise_of_rows
 from simgap.equations.temper import Temper
 from simgap.simulation import Simulator
 
-_INEXACT = 0.05
+INEXACT = 0.05
 """Of what a law explains: textbook laws of friction and drag hold to a twentieth, so that what is left below it is
 evidence for no other one."""
 _KEPT = 8
@@ -88,7 +88,7 @@ class LikelihoodOf:
         because all terms are small there.
         """
         simulator = fitted.simulator
-        noise, silenced = self.noise(simulator)
+        noise, silenced = self.noise(fitted)
         energy, factor = self.energy(simulator), self.problem.factor(simulator)
         if self.problem.gain is None:
             # Rows enlarged by a factor are rows that are measured against so much less energy.
@@ -103,7 +103,7 @@ class LikelihoodOf:
         if self.problem.is_axis:
             explained = torch.minimum(explained, energy)
         silent = silenced / noise
-        noise = noise + _INEXACT**2 * explained
+        noise = noise + INEXACT**2 * explained
         left = torch.maximum(residual.square().mean(1) + silenced, noise)
         mixture = self.temper.mixture(left, noise)
         sound = 1.0 - self.temper.missed(mixture, left, noise)
@@ -124,7 +124,7 @@ class LikelihoodOf:
         left = torch.maximum(self.base.square().mean(1), noise)
         return -0.5 * temper.taken * (left / self.energy(nominal)).log().sum(0)
 
-    def noise(self, simulator: Simulator) -> tuple[Tensor, Tensor]:
+    def noise(self, fitted: Fit) -> tuple[Tensor, Tensor]:
         """Return the mean square of the noise that a simulator passes on, and of what it filters out, (channels,) each.
 
         An effect that filters a noisy input lowers the residual and explains nothing: the noise that it removes is
@@ -132,18 +132,24 @@ class LikelihoodOf:
         noise, so that filters on them remove none. Where an effect takes an input away altogether, its noise goes with
         it.
         """
+        simulator = fitted.simulator
         blocks, functions = self.problem.blocks, self.problem.functions
         bare = simulator.with_effects(tuple(f for f in simulator.effects if not _filters(f.effect)))
         size = self.problem.factor(simulator) ** 2
         nominal = (self.problem.loudness(simulator) * self.problem.noise).square()
         # A simulator whose forces jump looks noisy by itself: the quieter one shows what the sensors' noise can be.
         floor = torch.minimum(size * noise_of_rows(bare, blocks, functions).square(), nominal)
-        noise = TOLERATED * floor.clamp_min(_NOTHING) + self.problem.quadrature.square()
-        if bare == simulator:
-            return noise, torch.zeros_like(floor)
-        heard, whole = self.passed(simulator), self._passed_bare.of(bare.effects, lambda: self.passed(bare))
-        removed = torch.where(whole > 0.0, 1.0 - heard / whole, 0.0)
-        return noise, floor * removed.clamp_min(0.0)
+        removed = torch.zeros_like(floor)
+        if bare != simulator:
+            heard, whole = (
+                self.passed(simulator),
+                self._passed_bare.of(bare.effects, lambda: self.passed(bare)),
+            )
+            removed = torch.where(whole > 0.0, 1.0 - heard / whole, 0.0).clamp_min(0.0)
+        silenced = floor * removed
+        # Rows cannot hold more noise than is left of them.
+        floor = torch.minimum(floor, fitted.residual.square().mean((0, 1)) + silenced)
+        return TOLERATED * floor.clamp_min(_NOTHING) + self.problem.quadrature.square(), silenced
 
     def _enlargement(self, noise: Tensor) -> Tensor:
         """Return the factors of rows at which their noise is that of the nominal simulator, at least 1, (channels,).
@@ -176,7 +182,7 @@ def counted_beside(problem: Problem, base: Tensor) -> Temper:
         base: what the nominal simulator leaves of them, (blocks, rows, channels).
     """
     noise = problem.noise.square().clamp_min(_NOTHING)
-    return problem.temper.beside(noise, _INEXACT**2 * base.square().mean(1))
+    return problem.temper.beside(noise, INEXACT**2 * base.square().mean(1))
 
 
 def _filters(effect: Effect) -> bool:

@@ -11,6 +11,7 @@ from simgap.effects import effect_by_key
 from simgap.equations.fit import Fit, clustered_covariance, fit, jacobian_of
 from simgap.equations.problem import Problem
 from simgap.equations.residuals import channels_on
+from simgap.equations.row_noise import TOLERATED
 from simgap.gap.likelihood import LikelihoodOf
 from simgap.gap.reading import Reading, readings_of
 from simgap.gap.settings import Gap
@@ -168,8 +169,22 @@ def test_a_limit_that_takes_most_of_a_motor_raises_the_noise_with_the_rows():
     likelihood = LikelihoodOf(reading.problem, reading.nominal)
     limited = with_effects(reading.nominal, current_limit={"limit": plant.current_limit})
     assert float(reading.problem.factor(limited)) > 3.0
-    noise = likelihood.noise(limited)[0] / likelihood.noise(reading.nominal)[0]
+    fits = [fitted_as(each, reading.problem) for each in (limited, reading.nominal)]
+    noise = likelihood.noise(fits[0])[0] / likelihood.noise(fits[1])[0]
     assert float(noise.sqrt()) == pytest.approx(float(reading.problem.loudness(limited)), rel=0.3)
+
+
+def test_rows_hold_no_more_noise_than_is_left_of_them():
+    """A law that makes what it predicts jump looks noisy, and would meet blocks by less than the noise for nothing."""
+    reading = read(Plant())
+    likelihood = LikelihoodOf(reading.problem, reading.nominal)
+    found = fitted_as(reading.nominal, reading.problem)
+    quadrature = reading.problem.quadrature.square()
+    for share in (0.1, 10.0):
+        residual = share * reading.problem.noise * torch.randn_like(found.residual)
+        noise = likelihood.noise(replace(found, residual=residual))[0] - quadrature
+        most = torch.minimum(residual.square().mean((0, 1)), reading.problem.noise.square())
+        torch.testing.assert_close(noise, TOLERATED * most)
 
 
 def test_rows_of_a_quadrotor_answer_to_recorded_rotor_speeds():
