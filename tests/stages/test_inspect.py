@@ -183,7 +183,7 @@ def test_what_a_mapping_still_lacks_is_said_for_its_kind(log: Path, capsys) -> N
         in shown
     )
     wrong = shown_with(MAPPING.replace("from: B", "from: BB"), capsys, "--map", "mine.yaml")
-    assert "No diagnosis yet: position is not sure. Correct mine.yaml." in wrong
+    assert "No diagnosis yet: 'position' is not sure.\nCorrect mine.yaml." in wrong
 
 
 def test_a_signal_that_may_be_what_a_mapping_lacks_is_named(log: Path, capsys) -> None:
