@@ -58,7 +58,7 @@ parser, which takes three times as long.
 
 Where importing misses its rate, what is left is the work of a library, or spread over all columns:
 
-- ROS 1 bags and MCAP in JSON lie at the bar: from run to run they are up to a tenth above or below it.
+- MCAP in JSON lies at the bar: from run to run it is up to a tenth above or below it.
 - ROS 2 bags: SQLite finds each message by the index of the times, and copies it, which takes half of the time.
 - Blackbox: the numbers of a frame are as long as they have to be. Decoding them takes a third of the time, a tenth is
   Parquet, and the rest is finding out what the signals are, and resampling to one rate, column by column.
