@@ -17,7 +17,7 @@ from simgap.platforms.motors import NamedMotor, motors
 from simgap.recordings.cleaning.clean import mended
 from simgap.recordings.recording import Recording
 
-_UNUSUAL = math.log(1.25)  # no data sheet's torque constant is off by a quarter
+UNUSUAL = math.log(1.25)  # no data sheet's torque constant is off by a quarter
 _KNOWN = 0.05  # of a platform number: a maker's tolerance, which counts beside the errors of the regression
 _LEAST_EXPLAINED = 0.5  # of what the other terms leave; with less, something else is at work
 _MOST_LEFT = 0.1  # of the voltage's energy
@@ -51,7 +51,7 @@ def _tells(estimate: Estimate) -> bool:
 
 def _said(motor: JointMotor, inertia: Estimate, back_emf: Estimate) -> list[str]:
     causes = _causes(motor, inertia, back_emf)
-    if abs(math.log(back_emf.value)) < _UNUSUAL or not causes:
+    if abs(math.log(back_emf.value)) < UNUSUAL or not causes:
         return []
     return [
         f"the recorded voltage needs {back_emf.value:.3g} times the back-EMF and {inertia.value:.3g} times the inertia "

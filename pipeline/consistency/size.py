@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from simgap.consistency.gearing import UNUSUAL
 from simgap.consistency.kinematics import position_pairs
 from simgap.consistency.redundancy import agreement_of
 from simgap.consistency.samples import samples_of
@@ -12,7 +13,6 @@ from simgap.recordings.recording import Recording
 
 _RATE = {"joint": "velocity", "swerve": "steer_velocity_1", "quadrotor": "velocity_x"}
 _ALIKE = 0.95  # correlation: both show the same motion
-_UNUSUAL = float(np.log(1.25))  # of the logarithm of the ratio; a filter that is worth naming takes as much
 
 
 def size_doubts(recording: Recording) -> Iterator[str]:
@@ -26,7 +26,7 @@ def size_doubts(recording: Recording) -> Iterator[str]:
         return
     for pair in position_pairs(samples):
         found = agreement_of(pair)
-        if found and found.alike > _ALIKE and abs(np.log(found.ratio)) > _UNUSUAL:
+        if found and found.alike > _ALIKE and abs(np.log(found.ratio)) > UNUSUAL:
             rate, position = found.columns
             yield (
                 f"{rate!r} is {found.ratio:.3g} times as large as the rate of change of {position!r} (correlation "

@@ -1,6 +1,6 @@
 """Voltage and speed of a single motor, from a recording of any kind."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 
@@ -12,6 +12,8 @@ from simgap.platforms import Joint, Platform
 from simgap.recordings.recording import Recording
 
 FEWEST_BLOCKS = 10
+Shape = Callable[[np.ndarray], np.ndarray]
+_NONE: Mapping[str, Shape] = {}
 
 
 @dataclass(frozen=True)
@@ -87,17 +89,17 @@ def motors_of(
                 yield f"{group}_{number}", _samples(recording, runs, columns)
         return
     for motor, chosen in _runs_by_motor(runs, patterns).items():
-        samples = _samples(recording, chosen, ("voltage", "velocity", "position"))
-        yield motor, replace(samples, loads=_loads(samples.loads["position"], platform))
+        yield motor, _samples(recording, chosen, ("voltage", "velocity"), _shapes(platform))
 
 
-def _loads(position: list[np.ndarray], platform: Platform | None) -> dict[str, list[np.ndarray]]:
-    loads = {}
+def _shapes(platform: Platform | None) -> dict[str, Shape]:
+    """Return what the loads of a joint do with its position, by the names of their gains."""
+    shapes: dict[str, Shape] = {}
     if isinstance(platform, Joint) and platform.gravity_torque != 0.0:
-        loads["kG"] = [np.sin(angle) for angle in position]
+        shapes["kG"] = np.sin
     if isinstance(platform, Joint) and platform.stiffness != 0.0:
-        loads["kSpring"] = position
-    return loads
+        shapes["kSpring"] = np.positive
+    return shapes
 
 
 def _runs_by_motor(runs: Sequence[str], patterns: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
@@ -116,9 +118,12 @@ def _runs_by_motor(runs: Sequence[str], patterns: Mapping[str, Sequence[str]]) -
     return chosen
 
 
-def _samples(recording: Recording, runs: Sequence[str], columns: tuple[str, ...]) -> MotorSamples:
-    """Return the samples of a voltage and a velocity; further columns are put among the loads."""
-    pieces = [segment.columns(columns) for segment in segments(recording, runs)]
+def _samples(
+    recording: Recording, runs: Sequence[str], columns: tuple[str, str], shapes: Mapping[str, Shape] = _NONE
+) -> MotorSamples:
+    """Return the samples of a voltage and a velocity, with loads that are shapes of the position."""
+    wanted = (*columns, "position") if shapes else columns
+    pieces = [segment.columns(wanted) for segment in segments(recording, runs)]
     pieces = [piece for piece in pieces if len(piece) > 2]
     if not pieces:
         raise InputError("no segment has three samples", recording.source or "recording", "record more")
@@ -127,5 +132,5 @@ def _samples(recording: Recording, runs: Sequence[str], columns: tuple[str, ...]
         velocity=[piece[:, 1] for piece in pieces],
         time_step=recording.time_step,
         speed_unit=recording.units[columns[1]],
-        loads={name: [piece[:, place] for piece in pieces] for place, name in enumerate(columns[2:], 2)},
+        loads={name: [shape(piece[:, 2]) for piece in pieces] for name, shape in shapes.items()},
     )

@@ -117,7 +117,10 @@ def _sensed(log: Log) -> dict[str, Proposed]:
 
 
 def _controlled(log: Log, fields: Sequence[str]) -> Choice:
-    """Return the choice of body rates that the rate controller tells: in hundredths of a degree before Copter 3.4."""
+    """Return the choice of body rates that the rate controller tells: old firmware in hundredths of a degree.
+
+    A log of Copter 3.4-dev (2015) does so; its rates say it, which are beyond any gyroscope.
+    """
     found = vector("RATE", fields, "the rate controller", AXES, "deg/s")
     if max(largest(log, name) for name in found.signals) < _FASTEST:
         return found
