@@ -118,7 +118,7 @@ def _shown(log: "Log", proposal: "Proposal", options: LogOptions) -> bool:
 
 def _prospect(recording: "Recording", options: LogOptions) -> Iterator[str]:
     """Yield what a diagnosis would get: runs, samples, doubts, and what the recording contradicts itself in."""
-    from simgap.consistency import contradictions, size_doubts
+    from simgap.consistency import check, size_doubts
     from simgap.platforms import platform_from_config
 
     seconds = recording.frame.groupby("run", sort=False)["t"].agg(lambda t: t.iloc[-1] - t.iloc[0]).sum()
@@ -126,10 +126,10 @@ def _prospect(recording: "Recording", options: LogOptions) -> Iterator[str]:
     yield f"{runs} run{'' if runs == 1 else 's'}, {len(recording.frame)} samples, {seconds:.1f} s"
     yield from recording.warnings
     platform = None if options.platform is None else platform_from_config(options.platform)
-    found = contradictions(recording, platform)
-    yield from (f"Contradiction: {each.sentence}" for each in found)
-    if not found:
-        yield from (doubts := list(size_doubts(recording)))
+    found = check(recording, platform)
+    yield from (f"Contradiction: {each.sentence}" for each in found.contradictions)
+    if not found.contradictions:
+        yield from (doubts := [*found.warnings, *size_doubts(recording)])
         if not doubts:
             yield "Nothing in it contradicts itself."
 

@@ -111,25 +111,25 @@ def diagnosed(
         InputError: when nothing usable is left after cleaning, or a setting is out of its range.
     """
     from simgap.api.gains import motor_gains
-    from simgap.consistency import contradictions
+    from simgap.consistency import check
     from simgap.diagnosis.diagnose import diagnose
     from simgap.recordings.cleaning import clean_with_coverage
 
     gap.check()
     # Before cleaning: a column in a wrong unit looks like spikes, and would be cleaned away.
-    contradicted = contradictions(recording, nominal.platform)
-    if not contradicted:
+    checked = check(recording, nominal.platform)
+    if not checked.contradictions:
         recording = _doubted(recording, nominal)
     try:
         cleaned = None if recording.cleaned else clean_with_coverage(recording, clean, split, seed)
         used = cleaned.recording if cleaned else recording
         with _one_thread():
-            found = diagnose(used, nominal, gap, contradicted)
+            found = diagnose(used, nominal, gap, checked)
             gains = None if found.contradictions else motor_gains(used, nominal.platform, seed)
     except InputError as error:
-        if not contradicted:
+        if not checked.contradictions:
             raise
-        first = contradicted[0]
+        first = checked.contradictions[0]
         raise InputError(first.evidence, f"column {first.column!r}", first.remedy) from error
     return Found(found, cleaned, gains)
 

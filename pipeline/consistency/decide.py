@@ -2,7 +2,7 @@
 
 The score of an explanation is the log likelihood of all agreements plus the logarithm of its odds. Nothing is said
 unless an explanation beats the recording as it stands by `CLEAR`, or no explanation helps and two exact series differ
-beyond doubt.
+beyond doubt. What an explanation is worth below that stays as a doubt: names hold only if none of them is true.
 """
 
 from collections.abc import Sequence
@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from simgap.consistency.checked import Checked
 from simgap.consistency.families import Agreements, Family, Platform, families_of
 from simgap.consistency.faults import faults_of
 from simgap.consistency.samples import Samples, samples_of, thinner
@@ -28,7 +29,12 @@ _PAIRED = 4  # of more, those that are tried with each other one, the most promi
 
 
 def contradictions(recording: Recording, platform: Platform | None = None) -> list[Contradiction]:
-    """Return all in a recording that contradicts itself or the platform, so that nothing can be named.
+    """Return all in a recording that contradicts itself or the platform, so that nothing can be named; see `check`."""
+    return list(check(recording, platform).contradictions)
+
+
+def check(recording: Recording, platform: Platform | None = None) -> Checked:
+    """Return what contradicts itself or the platform in a recording.
 
     Args:
         recording: raw, or cleaned.
@@ -40,12 +46,16 @@ def contradictions(recording: Recording, platform: Platform | None = None) -> li
     families = families_of(samples, platform)
     state = _state(samples, families)
     if not state.opposed:
-        return []
+        return Checked()
     names = recording.runs
     chosen = _concerned(recording, families, names)
     if len(chosen) < len(names):
         samples = samples_of(recording, chosen)
-    return [replace(each, runs=tuple(chosen)) for each in _explained(samples, families, recording, platform)]
+    state, sliding = _state(thinner(samples), families), recording.units.get("position") == "m"
+    found = _explained(state, families, platform, sliding)
+    if found:
+        return Checked(tuple(replace(each, runs=tuple(chosen)) for each in found))
+    return _doubt(state, families, faults_of(state.samples, platform, sliding), tuple(chosen))
 
 
 def _concerned(recording: Recording, families: Sequence[Family], names: list[str]) -> list[str]:
@@ -57,11 +67,8 @@ def _concerned(recording: Recording, families: Sequence[Family], names: list[str
 
 
 def _explained(
-    samples: Samples, families: Sequence[Family], recording: Recording, platform: Platform | None
+    state: State, families: Sequence[Family], platform: Platform | None, sliding: bool
 ) -> list[Contradiction]:
-    small = thinner(samples)
-    state = _state(small, families)
-    sliding = recording.units.get("position") == "m"
     found: list[Contradiction] = []
     for _ in range(_STEPS):
         faults = faults_of(state.samples, platform, sliding)
@@ -71,6 +78,18 @@ def _explained(
         found += step.told
         state = step.state
     return found or unexplained(state)
+
+
+def _doubt(
+    state: State, families: Sequence[Family], faults: list[Transformation], runs: tuple[str, ...]
+) -> Checked:
+    """Return the likeliest cause of what is opposed and not clear, and the probability that there is one."""
+    tried = _tried(state, families, faults) if state.opposed else []
+    if not tried:
+        return Checked()
+    after, fault = _likeliest(tried)
+    odds = float(np.exp(_mass(tried) - state.score))
+    return Checked((), replace(told(state, after, fault, tried), runs=runs), odds / (1.0 + odds))
 
 
 @dataclass(frozen=True)

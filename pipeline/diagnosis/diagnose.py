@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from simgap.consistency import contradictions
+from simgap.consistency import check
+from simgap.consistency.checked import Checked
 from simgap.diagnosis.coarseness import coarse_axes, coarseness_of
 from simgap.diagnosis.drift import drifts_of
 from simgap.diagnosis.horizon import HorizonError, horizon_errors
@@ -99,7 +100,7 @@ def diagnose(
     recording: Recording,
     nominal: Simulator,
     settings: Gap,
-    contradicted: Sequence[Contradiction] | None = None,
+    checked: Checked | None = None,
 ) -> Diagnosis:
     """Locate the mismatch between a recording and a simulator, name the missing effects, fit and validate them.
 
@@ -107,8 +108,8 @@ def diagnose(
         recording: cleaned, with its runs divided into train, validation and hold-out.
         nominal: what is believed before.
         settings: of the gap engine.
-        contradicted: in what the raw recording contradicts itself or the platform; without it, the cleaned one is
-            checked. Nothing is named if there is any.
+        checked: what contradicts itself or the platform in the raw recording; without it, the cleaned one is checked.
+            Nothing is named beside a contradiction.
 
     Raises:
         InputError: when the recording is too short or of another kind than the platform, or a setting out of its range.
@@ -116,14 +117,14 @@ def diagnose(
     settings.check()
     nominal, aside = observable(recording, with_gains(recording, nominal, settings))
     readings = readings_of(recording, nominal, settings)
-    if contradicted is None:
-        contradicted = contradictions(recording, nominal.platform)
-    contradicted = contradicted or excessive_thrust(readings[0].prepared)
+    checked = checked or check(recording, nominal.platform)
+    contradicted = checked.contradictions or tuple(excessive_thrust(readings[0].prepared))
     if contradicted:
         readings = [replace(reading, catalogue=()) for reading in readings]
     naming = name(readings, settings)
     first = naming.best.reading.problem
     naming, undecided = told_apart(naming, _remains(_in_units(naming, first), first))
+    naming = naming.doubted(checked.doubt)
     prepared = naming.best.reading.prepared
     nominal, problem, proving = prepared.nominal, prepared.problem, prepared.proving
     fitted, functions, held_out = problem.blocks, problem.functions, prepared.held_out
@@ -165,10 +166,10 @@ def diagnose(
     said = [contradiction.sentence for contradiction in contradicted]
     # A single run is a doubt of the fit, which says what follows from it.
     recorded = [warning for warning in recording.warnings if held_out or warning != SINGLE_RUN]
-    warnings = dict.fromkeys((*said, *refuted, *recorded, *prepared.remarks, *doubts))
+    warnings = dict.fromkeys((*said, *checked.warnings, *refuted, *recorded, *prepared.remarks, *doubts))
     return Diagnosis(
         verdict="contradiction" if contradicted else _verdict(naming, gap, _remains(naming, problem)),
-        contradictions=tuple(contradicted),
+        contradictions=contradicted,
         warnings=tuple(warnings),
         mismatches=mismatches,
         naming=naming,
@@ -232,6 +233,8 @@ def _verdict(naming: Naming, gap: bool, remains: bool) -> str:
     """
     if not naming.named:
         return "unexplained" if gap else "none"
+    if naming.sound < BELIEVED:
+        return "unexplained"
     physics = [named for named in naming.named if not isinstance(named.effect, ParameterError)]
     if not remains:
         return "missing_physics" if physics else "parameter_mismatch"

@@ -1,7 +1,7 @@
 """What is named: the effects that the posterior over hypotheses believes in."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 
@@ -70,6 +70,7 @@ class Naming:
         named: the named effects, the most probable first.
         rivalries: named effects with rivals.
         complete: whether the search came to its end within its budget.
+        sound: probability that the columns are what they are taken for; all names hold only then.
     """
 
     posterior: Posterior
@@ -80,6 +81,7 @@ class Naming:
     named: tuple[Named, ...]
     rivalries: tuple[Rivalry, ...]
     complete: bool
+    sound: float = 1.0
 
     @property
     def trend(self) -> FittedEffect | None:
@@ -91,7 +93,17 @@ class Naming:
         """The probability of each effect that was considered, by key, as it is stated, the most probable first."""
         inclusion = self.posterior.inclusion().items()
         stated = {key: _stated(raw, self.shares.get(key, 0.0)) for key, raw in inclusion}
+        stated = {key: self._if_sound(probability) for key, probability in stated.items()}
         return dict(sorted(stated.items(), key=lambda entry: -entry[1]))
+
+    def doubted(self, doubt: float) -> "Naming":
+        """Return the same names with the probability that a column is another one than it is taken for."""
+        less = replace(self, sound=self.sound * (1.0 - doubt))
+        named = [replace(each, probability=less._if_sound(each.probability)) for each in self.named]
+        return replace(less, named=in_order(named))
+
+    def _if_sound(self, probability: float) -> float:
+        return round(self.sound * probability, _DIGITS)
 
 
 def name(readings: Sequence[Reading], settings: Gap) -> Naming:

@@ -21,11 +21,12 @@ STEP = 0.01
 
 
 class Good(NamedTuple):
-    """A good recording with its platform file and what it is called."""
+    """A good recording with its platform file, what it is called, and which effects are in it."""
 
     recording: Recording
     platform: dict[str, Any]
     name: str
+    effects: frozenset[str]
 
 
 def _read(path: str) -> Any:
@@ -62,6 +63,7 @@ def good(
                 record_concealed(case)[0],
                 case.platform,
                 f"{kind} {case.number} {case.subject.names} x{factor:g}",
+                frozenset(case.subject.names) | frozenset(case.record.get("effects", {})),
             )
 
 

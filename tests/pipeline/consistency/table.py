@@ -1,5 +1,8 @@
 """The large table: every corruption of many recordings, and false alarms on good ones.
 
+Where a corruption is not caught, the whole diagnosis runs, and names that are believed and not true are counted. Where
+it is caught, nothing is named.
+
 python -m tests.pipeline.consistency.table --kind joint --seed 778 --cases 40
 """
 
@@ -8,9 +11,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from simgap.api.diagnosing import diagnose
+from simgap.benchmark.measures import BELIEVED
 from simgap.consistency import contradictions
 from simgap.platforms import platform_from_config
 from simgap.recordings.cleaning import clean_recording
+from simgap.recordings.recording import Recording
 from tests.pipeline.consistency.corruption import CORRUPTIONS, Corruption
 from tests.pipeline.consistency.plants import Good, good
 from tests.pipeline.consistency.row_faults import ROW_FAULTS, RowFault
@@ -29,13 +35,22 @@ class Row:
 
 def tell(corruption: Corruption, one: Good) -> tuple[bool, bool]:
     """Return whether a corruption is caught, and whether its cause and column come first."""
-    found = contradictions(corruption.of(one.recording, one.platform), platform_from_config(one.platform))
+    spoilt = corruption.of(one.recording, one.platform)
+    found = contradictions(spoilt, platform_from_config(one.platform))
     if not found:
+        print(f"  believed and not true, with {corruption.name}: {false_names(spoilt, one) or 'nothing'}")
         return False, False
     first = found[0]
     return True, first.suspected in corruption.causes and any(
         name in first.column for name in corruption.column
     )
+
+
+def false_names(spoilt: Recording, one: Good) -> list[str]:
+    """Return which names a diagnosis of a spoilt recording believes that are not true."""
+    effects = diagnose(spoilt, one.platform).effects
+    believed = [effect for effect in effects if effect.probability >= BELIEVED]
+    return [f"{each.name} {each.probability:.2f}" for each in believed if each.name not in one.effects]
 
 
 def tabulate(

@@ -1,0 +1,46 @@
+"""A contradiction that is likely and not clear: names hold only if there is none."""
+
+import pytest
+
+from simgap.consistency import check
+from simgap.consistency.checked import Checked
+from simgap.diagnosis.diagnose import diagnose
+from simgap.gap.settings import Gap
+from simgap.plants.concealed import record_concealed
+from simgap.platforms import platform_from_config
+from simgap.recordings.contradiction import Contradiction
+from simgap.simulation import Simulator
+from tests.pipeline.consistency.corruption import CORRUPTIONS
+from tests.pipeline.consistency.plants import cases
+from tests.pipeline.gap.recordings import JOINT, Plant, joint_recording
+
+SUSPECTED = Contradiction("position", "rotations", "'effort' against the motion", "Convert it.")
+SETTINGS = Gap(effects=["coulomb_friction", "viscous_friction"], resamples=50, horizon=0.05)
+
+
+def test_viscous_friction_might_explain_rotations_too():
+    """Nothing was lost beside friction of seven times the back-EMF, so rotations are likely and not clear."""
+    case = cases("joint", 9010, 12)[3]
+    (corruption,) = (each for each in CORRUPTIONS["joint"] if each.name == "both in rotations")
+    recording, platform = record_concealed(case)[0], platform_from_config(case.platform)
+    assert check(recording, platform) == Checked()
+    found = check(corruption.of(recording, case.platform), platform)
+    assert not found.contradictions
+    assert found.suspected
+    assert found.suspected.suspected == "rotations"
+    assert 0.5 < found.doubt < 0.95
+
+
+@pytest.mark.parametrize("doubt", [0.0, 0.04, 0.3, 0.8])
+def test_names_hold_only_if_the_columns_are_what_they_are_taken_for(doubt):
+    recording = joint_recording(Plant(friction=0.3))
+    sure = diagnose(recording, Simulator(JOINT), SETTINGS, Checked())
+    found = diagnose(recording, Simulator(JOINT), SETTINGS, Checked((), SUSPECTED, doubt))
+    assert found.probabilities == {
+        key: pytest.approx((1.0 - doubt) * probability, abs=0.006)
+        for key, probability in sure.probabilities.items()
+    }
+    assert found.naming.probabilities.keys() == sure.naming.probabilities.keys()
+    assert found.verdict == ("unexplained" if doubt > 0.5 else sure.verdict)
+    told = [SUSPECTED.sentence in warning for warning in found.warnings]
+    assert sum(told) == told[:1].count(True) == (doubt >= 0.05)
