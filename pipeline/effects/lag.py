@@ -61,13 +61,28 @@ def uneven_lag_along_time(target: Series, up: Value, down: Value, time_step: flo
         time_step: s.
     """
     (decay_up, share_up), (decay_down, share_down) = (_decay(target, t, time_step) for t in (up, down))
+    if may_run_compiled((target,), (up, down)) and target.dtype == torch.float64:
+        starts = _starts_compiled(target, float(decay_up), float(decay_down))
+    else:
+        starts = _starts_one_by_one(target, decay_up, decay_down)
+    behind = starts - target
+    return target + torch.where(behind < 0, share_up, share_down) * behind
+
+
+def _starts_compiled(target: Tensor, decay_up: float, decay_down: float) -> Tensor:
+    from simgap.effects.lag_steps import starts_along  # its import takes longer than all effects
+
+    series = target.reshape(*target.shape[:2], -1).contiguous()
+    return torch.from_numpy(starts_along(series.numpy(), decay_up, decay_down)).reshape(target.shape)
+
+
+def _starts_one_by_one(target: Tensor, decay_up: Tensor, decay_down: Tensor) -> Tensor:
     starts, start = [], target[:, 0]
     for held in target.movedim(1, 0).contiguous():
         starts.append(start)
         above = held - start
         start = torch.addcmul(held, above, torch.where(above > 0, decay_up, decay_down), value=-1.0)
-    behind = torch.stack(starts, dim=1) - target
-    return target + torch.where(behind < 0, share_up, share_down) * behind
+    return torch.stack(starts, dim=1)
 
 
 def lag_along_time(target: Series, time_constant: float | Signal, time_step: float) -> Series:

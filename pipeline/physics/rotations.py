@@ -3,14 +3,26 @@
 Every function takes leading batch dimensions that broadcast, and is differentiable.
 """
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
+from torch import Tensor
 
 from simgap.physics.shapes import Matrix, Quaternion, Real, Vector
+from simgap.physics.tracing import may_run_compiled
+
+_MANY = 10_000
+"""Vectors from which on a compiled loop is worth its import: with fewer, tensors take less than a tenth of a ms."""
 
 
 def cross(a: Vector, b: Vector) -> Vector:
     """Return the vector product a × b."""
-    return torch.linalg.cross(*torch.broadcast_tensors(a, b))
+    a, b = torch.broadcast_tensors(a, b)
+    if _suits_a_loop(a, b):
+        from simgap.physics.rotation_steps import crossed
+
+        return torch.from_numpy(crossed(_rows(a), _rows(b))).reshape(a.shape)
+    return torch.linalg.cross(a, b)
 
 
 def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
@@ -20,6 +32,8 @@ def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
         quaternion: unit attitude, body to world.
         vector: in the body frame, any unit.
     """
+    if _suits_a_loop(quaternion, vector):
+        return _turned(quaternion, vector, 1.0)
     axis = quaternion[..., 1:]
     twice = 2.0 * cross(axis, vector)
     return vector + quaternion[..., :1] * twice + cross(axis, twice)
@@ -27,7 +41,29 @@ def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
 
 def rotate_inverse(quaternion: Quaternion, vector: Vector) -> Vector:
     """Turn a vector from world into body coordinates."""
+    if _suits_a_loop(quaternion, vector):
+        return _turned(quaternion, vector, -1.0)
     return rotate(conjugate(quaternion), vector)
+
+
+def _suits_a_loop(one: Tensor, other: Tensor) -> bool:
+    """Whether there are so many numbers, and nobody asks for more, that a compiled loop is faster."""
+    if max(one.numel() // one.shape[-1], other.numel() // other.shape[-1]) < _MANY:
+        return False
+    return one.dtype == other.dtype == torch.float64 and may_run_compiled((one, other))
+
+
+def _turned(quaternion: Quaternion, vector: Vector, direction: float) -> Vector:
+    from simgap.physics.rotation_steps import turned
+
+    shape = torch.broadcast_shapes(quaternion.shape[:-1], vector.shape[:-1])
+    attitude, vectors = _rows(quaternion.expand(*shape, 4)), _rows(vector.expand(*shape, 3))
+    return torch.from_numpy(turned(attitude, vectors, direction)).reshape(*shape, 3)
+
+
+def _rows(series: Tensor) -> NDArray[np.float64]:
+    """Return series (..., components) as rows, (all, components), without a gap between them."""
+    return series.reshape(-1, series.shape[-1]).contiguous().numpy()
 
 
 def conjugate(quaternion: Quaternion) -> Quaternion:

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
+import torch
 from jaxtyping import Float
 from torch import Tensor
 
@@ -19,9 +20,9 @@ def may_run_compiled(series: tuple[Float[Tensor, "..."], ...], values: tuple[Any
         values: parameters, which have to be numbers.
 
     Returns:
-        False too while operations are traced: a loop over numbers would leave no operation behind.
+        False too while operations are traced or compiled: a loop over numbers would leave no operation behind.
     """
-    if _TRACED.get() or any(isinstance(value, Tensor) for value in values):
+    if _TRACED.get() or torch.compiler.is_compiling() or any(isinstance(value, Tensor) for value in values):
         return False
     return not any(each.requires_grad or each.device.type != "cpu" for each in series)
 

@@ -1,5 +1,6 @@
 """Nominal mechanism of a quadrotor: rotors with quadratic thrust on a rigid body, without drag."""
 
+from functools import cached_property
 from typing import Any
 
 import torch
@@ -58,6 +59,10 @@ class QuadrotorMechanism(Mechanism):
 
     def constants(self) -> dict[str, Any]:
         """Return mass, coefficients, inertia and geometry of the platform."""
+        return dict(self._constants)
+
+    @cached_property
+    def _constants(self) -> dict[str, Any]:
         platform = self.platform
         return {
             "mass": platform.mass,

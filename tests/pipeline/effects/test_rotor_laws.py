@@ -119,11 +119,12 @@ def test_rotors_that_are_nearly_alike_stand_for_a_coefficient_that_is_off(key, v
     assert of(key).stands_for(values, constants("quadrotor")) == pytest.approx(share)
 
 
+@pytest.mark.parametrize("kind", [float, torch.tensor])  # numbers are followed by a compiled loop
 @pytest.mark.parametrize(("up", "down"), [(0.02, 0.08), (0.08, 0.02), (0.03, 0.03)])
-def test_rotors_rise_with_one_time_constant_and_fall_with_another(up, down):
+def test_rotors_rise_with_one_time_constant_and_fall_with_another(up, down, kind):
     target = torch.full((1, 120, 1), 1000.0, dtype=torch.float64)
     target[:, 20:70] = 1500.0
-    values = {"time_constant": math.sqrt(up * down), "down_ratio": torch.tensor(down / up)}
+    values = {"time_constant": math.sqrt(up * down), "down_ratio": kind(down / up)}
     lagged = of("motor_lag").along_time({"rotor_speed": target}, values, constants("quadrotor"), TIME_STEP)
     edges = torch.arange(51, dtype=torch.float64) * TIME_STEP
     rise = edges + up * torch.exp(-edges / up)  # under 1 − e^(−t/T)

@@ -128,3 +128,16 @@ def test_one_alone_equals_one_of_many():
     together = rotations.rotate(quaternions, vector)
     alone = torch.stack([rotations.rotate(quaternion, vector) for quaternion in quaternions])
     assert torch.equal(together, alone)
+
+
+@pytest.mark.parametrize("shape", [(), (4,), (2500, 1)])
+def test_a_compiled_loop_turns_many_as_tensors_turn_each(shape):
+    """Whatever asks for gradients is left to tensors."""
+    quaternion, vector = some_rotations(2500, 4), some_rotations(*shape, seed=1)[..., 1:]
+    for turn in (rotations.rotate, rotations.rotate_inverse):
+        by_tensors = turn(quaternion.clone().requires_grad_(), vector)
+        assert by_tensors.requires_grad
+        torch.testing.assert_close(turn(quaternion, vector), by_tensors.detach(), rtol=0.0, atol=1e-14)
+    axis = quaternion[..., 1:]
+    by_tensors = rotations.cross(axis.clone().requires_grad_(), vector).detach()
+    torch.testing.assert_close(rotations.cross(axis, vector), by_tensors, rtol=0.0, atol=1e-14)
