@@ -12,6 +12,7 @@ from jaxtyping import Float
 from numpy.typing import NDArray
 from torch import Tensor
 
+from simgap.physics.rotations import dot
 from simgap.physics.shapes import Real, Signal, Value, Vector
 from simgap.physics.tracing import may_run_compiled
 
@@ -110,14 +111,14 @@ def swing(
     """
     kick = 0.5 * time_step / length
     free = direction + time_step * (rate + kick * before)
-    onward, size = (free * direction).sum(-1, keepdim=True), (free * free).sum(-1, keepdim=True)
+    onward, size = dot(free, direction)[..., None], dot(free, free)[..., None]
     turned = free + ((onward * onward - size + 1.0).clamp_min(0.0).sqrt() - onward) * direction
     return turned, across((turned - direction) / time_step + kick * after, turned)
 
 
 def pull(direction: Vector, rate: Vector, apparent: Vector, length: Value) -> Vector:
     """Return the cable's tension per mass of the load along its direction, m/s²; a cable does not push."""
-    tension = length * rate.square().sum(-1) + (direction * apparent).sum(-1)
+    tension = length * dot(rate, rate) + dot(direction, apparent)
     return tension.clamp_min(0.0)[..., None] * direction
 
 
@@ -132,7 +133,7 @@ def along(vector: Vector) -> Vector:
 
 def across(vector: Vector, direction: Vector) -> Vector:
     """Return the components of vectors (..., 3) perpendicular to unit directions (..., 3)."""
-    return vector - (vector * direction).sum(-1, keepdim=True) * direction
+    return vector - dot(vector, direction)[..., None] * direction
 
 
 def pooled(series: Directions, stride: int) -> Float[Tensor, "cables strides 3"]:

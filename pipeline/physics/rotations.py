@@ -25,6 +25,11 @@ def cross(a: Vector, b: Vector) -> Vector:
     return torch.linalg.cross(a, b)
 
 
+def dot(a: Vector, b: Vector) -> Real:
+    """Return the scalar product a · b, by its terms: a sum over three numbers at a time takes six times as long."""
+    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
+
+
 def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
     """Turn a vector from body into world coordinates.
 

@@ -2,6 +2,7 @@
 
 from simgap.effects.effect import Parameter, Signals, Values, WrenchEffect
 from simgap.effects.quadrotor.common import along_axes
+from simgap.physics.rotations import dot
 from simgap.physics.shapes import Channels
 
 
@@ -32,7 +33,7 @@ class BodyDrag(WrenchEffect):
     def wrench(self, signals: Signals, values: Values, constants: Values) -> Channels:
         """Return specific force along the airflow, m/s²."""
         velocity = signals["velocity"]
-        speed = velocity.square().sum(-1, keepdim=True).clamp_min(1e-12).sqrt()
+        speed = dot(velocity, velocity)[..., None].clamp_min(1e-12).sqrt()
         drag = along_axes("force", -values["coefficient"] * speed * velocity)
         axial = -values.get("axial_excess", 0.0) * speed[..., 0] * velocity[..., 2]
         return {**drag, "force_z": drag["force_z"] + axial}

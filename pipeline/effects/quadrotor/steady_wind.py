@@ -66,7 +66,7 @@ class SteadyWind(WrenchEffect):
         strength = _length(push, _WEAKEST)
         relative = push / strength - flown
         # The second term is 0 but for a push of nothing, whose direction is unknown.
-        speed = (relative.square().sum(-1, keepdim=True) + (_WEAKEST / strength) ** 2).sqrt()
+        speed = (rotations.dot(relative, relative)[..., None] + (_WEAKEST / strength) ** 2).sqrt()
         added = strength * (speed * relative + _length(flown, 0.0) * flown)
         share = torch.stack([one, one, values["axial_share"] * one], dim=-1)
         return along_axes("force", share * added)
@@ -74,4 +74,4 @@ class SteadyWind(WrenchEffect):
 
 def _length(vectors: Tensor, least: float) -> Tensor:
     """Return the length of vectors (..., 3) and of a least one at right angles, (..., 1)."""
-    return (vectors.square().sum(-1, keepdim=True) + least**2).clamp_min(_NOTHING).sqrt()
+    return (rotations.dot(vectors, vectors)[..., None] + least**2).clamp_min(_NOTHING).sqrt()

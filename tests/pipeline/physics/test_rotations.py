@@ -45,6 +45,14 @@ def test_product_is_one_rotation_after_the_other(left, right, vector):
     )
 
 
+@given(ANY_VECTOR, ANY_VECTOR)
+def test_a_vector_product_is_perpendicular_to_both(one, other):
+    product = rotations.cross(one, other)
+    for each in (one, other):
+        assert abs(float(rotations.dot(product, each))) < 1e-12
+    torch.testing.assert_close(rotations.dot(one, one), (one**2).sum())
+
+
 @given(ANY_ROTATION)
 def test_matrix_round_trip(quaternion):
     assert same_rotation(rotations.from_matrix(rotations.to_matrix(quaternion)), quaternion)
