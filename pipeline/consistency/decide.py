@@ -49,13 +49,24 @@ def check(recording: Recording, platform: Platform | None = None) -> Checked:
         return Checked()
     names = recording.runs
     chosen = _concerned(recording, families, names)
-    if len(chosen) < len(names):
-        samples = samples_of(recording, chosen)
-    state, sliding = _state(thinner(samples), families), recording.units.get("position") == "m"
+    found = _checked(recording, chosen, families, platform)
+    if found.contradictions or len(chosen) == len(names):
+        return found
+    # What the other runs say besides may decide what these leave open.
+    whole = _checked(recording, names, families, platform)
+    return whole if whole.contradictions or whole.doubt > found.doubt else found
+
+
+def _checked(
+    recording: Recording, runs: list[str], families: Sequence[Family], platform: Platform | None
+) -> Checked:
+    """Return what is found in some of the runs, in which something is opposed."""
+    sliding = recording.units.get("position") == "m"
+    state = _state(thinner(samples_of(recording, runs)), families)
     found = _explained(state, families, platform, sliding)
     if found:
-        return Checked(tuple(replace(each, runs=tuple(chosen)) for each in found))
-    return _doubt(state, families, faults_of(state.samples, platform, sliding), tuple(chosen))
+        return Checked(tuple(replace(each, runs=tuple(runs)) for each in found))
+    return _doubt(state, families, faults_of(state.samples, platform, sliding), tuple(runs))
 
 
 def _concerned(recording: Recording, families: Sequence[Family], names: list[str]) -> list[str]:
@@ -174,8 +185,8 @@ def _tried(
 def _mends(before: State, after: State, least: int = 1) -> bool:
     """Whether so many agree clearly better, and nothing is opposed that was not; two faults need two witnesses.
 
-    Two exact series have to agree. A law may be left in doubt: beside a wrong unit, physics may be at work that it
-    does not know.
+    Two exact series have to agree. A law may be left in doubt, and come into doubt where exact series agree again:
+    beside a wrong unit, physics may be at work that it does not know.
     """
     then, now = ({each.name: each for each in state.opposed} for state in (before, after))
     better = [
@@ -183,7 +194,9 @@ def _mends(before: State, after: State, least: int = 1) -> bool:
         for name, each in then.items()
         if name not in now or (not each.is_exact and now[name].support > each.support + CLEAR)
     ]
-    return now.keys() <= then.keys() and len(better) >= least
+    exact = any(then[name].is_exact for name in better)
+    spoilt = [each for name, each in now.items() if name not in then and (each.is_exact or not exact)]
+    return not spoilt and len(better) >= least
 
 
 def _state(samples: Samples, families: Sequence[Family]) -> State:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from simgap.consistency import check
+from simgap.consistency import check, contradictions
 from simgap.consistency.checked import Checked
 from simgap.diagnosis.diagnose import diagnose
 from simgap.gap.settings import Gap
@@ -29,6 +29,16 @@ def test_viscous_friction_might_explain_rotations_too():
     assert found.suspected
     assert found.suspected.suspected == "rotations"
     assert 0.5 < found.doubt < 0.95
+
+
+def test_a_law_may_come_into_doubt_where_exact_series_agree_again():
+    """Beside a spring that stiffens, the one of the platform looks wrong once the position has its right sign."""
+    case = cases("joint", 9060, 12)[0]
+    assert case.effects == ("cubic_stiffness",)
+    (corruption,) = (each for each in CORRUPTIONS["joint"] if each.name == "position negative")
+    recording, platform = record_concealed(case)[0], platform_from_config(case.platform)
+    (found,) = contradictions(corruption.of(recording, case.platform), platform)
+    assert (found.column, found.suspected) == ("position", "sign")
 
 
 @pytest.mark.parametrize("doubt", [0.0, 0.04, 0.3, 0.8])
