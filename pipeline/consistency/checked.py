@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from simgap.recordings.contradiction import Contradiction
 
+DOUBTED = "a column may not be what it is taken for"
+"""How the warning begins that says so."""
 _WORTH_SAYING = 0.05
 """Least probability of a suspected cause that is said: twenty to one against it (`decide.CLEAR`)."""
 
@@ -27,5 +29,5 @@ class Checked:
         """What to say of a cause that is possible and not certain."""
         if self.suspected is None or self.doubt < _WORTH_SAYING:
             return ()
-        unsure = f"with a probability of {self.doubt:.0%} a column is not what it is taken for, and no name holds then"
+        unsure = f"{DOUBTED}, with a probability of {self.doubt:.0%}, and no name holds then"
         return (f"{unsure}: {self.suspected.sentence}",)

@@ -7,12 +7,14 @@ _UNFINISHED = "the search was ended"
 """How the warning begins that says that the answer is the best so far."""
 _REFUTED = "held-out runs refute"
 """How warnings begin that speak against the answer."""
+_DOUBTED = "a column may not be what it is taken for"
+"""How the warning begins that says why all names are less probable."""
 
 
 def doubts_of(diagnosis: dict[str, Any]) -> list[str]:
     """Return the warnings of a diagnosis, without what stands beside its headline."""
     contradictions = (str(each["evidence"]) for each in diagnosis.get("contradictions") or [])
-    said = (*contradictions, _UNFINISHED, _REFUTED)
+    said = (*contradictions, _UNFINISHED, _DOUBTED, _REFUTED)
     return [warning for warning in diagnosis.get("warnings") or [] if not warning.startswith(said)]
 
 
@@ -26,8 +28,13 @@ def refuted(diagnosis: dict[str, Any]) -> str:
     return next(_beginning(_REFUTED, diagnosis), "")
 
 
+def doubted(diagnosis: dict[str, Any]) -> str:
+    """Return the sentence that says that a column may be another one than it is taken for; empty where none may."""
+    return next(_beginning(_DOUBTED, diagnosis), "")
+
+
 def _beginning(words: str, diagnosis: dict[str, Any]) -> Iterator[str]:
     """Yield the warnings that begin with these words as sentences."""
     for warning in diagnosis.get("warnings") or []:
         if warning.startswith(words):
-            yield f"{warning[:1].upper()}{warning[1:]}."
+            yield f"{warning[:1].upper()}{warning[1:].rstrip('.')}."

@@ -6,7 +6,7 @@ from typing import Any
 
 from simgap.effects.told import is_told
 from simgap.recordings.contradiction import SUSPECTED
-from simgap.report.doubts import doubts_of, refuted, unfinished
+from simgap.report.doubts import doubted, doubts_of, refuted, unfinished
 from simgap.report.improvement import sureness, why_unknown
 from simgap.report.inputs import ReportInputs
 from simgap.report.naming import each_once, rivals, subject_of, with_subject
@@ -129,8 +129,9 @@ def size_of(entry: dict[str, Any]) -> str:
 
 
 def headline(diagnosis: dict[str, Any]) -> str:
-    """Return the verdict as short sentences that state only what is believed, and what held-out runs say against it."""
-    return f"{_answer(diagnosis)} {refuted(diagnosis)}".rstrip()
+    """Return the verdict as short sentences that state only what is believed, and what speaks against it."""
+    against = (doubted(diagnosis), refuted(diagnosis))
+    return " ".join([_answer(diagnosis), *filter(None, against)])
 
 
 def _answer(diagnosis: dict[str, Any]) -> str:

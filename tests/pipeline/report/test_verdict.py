@@ -1,6 +1,8 @@
 import pytest
 
+from simgap.consistency.checked import Checked
 from simgap.effects.told import UNTOLD
+from simgap.recordings.contradiction import Contradiction
 from simgap.report.doubts import doubts_of
 from simgap.report.terminal import terminal_lines
 from simgap.report.use import next_recordings
@@ -199,6 +201,16 @@ def test_a_search_that_was_ended_is_said_below_the_headline_and_not_twice():
     assert summary(found).unfinished == said
     assert terminal_lines(found)[1:3] == [summary(found).headline, said]
     assert doubts_of(found) == doubts
+
+
+def test_a_column_that_is_perhaps_another_one_stands_in_the_headline():
+    suspected = Contradiction("position", "rotations", "'voltage' against the motion", "Convert it.")
+    (warning,) = Checked((), suspected, 0.74).warnings
+    found = diagnosis("unexplained")
+    found["warnings"].insert(0, warning)
+    assert headline(found).endswith(f" A{warning[1:]}")
+    assert "74%" in warning
+    assert warning not in doubts_of(found)
 
 
 def test_held_out_runs_that_refute_the_answer_stand_in_the_headline():
