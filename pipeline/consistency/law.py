@@ -6,12 +6,12 @@ platform file. What is plausible is a density of its logarithm: no platform numb
 but the factor of a unit is.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from simgap.consistency.redundancy import FLOOR, INDEPENDENT, LAG_COST, LAGS, Agreement, at_best_lag, shifted
+from simgap.consistency.redundancy import FLOOR, INDEPENDENT, LAG_COST, LAGS, Agreement, shifted
 
 _COLOURED = 3.0  # times the standard error of white errors: what the law leaves out lasts for several windows
 _EXACT = 0.15  # of a ratio: no law holds better
@@ -125,12 +125,17 @@ def law_agreement(
         None where there are too few windows, or the drive never changes.
     """
     motion = _motion(terms, others)
-
-    def compared(lag: int) -> Agreement | None:
-        shift = shifted(drive, motion, lag)
-        return _compared(name, columns, *shift, terms, LAG_COST * abs(lag), weight, fits)
-
-    return at_best_lag(compared)
+    at_lags = (
+        _compared(name, columns, *shifted(drive, motion, lag), terms, LAG_COST * abs(lag), weight, fits)
+        for lag in LAGS
+    )
+    tried = [found for found in at_lags if found is not None]
+    if not tried:
+        return None
+    likeliest, _ = max(tried, key=lambda found: found[0].support)
+    # At another lag a wrong sign may look plausible, where the motion explains the drive far worse.
+    closest, _ = min(tried, key=lambda found: found[1])
+    return replace(likeliest, opposed=likeliest.opposed or closest.opposed)
 
 
 def estimates_of(
@@ -171,7 +176,8 @@ def _compared(
     cost: float,
     weight: float,
     fits: bool,
-) -> Agreement | None:
+) -> tuple[Agreement, float] | None:
+    """Return the agreement at one lag, and the share of the drive's energy that is left."""
     drive, motion = _known(drive, motion)
     if not _tells(drive, motion):
         return None
@@ -186,7 +192,7 @@ def _compared(
     count = min(INDEPENDENT, 0.5 * len(drive))
     fit = -0.5 * count * float(np.log((left + FLOOR) / (1.0 + FLOOR)))
     figures = " and ".join(f"{estimate.value:.3g}" for estimate in estimates)
-    return Agreement(
+    agreement = Agreement(
         name,
         columns,
         weight * (sum(supports) + fit - cost),
@@ -195,6 +201,7 @@ def _compared(
         estimates[0].value,
         clear=bool(sum(supports) < -_CLEAR),
     )
+    return agreement, left
 
 
 def _supported(term: Term, estimate: Estimate) -> float:

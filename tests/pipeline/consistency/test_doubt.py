@@ -41,6 +41,17 @@ def test_a_law_may_come_into_doubt_where_exact_series_agree_again():
     assert (found.column, found.suspected) == ("position", "sign")
 
 
+def test_a_wrong_sign_is_no_lag():
+    """A tenth of a second later the effort would have its right sign again, and leave five times as much."""
+    case = cases("joint", 9080, 12)[10]
+    assert case.effects == ("motor_lag",)
+    (corruption,) = (each for each in CORRUPTIONS["joint"] if each.name == "effort negative")
+    recording, platform = record_concealed(case)[0], platform_from_config(case.platform)
+    assert check(recording, platform) == Checked()
+    (found,) = contradictions(corruption.of(recording, case.platform), platform)
+    assert (found.column, found.suspected) == ("effort", "sign")
+
+
 @pytest.mark.parametrize("doubt", [0.0, 0.04, 0.3, 0.8])
 def test_names_hold_only_if_the_columns_are_what_they_are_taken_for(doubt):
     recording = joint_recording(Plant(friction=0.3))
