@@ -19,10 +19,10 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("markexpr") != "slow":
         # What is compiled takes no checks, so it is imported before they are on.
         compiled = (
-            "effects.lag_steps",
             "equations.mixture_steps",
             "physics.cable_steps",
             "physics.hysteresis_steps",
+            "physics.lag_steps",
             "physics.play_steps",
             "physics.rotation_steps",
             "logs.readers.blackbox_frames",

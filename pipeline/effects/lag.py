@@ -70,7 +70,7 @@ def uneven_lag_along_time(target: Series, up: Value, down: Value, time_step: flo
 
 
 def _starts_compiled(target: Tensor, decay_up: float, decay_down: float) -> Tensor:
-    from simgap.effects.lag_steps import starts_along  # its import takes longer than all effects
+    from simgap.physics.lag_steps import starts_along  # its import takes longer than all effects
 
     series = target.reshape(*target.shape[:2], -1).contiguous()
     return torch.from_numpy(starts_along(series.numpy(), decay_up, decay_down)).reshape(target.shape)
