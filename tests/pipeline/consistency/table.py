@@ -1,6 +1,6 @@
 """The large table: every corruption of many recordings, and false alarms on good ones.
 
-Where a corruption is not caught, the whole diagnosis runs, and names that are believed and not true are counted. Where
+Where a corruption is not caught, the whole diagnosis runs, and names that are believed and not true are listed. Where
 it is caught, nothing is named.
 
 python -m tests.pipeline.consistency.table --kind joint --seed 778 --cases 40
