@@ -21,6 +21,7 @@ def pytest_configure(config: pytest.Config) -> None:
         compiled = (
             "equations.mixture_steps",
             "physics.cable_steps",
+            "physics.swing_search",
             "physics.hysteresis_steps",
             "physics.lag_steps",
             "physics.play_steps",

@@ -33,20 +33,37 @@ def swung(
         free = np.empty(3)
         for step in range(steps):
             directions[cable, step], rates[cable, step] = towards, turning
-            if step + 1 == steps:
-                break
-            onward = size = 0.0
-            for axis in range(3):
-                free[axis] = towards[axis] + time_step * (turning[axis] + kick * apparent[cable, step, axis])
-                onward += free[axis] * towards[axis]
-                size += free[axis] * free[axis]
-            back = sqrt(max(onward * onward - size + 1.0, 0.0)) - onward
-            outward = 0.0
-            for axis in range(3):
-                turned = free[axis] + back * towards[axis]
-                turning[axis] = (turned - towards[axis]) / time_step + kick * apparent[cable, step + 1, axis]
-                towards[axis] = turned
-                outward += turning[axis] * turned
-            for axis in range(3):
-                turning[axis] -= outward * towards[axis]
+            if step + 1 < steps:
+                move(towards, turning, free, apparent[cable], step, kick, time_step)
     return directions, rates
+
+
+@njit(cache=True)
+def move(
+    towards: Array, turning: Array, free: Array, apparent: Array, step: int, kick: float, time_step: float
+) -> None:
+    """Take one step of a cable, in place, as `simgap.physics.cable.swing` does.
+
+    Args:
+        towards: its direction, unit, (3,).
+        turning: rate of the direction, across it, (3,) 1/s.
+        free: room for three numbers.
+        apparent: gravity less the acceleration of the upper end, along all steps, (steps, 3) m/s².
+        step: that is taken, before the last one.
+        kick: half of the time step over the length, s/m.
+        time_step: s.
+    """
+    onward = size = 0.0
+    for axis in range(3):
+        free[axis] = towards[axis] + time_step * (turning[axis] + kick * apparent[step, axis])
+        onward += free[axis] * towards[axis]
+        size += free[axis] * free[axis]
+    back = sqrt(max(onward * onward - size + 1.0, 0.0)) - onward
+    outward = 0.0
+    for axis in range(3):
+        turned = free[axis] + back * towards[axis]
+        turning[axis] = (turned - towards[axis]) / time_step + kick * apparent[step + 1, axis]
+        towards[axis] = turned
+        outward += turning[axis] * turned
+    for axis in range(3):
+        turning[axis] -= outward * towards[axis]

@@ -16,6 +16,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from simgap.physics.latest import Latest
 from simgap.physics.shapes import Matrix, PerModule, Vector
 from simgap.platforms.swerve_kinematics import lateral_matrix, lateral_matrix_rate, rolling_speed
 
@@ -27,6 +28,9 @@ was lost to 2°, and misaligned wheels took another motor constant."""
 
 # Added to the eigenvalues of S, which may be 0: wheels that disagree by 1.4° or 0.3° stand as much across.
 _BLUR, _FLOOR = 2.5e-3, 1e-4  # for a drift; for the motion that wheels allow
+
+_PROJECTIONS, _MOTIONS = Latest[tuple[Matrix, Matrix]](), Latest[Vector]()
+"""Most candidates of a fit change neither the wheels' angles nor the chassis."""
 
 
 def rolling_projection(
@@ -42,12 +46,15 @@ def rolling_projection(
         turning: rate of the angle, (..., 4) rad/s.
         constants: with `mass` kg, `inertia` kg·m² and `module_positions` (4, 2) m.
     """
-    dtype, (angle, turning) = (
-        angle.dtype,
-        (angle.double(), turning.double()),
-    )  # k costs single precision 4 digits
-    lengths = _lengths(angle, constants)
-    positions = constants["module_positions"]
+    lengths, positions = _lengths(angle.double(), constants), constants["module_positions"]
+    given = angle, turning, lengths, positions
+    return _PROJECTIONS.of(given, lambda: _rolling_projection(*given))
+
+
+def _rolling_projection(
+    angle: PerModule, turning: PerModule, lengths: Tensor, positions: Tensor
+) -> tuple[Matrix, Matrix]:
+    dtype, angle, turning = angle.dtype, angle.double(), turning.double()  # k costs single precision 4 digits
     across = _indices_first(lateral_matrix(angle, positions) / lengths)
     rate = _indices_first(lateral_matrix_rate(angle, turning, positions) / lengths)
     square, half = _product(across.transpose(0, 1), across), _product(rate.transpose(0, 1), across)
@@ -76,9 +83,16 @@ def along_the_wheels(twist: Vector, angle: PerModule, constants: Mapping[str, An
         constants: with `mass` kg, `inertia` kg·m², `module_positions` (4, 2) m and `creep` m/s, below which side forces
             grow with slip speeds.
     """
-    lengths, positions = _lengths(angle, constants), constants["module_positions"]
+    creep = torch.as_tensor(constants["creep"], dtype=angle.dtype, device=angle.device)
+    given = twist, angle, _lengths(angle, constants), constants["module_positions"], creep
+    return _MOTIONS.of(given, lambda: _along_the_wheels(*given))
+
+
+def _along_the_wheels(
+    twist: Vector, angle: PerModule, lengths: Tensor, positions: Tensor, creep: Tensor
+) -> Vector:
     scaled = twist * lengths
-    grip = torch.hypot(rolling_speed(twist, angle, positions), angle.new_tensor(constants["creep"])).rsqrt()
+    grip = torch.hypot(rolling_speed(twist, angle, positions), creep).rsqrt()
     grip = grip / grip.square().mean(-1, keepdim=True).sqrt()
     across = _indices_first(grip[..., None] * lateral_matrix(angle, positions) / lengths)
     square = _product(across.transpose(0, 1), across)

@@ -39,8 +39,9 @@ def module_velocities(twist: Vector, positions: Positions) -> Velocities:
         twist: of the chassis, (..., 3).
         positions: of the modules, (modules, 2) m.
     """
-    velocities = twist @ module_matrix(positions.to(twist)).T
-    return velocities.unflatten(-1, (-1, 2))
+    x, y = positions.to(twist).unbind(-1)
+    around = torch.stack([-y, x], dim=-1)
+    return twist[..., None, :2] + twist[..., 2:, None] * around
 
 
 def chassis_twist(velocities: Velocities, positions: Positions) -> Vector:

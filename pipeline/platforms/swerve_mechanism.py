@@ -1,6 +1,7 @@
 """Nominal mechanism of a swerve drive: four wheels that roll without slip, each with an ideal DC motor."""
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import torch
@@ -108,6 +109,10 @@ class SwerveMechanism(Mechanism):
 
     def constants(self) -> dict[str, Any]:
         """Return mass, geometry and motors of the platform."""
+        return dict(self._constants)
+
+    @cached_property
+    def _constants(self) -> dict[str, Any]:
         platform = self.platform
         constants: dict[str, Any] = {
             "mass": platform.mass,
