@@ -60,7 +60,7 @@ def log_options(given: argparse.Namespace) -> LogOptions:
             "give platform=FILE, joint=NAME of a robot file, or mapping=FILE",
         )
     platform = _platform(pairs)
-    kind = given.kind or (_kind_of(platform) if platform is not None else None)
+    kind = given.kind or (platform["kind"] if platform is not None else None)
     mapping = given.map or (Path(pairs["mapping"]) if "mapping" in pairs else None)
     said = tuple(f"{key}={pairs[key]}" for key in ("platform", "joint") if key in pairs)
     return LogOptions(kind, mapping, platform, said)
@@ -74,11 +74,6 @@ def _platform(pairs: dict[str, str]) -> dict[str, Any] | None:
             )
         return None
     from simgap.api.inputs import platform_config
+    from simgap.platforms import plain_config
 
-    return platform_config(pairs["platform"], pairs.get("joint"))
-
-
-def _kind_of(platform: dict[str, Any]) -> str:
-    from simgap.platforms import platform_from_config
-
-    return platform_from_config(platform).kind
+    return plain_config(platform_config(pairs["platform"], pairs.get("joint")))

@@ -83,15 +83,16 @@ def diagnose(config: DiagnoseStage, run: StageRun) -> None:
 def _own(config: DiagnoseStage, run: StageRun) -> "tuple[Recording, Simulator]":
     """Return a person's own recording and what is believed of its platform."""
     from simgap.api.flow import nominal_simulator, with_assumptions
-    from simgap.platforms import platform_from_config
+    from simgap.platforms import plain_config
 
     path = run.input(config.recording or "")
-    kind = platform_from_config(config.platform).kind
+    platform = plain_config(config.platform)
 
     from simgap.logs.opening import open_recording  # with pandas: after the platform has been checked
 
     mapping = run.input(config.mapping) if config.mapping else None
-    recording = with_assumptions(open_recording(path, kind, mapping, config.platform), config.platform)
+    recording = open_recording(path, platform["kind"], mapping, platform)
+    recording = with_assumptions(recording, config.platform)
     return recording, nominal_simulator(recording, config.platform, config.simulator, str(path))
 
 

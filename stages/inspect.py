@@ -48,7 +48,8 @@ def _show_proposed(log: "Log", proposal: "Proposal", path: Path, options: LogOpt
     usable = _shown(log, proposal, options)
     written = write_proposal(log, proposal, output)
     if usable:
-        print(f"wrote {written}, which a diagnosis uses without being told: {_command(path, options)}")
+        print(f"To diagnose it with these columns: {_command(path, options)}")
+        print(f"To change one: edit {written}, which holds them, and add mapping={shlex.quote(str(written))}")
         return
     shown = shlex.join(["simgap", "inspect", str(path), "--map", str(written)])
     print(

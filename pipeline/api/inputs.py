@@ -39,7 +39,8 @@ def load_recording(
         units: the unit of each column of a data frame or mapping that has another one than the contract's, for example
             `{"position": "deg"}`. A joint with `{"position": "m"}` slides. A file declares its own units.
         mapping: path of a YAML file that says which signal of a log is which column; `simgap inspect` proposes one.
-        platform: its keys, which a log needs that has speeds of the wheels and not of the motors.
+        platform: its keys, also in the short forms of a platform file; a log needs them that has speeds of the wheels
+            and not of the motors.
 
     Returns:
         The samples in the contract's units, with a sentence for each doubt in `warnings`.
@@ -48,6 +49,7 @@ def load_recording(
         InputError: when the recording cannot be used; the line names file, run, row and column.
     """
     from simgap.logs.opening import open_recording
+    from simgap.platforms import plain_config
     from simgap.recordings.recording import Recording, recording_from_table
 
     if isinstance(recording, Recording):
@@ -55,9 +57,8 @@ def load_recording(
     if isinstance(recording, str | Path):
         if units:
             raise InputError("a file declares its own units", "units", "give units with a data frame")
-        return open_recording(
-            Path(recording).expanduser(), kind, Path(mapping) if mapping else None, platform
-        )
+        numbers = None if platform is None else plain_config(platform)
+        return open_recording(Path(recording).expanduser(), kind, Path(mapping) if mapping else None, numbers)
     if mapping:
         raise InputError("a mapping is of a file", "mapping", "rename the columns of the data frame")
     return recording_from_table(_table(recording, units or {}), kind)

@@ -159,6 +159,7 @@ def diagnose(
         *on_limit,
         *_part(problem),
         *_changing(naming),
+        *untouched(naming, mismatches, [*counted, *(each.channel for each in unnamed)]),
         *_shortness(problem),
         *coarseness_of(coarse_axes(naming.fit, problem, channels), fitted.time_step),
         *_doubts(naming, problem, () if contradicted else memories, held_out),
@@ -316,6 +317,22 @@ def _changing(naming: Naming) -> list[str]:
     return [
         f"something {trend.sentence} and acts like {what}; no law of the catalogue changes slowly, so that it has no "
         "name, and the simulator has what acts on average"
+    ]
+
+
+def untouched(naming: Naming, mismatches: Sequence[Mismatch], accounted: Sequence[Channel]) -> list[str]:
+    """Return in which channels much is missing that neither a named effect nor a formula acts on.
+
+    The gap that closes is of the other channels.
+    """
+    known = {channel.name for channel in accounted}
+    much = [m for m in mismatches if m.channel.name not in known and m.share >= _NOTABLE_SHARE]
+    if not (naming.named and much):
+        return []
+    places = " and ".join(f"{m.channel.name} ({m.share:.0%} of the error)" for m in much)
+    return [
+        f"nothing that is named acts on {places}: what is missing there is not known, and the share of the gap that "
+        "closes leaves it out"
     ]
 
 

@@ -26,8 +26,8 @@ def log_lines(log: Log, proposal: Proposal, every: bool = False) -> Iterator[str
     used = dict.fromkeys(entry.source.signal for entry in proposal.columns.values())
     yield from signal_lines(log, list(used), every)
     yield from _run_lines(log, proposal)
-    yield ""
-    yield from _column_lines(proposal)
+    if not proposal.refusal:  # nothing that is missing would mend it
+        yield from ["", *_column_lines(proposal)]
     remarks = [*log.remarks, *proposal.notes]
     yield from (["", *remarks] if remarks else [])
 

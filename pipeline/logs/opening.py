@@ -10,6 +10,7 @@ import pyarrow as pa
 from simgap.errors import InputError
 from simgap.logs.correction import corrected
 from simgap.logs.formats import format_of, read_log
+from simgap.logs.given import as_proposal
 from simgap.logs.log import Log
 from simgap.logs.mapping import Mapping, completed, read_mapping
 from simgap.logs.proposal import Proposal, grouped, lacking, propose
@@ -46,10 +47,11 @@ def open_recording(
     if mapping is not None:
         log, chosen = read_log(path), mapping_for(path, mapping, kind)
         upon = corrected(log, chosen, mapping.name, platform)
-        if upon is not None:
-            _require(log, upon, path)
-            chosen = upon.mapping()
-        return recording_of(log, chosen, platform)
+        if upon is None:
+            _require_lines(log, chosen, mapping)
+            return recording_of(log, chosen, platform)
+        _require(log, upon, path)
+        return recording_of(log, upon.mapping(), platform)
     found = recording_as_it_is(path, kind)
     if found is not None:
         return found
@@ -109,6 +111,16 @@ def _is_recording(path: Path) -> bool:
     present = set(header_of(path))
     known = any(present <= {*INDEX_COLUMNS, *COLUMNS[kind]} for kind in KINDS)
     return "t" in present and (known or any(not lacking(kind, present) for kind in KINDS))
+
+
+def _require_lines(log: Log, chosen: Mapping, path: Path) -> None:
+    """Refuse a mapping that lacks columns, with what is known of the first of them."""
+    lost = lacking(chosen.kind, set(chosen.columns))
+    if lost:
+        known = as_proposal(log, chosen, path.name).missing
+        advice = next((known[column] for column in lost if column in known), "add a line for each")
+        advice = f"{advice[0].lower()}{advice[1:].rstrip('.')}"
+        raise InputError(f"has no line for {grouped(lost)}, which a {chosen.kind} needs", str(path), advice)
 
 
 def _require(log: Log, proposal: Proposal, path: Path) -> None:

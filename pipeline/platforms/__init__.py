@@ -1,7 +1,12 @@
 """Floor 2: platforms, the known parameters of a machine before identification."""
 
 from simgap.platforms.joint import Controller, Joint, JointMotor
-from simgap.platforms.load import platform_assumptions, platform_from_config, platform_to_config
+from simgap.platforms.load import (
+    plain_config,
+    platform_assumptions,
+    platform_from_config,
+    platform_to_config,
+)
 from simgap.platforms.quadrotor import Quadrotor
 from simgap.platforms.swerve import DirectCurrentMotor, SteerAxis, Swerve, SwerveAxis
 
@@ -17,6 +22,7 @@ __all__ = [
     "SteerAxis",
     "Swerve",
     "SwerveAxis",
+    "plain_config",
     "platform_assumptions",
     "platform_from_config",
     "platform_to_config",

@@ -71,6 +71,19 @@ def platform_to_config(platform: Quadrotor | Swerve | Joint) -> dict[str, Any]:
     return {"kind": platform.kind} | _listed(given)
 
 
+def plain_config(config: Any, where: str = "platform") -> dict[str, Any]:
+    """Return the keys of a platform without shorthands: a motor by its constants, a wheel by its radius.
+
+    Args:
+        config: as for `platform_from_config`.
+        where: the configuration key to name in an error.
+
+    Raises:
+        InputError: as `platform_from_config`.
+    """
+    return platform_to_config(platform_from_config(config, where))
+
+
 def _in_common(values: Mapping[str, Any]) -> Callable[[type], int]:
     return lambda cls: len(values.keys() & {field.name for field in dataclasses.fields(cls)})
 

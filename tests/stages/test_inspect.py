@@ -5,7 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
+from simgap.platforms import plain_config
 from simgap.recordings.recording import read_recording
 from simgap.stages.import_ import main as import_log
 from simgap.stages.inspect import main as inspect_log
@@ -135,6 +137,37 @@ def test_a_platform_gives_the_numbers_that_a_mapping_needs(
             import_log([*given[:3], wrong, *given[4:]])
         assert ended.value.code == 2
         assert said in capsys.readouterr().err
+
+
+def test_a_platform_in_short_forms_gives_the_same_numbers(log: Path) -> None:
+    """A motor that is named has a gear ratio and constants, too."""
+    Path("arm.yaml").write_text("inertia: 0.01\nmotor: {name: XM430-W350, gear_ratio: 2}\n")
+    Path("mine.yaml").write_text(MAPPING.replace("unit: deg}", "unit: deg, ratio: motor.gear_ratio}"))
+    with pytest.raises(SystemExit) as ended:
+        import_log([str(log), "--map", "mine.yaml", "platform=arm.yaml", "-o", "recording.parquet"])
+    assert not ended.value.code
+    frame = read_recording("recording.parquet").frame
+    turned = plain_config({"kind": "joint", **yaml.safe_load(Path("arm.yaml").read_text())})
+    np.testing.assert_allclose(frame["position"], turned["motor"]["gear_ratio"] * np.sin(frame["t"]))
+
+
+@pytest.mark.parametrize(
+    ("kept", "lost", "advice"),
+    [
+        ("velocity: {from: C, unit: deg/s}", "'position', 'effort'", "it may be {from: B, unit: deg}"),
+        ("position: {from: B, unit: deg}", "'effort'", "log what the controller gives"),
+    ],
+)
+def test_an_import_with_a_mapping_that_lacks_columns_names_all_of_them(
+    log: Path, capsys, kept, lost, advice
+) -> None:
+    """The line says which signal it may be, or what the controller has to log, as `simgap inspect --map` does."""
+    Path("mine.yaml").write_text(f"kind: joint\nt: {{from: A, unit: ms}}\n{kept}\n")
+    with pytest.raises(SystemExit) as ended:
+        import_log([str(log), "--map", "mine.yaml", "-o", "recording.parquet"])
+    assert ended.value.code == 2
+    line = capsys.readouterr().err
+    assert f"mine.yaml: has no line for {lost}, which a joint needs; {advice}" in line
 
 
 def shown_with(mapping: str, capsys: pytest.CaptureFixture[str], *more: str) -> str:

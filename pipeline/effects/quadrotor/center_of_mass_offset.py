@@ -19,8 +19,8 @@ class CenterOfMassOffset(WrenchEffect):
     formula = "τ_x = −offset_y · T, τ_y = +offset_x · T"
     source = "rigid-body statics: τ = −c × T·e_z for a centre of mass at c"
     sentence = (
-        "The centre of mass is off by {offset_x} m forward and {offset_y} m to the left; move the battery or "
-        "correct the simulator."
+        "The centre of mass is off by {offset_x} m along x (forward) and {offset_y} m along y (left); move the battery "
+        "or correct the simulator."
     )
     excitation = "climb and descend hard without turning, so that thrust changes while torque should not"
     symptom = "Hover needs a constant roll or pitch torque, which grows with the thrust."

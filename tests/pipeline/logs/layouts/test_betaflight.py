@@ -11,6 +11,7 @@ import yaml
 from simgap.logs.formats import read_log
 from simgap.logs.layouts.betaflight import propose
 from simgap.logs.layouts.powered import flights_of
+from simgap.logs.listing import log_lines
 from simgap.logs.log import Log, Signal, Span
 from simgap.logs.opening import open_recording
 from tests.pipeline.logs.layouts.blackbox_flights import SIGNS, blackbox_of, order_of
@@ -114,7 +115,11 @@ def test_rotor_speeds_come_from_the_electrical_ones(tmp_path):
     ],
 )
 def test_a_log_without_a_flight_is_refused(tmp_path, change, said):
-    assert said in proposal_of(tmp_path, blackbox_of(change(own_flight()))).refusal
+    proposal = proposal_of(tmp_path, blackbox_of(change(own_flight())))
+    assert said in proposal.refusal
+    shown = "\n".join(log_lines(read_log(tmp_path / "log.bbl"), proposal))
+    assert "motor[0]" in shown
+    assert "missing" not in shown
 
 
 def test_a_wing_and_another_kind_are_refused(tmp_path):
