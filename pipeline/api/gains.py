@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from simgap.platforms import Platform
     from simgap.recordings.recording import Recording
 
+_NEVER_NEGATIVE = ("kS", "kV", "kA")
+"""Friction, back-EMF and inertia have a sign; the load kG may pull either way."""
+
 
 def motor_gains(recording: "Recording", platform: "Platform", seed: int = 0) -> "Identified | None":
     """Return the gains of a joint's motor with their standard errors; None where no voltage drives it.
@@ -44,8 +47,8 @@ def write_gains(found: "Identified", folder: Path) -> None:
 
 
 def gains_line(found: "Identified") -> str:
-    """Return the gains as one line for the terminal."""
-    from simgap.report.text import estimate, with_unit
+    """Return the gains as one line for the terminal, with those that no motor can have."""
+    from simgap.report.text import estimate, listed, with_unit
 
     gains = next(iter(found.parameters.values()))
     said = [
@@ -53,4 +56,6 @@ def gains_line(found: "Identified") -> str:
         for name, gain in gains.items()
         if gain.value is not None
     ]
-    return f"feedforward gains of the motor: {', '.join(said)}"
+    wrong = [name for name in _NEVER_NEGATIVE if name in gains and (gains[name].value or 0.0) < 0.0]
+    doubt = f". No motor has {listed(wrong, 'or')} below zero: do not use these gains" if wrong else ""
+    return f"feedforward gains of the motor: {', '.join(said)}{doubt}"
