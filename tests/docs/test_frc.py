@@ -7,13 +7,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
+from simgap.logs.formats import read_log
+from simgap.logs.proposal import propose
 from simgap.platforms import platform_from_config
 from simgap.recordings.recording import read_recording
 from tests.contract_checker import read_diagnosis
 from tests.pipeline.logs.sysid_routine import TESTS, write_routine
+from tests.pipeline.logs.wpilog_encoder import Writer
 
 PAGE = Path(__file__).parents[2] / "docs" / "how_to" / "frc.md"
 FRICTION = 25.0  # N
@@ -54,3 +58,18 @@ def test_one_command_gives_gains_and_names_the_friction(tmp_path: Path) -> None:
         assert gains[name]["value"] == pytest.approx(value, rel=0.02), name
     assert "feedforward gains of the motor: kS 0.28" in done.stdout
     assert "Identified parameters" in (answer / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_names_that_a_swerve_drive_is_told_to_log_need_no_mapping(tmp_path: Path) -> None:
+    """Each is a column of its module, with its unit."""
+    names = re.findall(r'name \+ "(\w+)"', PAGE.read_text(encoding="utf-8"))
+    assert len(names) == 5
+    log, time = Writer(), 0.02 * np.arange(400)
+    for module in range(4):
+        for name in names:
+            volts = 6.0 * np.sin(time + module)
+            log.doubles(f"/Drive/Module{module}/{name}", time, volts * (8.0 if "Velocity" in name else 1.0))
+    proposal = propose(read_log(log.write(tmp_path / "drive.wpilog")), None)
+    assert proposal.kind == "swerve"
+    assert proposal.is_sure
+    assert len(proposal.columns) == 20
