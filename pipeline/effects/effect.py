@@ -14,7 +14,7 @@ import torch
 from torch import Tensor
 
 from simgap.effects.parameter import Parameter
-from simgap.effects.sizes import size_of, sizes_of
+from simgap.effects.sizes import sizes_of
 from simgap.physics.shapes import Channels, Signal, Signals
 
 Values = Mapping[str, Any]
@@ -117,13 +117,13 @@ class Effect(ABC):
             constants: of its platform; without them the effort that a voltage gives is taken to be 1.
         """
         sizes = sizes_of(self.kind, signals, constants or {})
-        factor = {parameter.name: size_of(parameter.unit, sizes) for parameter in self.parameters}
+        factor = {parameter.name: parameter.size_in(sizes) for parameter in self.parameters}
         return [{name: factor[name] * value for name, value in start.items()} for start in self.starts()]
 
     def parameters_in(self, signals: Signals, constants: Values | None = None) -> tuple[Parameter, ...]:
         """Return the parameters with the default and the bounds that suit a recorded machine; see `starts_in`."""
         sizes = sizes_of(self.kind, signals, constants or {})
-        return tuple(parameter.times(size_of(parameter.unit, sizes)) for parameter in self.parameters)
+        return tuple(parameter.of_size(sizes) for parameter in self.parameters)
 
     def odds_in(self, constants: Values) -> float:
         """Return the prior odds beside what a platform says; where its numbers do not matter, the `prior_odds`."""

@@ -29,7 +29,9 @@ On a sliding joint read N for N·m and m for rad.
 
 The fit of a joint does not depend on its size. It multiplies default and bounds by the typical effort, travel, speed
 and current of the recording, each to the power with which it enters the parameter's unit: read 0.1 N·m as a tenth of
-the typical effort.
+the typical effort. Defaults of a quadrotor are those of the racer of `conf/platform/racer.yaml`, and of a swerve drive
+those of `conf/platform/swerve_robot.yaml`. Lengths grow with the arms or wheels of the platform, torques with its
+weight at their end, and the inertia of rotors with that torque over their speed in hover.
 """
 
 

@@ -7,7 +7,6 @@ import torch
 from torch import Tensor
 
 from simgap.effects import Effect, Parameter
-from simgap.effects.sizes import size_of
 from simgap.equations.problem import Problem
 from simgap.simulation import FittedEffect, Simulator
 
@@ -184,7 +183,7 @@ def _difference(
 
 def _step(value: float, parameter: Parameter, problem: Problem) -> float:
     """Return the step of a finite difference, in the parameter's unit, that stays within its bounds."""
-    usual = parameter.default * size_of(parameter.unit, problem.sizes)
+    usual = parameter.default * parameter.size_in(problem.sizes)
     step = _DIFFERENCE * max(abs(value), abs(usual))
     return -step if value + step > parameter.high else step
 

@@ -22,6 +22,8 @@ CALIBRATION = _PACKAGE / "gap" / "calibration.yaml"
 
 MODULES = (
     "effects/dry_friction",
+    "effects/parameter",
+    "effects/sizes",
     "equations/command_gain",
     "equations/derived_noise",
     "equations/encoder",

@@ -69,11 +69,11 @@ def density_of(effect: Effect, parameter: Parameter, scales: Scales) -> Density:
     if parameter.name == effect.driver_at_rest:
         return Density("normal", *scales.driver(effect, parameter))
     if _is_size(effect, parameter) and not parameter.typical:
-        width = known or _DEFAULTS * abs(parameter.default)
+        width = known or _DEFAULTS * parameter.usual_in(scales.sizes)
         return Density("t", parameter.neutral, width, parameter.low == parameter.neutral)
     if parameter.unit == "1" and not (parameter.is_limit or parameter.typical):
         return Density("uniform", 0.5, parameter.high - parameter.low)
-    size = abs(parameter.default)
+    size = parameter.usual_in(scales.sizes)
     return Density("log", size if parameter.typical else known or size, _SHAPE_WIDTH)
 
 

@@ -28,7 +28,7 @@ class SlungPayload(ActuatorEffect, WrenchEffect):
     acts_on = "force"
     parameters = (
         Parameter("mass_ratio", "1", 0.1, 0.0, 1.0),
-        Parameter("length", "m", 0.8, 0.1, 5.0, neutral=1.0),
+        Parameter("length", "m", 0.8, 0.1, 5.0, neutral=1.0, alike=True),
     )
     needs = ("attitude", "velocity")
     formula = (

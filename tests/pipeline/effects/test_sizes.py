@@ -1,8 +1,12 @@
 """Starts and bounds of a joint's effects follow the recorded machine, in whatever units it is spoken of."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 import torch
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import least_squares
@@ -10,10 +14,11 @@ from torch import Tensor
 
 from simgap.effects import Effect, effect_by_key, effects_of
 from simgap.effects.sizes import POWERS, size_of, sizes_of
-from simgap.platforms import Joint, JointMotor
+from simgap.platforms import Joint, JointMotor, Quadrotor, platform_from_config
 from simgap.simulation import FittedEffect, Simulator
-from tests.pipeline.platforms.machines import JOINT
+from tests.pipeline.platforms.machines import JOINT, QUADROTOR
 
+ROOT = Path(__file__).parents[3]
 TIME_STEP = 0.01  # s
 LOAD = st.floats(-6.0, 6.0).map(lambda power: 10.0**power)
 EFFECT = pytest.mark.parametrize("effect", effects_of("joint"), ids=lambda effect: effect.name)
@@ -89,6 +94,44 @@ def test_what_a_recording_does_not_show_has_no_size():
     silent = {name: torch.zeros_like(series) for name, series in swung().items()}
     assert sizes_of("joint", silent, {}) == {}
     assert sizes_of("joint", swung(driven="voltage"), {}).keys() == {"travel", "speed"}
+
+
+@pytest.mark.parametrize("name", ["racer", "swerve_robot"])
+def test_the_numbers_of_the_catalogue_hold_for_a_machine_of_its_platforms(name):
+    platform = platform_from_config(yaml.safe_load((ROOT / f"conf/platform/{name}.yaml").read_text()))
+    sizes = sizes_of(platform.kind, {}, Simulator(platform).constants())
+    assert sizes == pytest.approx(dict.fromkeys(sizes, 1.0), rel=1e-3)
+
+
+@settings(max_examples=20)
+@given(length=LOAD, mass=LOAD, coefficient=LOAD)
+def test_numbers_of_a_quadrotor_grow_with_the_machine(length, mass, coefficient):
+    """Its arms are so many times as long, its mass and thrust so many times as great."""
+    small, large = (
+        Simulator(machine).constants() for machine in (QUADROTOR, larger(length, mass, coefficient))
+    )
+    turning = (mass / coefficient) ** 0.5
+    expected = {
+        "m": length,
+        "m²": length**2,
+        "N·s": mass * length,
+        "kg·m²": mass * length / turning,
+        "1/s": 1.0,
+    }
+    for unit, factor in expected.items():
+        first, other = (size_of(unit, sizes_of("quadrotor", {}, numbers)) for numbers in (small, large))
+        assert other / first == pytest.approx(factor, rel=1e-6)
+    cable = effect_by_key("quadrotor", "slung_payload")
+    assert cable.parameters_in({}, large)[1] == cable.parameters[1]
+
+
+def larger(length: float, mass: float, coefficient: float) -> Quadrotor:
+    """Return the quadrotor of the tests that many times as large."""
+    positions = tuple(tuple(length * x for x in rotor) for rotor in QUADROTOR.rotor_positions)
+    thrust = coefficient * QUADROTOR.thrust_coefficient
+    return replace(
+        QUADROTOR, mass=mass * QUADROTOR.mass, rotor_positions=positions, thrust_coefficient=thrust
+    )
 
 
 def test_near_a_resonance_the_effort_is_what_the_spring_and_the_inertia_take():

@@ -14,9 +14,10 @@ from simgap.gap.prior import Density, densities_of, density_of, log_odds
 from simgap.gap.reading import Reading, readings_of
 from simgap.gap.scales import Scales
 from simgap.gap.settings import Gap
+from simgap.platforms import Quadrotor
 from simgap.recordings.recording import Recording
 from simgap.simulation import FittedEffect, Simulator
-from tests.pipeline.gap.recordings import Plant, joint_recordings, joint_simulator
+from tests.pipeline.gap.recordings import Plant, flown, joint_recordings, joint_simulator, racer
 from tests.pipeline.gap.units import driven_by_effort, in_units
 
 SCALES = Scales({"effort": 2.0, "travel": 0.5, "speed": 5.0}, {"temperature": (40.0, 5.0)})
@@ -175,6 +176,36 @@ def test_the_evidence_for_an_effect_does_not_depend_on_units(names, effort, trav
     assert scaled_with_it.score - scaled_before.score == pytest.approx(with_it.score - before.score, abs=0.05)
     for f, scaled in zip(with_it.fit.simulator.free, scaled_with_it.fit.simulator.free, strict=True):
         assert scaled.effect.key == f.effect.key
+
+
+@pytest.mark.parametrize(
+    "names",
+    [("center_of_mass_offset",), ("rotor_inertia_torque",), ("blade_flapping_moment", "axial_inflow")],
+)
+@pytest.mark.parametrize("length", [0.2, 30.0])
+def test_the_evidence_for_an_effect_does_not_depend_on_the_length_of_the_arms(names, length):
+    """Arms, inertia and torques of the rotors that are so many times as large give the same motion."""
+    recording = flown((), 0, 4)
+    gained = []
+    for machine in (racer(), _longer(racer(), length)):
+        reading = readings_of(recording, Simulator(machine), Gap())[0]
+        numbers, signals = reading.nominal.constants(), reading.problem.blocks.signals
+        effects = [effect_by_key("quadrotor", name) for name in names]
+        sized = [{p.name: p.default for p in effect.parameters_in(signals, numbers)} for effect in effects]
+        with_it = reading.nominal.with_effects(tuple(map(FittedEffect, effects, sized)))
+        before, after = (weigh(fit(s, reading.problem), reading) for s in (reading.nominal, with_it))
+        gained.append((after.score - before.score, after.occam))
+    assert gained[1] == pytest.approx(gained[0], abs=0.05)
+
+
+def _longer(machine: Quadrotor, length: float) -> Quadrotor:
+    """Return a quadrotor whose torques and inertia are that many times as large, and whose forces are the same."""
+    return replace(
+        machine,
+        inertia=tuple(length * inertia for inertia in machine.inertia),
+        rotor_positions=tuple(tuple(length * x for x in rotor) for rotor in machine.rotor_positions),
+        torque_coefficient=length * machine.torque_coefficient,
+    )
 
 
 @pytest.mark.parametrize("name", ["coulomb_friction", "constant_load", "motor_inductance"])
