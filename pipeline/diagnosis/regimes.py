@@ -7,6 +7,8 @@ import torch
 from torch import Tensor
 
 _AXES = ("x", "y", "z")
+_ROUNDING = 1e-9
+"""Of the range of a variable, by which means over a window of one value may differ."""
 
 
 @dataclass(frozen=True)
@@ -79,8 +81,14 @@ def _swerve(signals: Mapping[str, Tensor], position_unit: str) -> list[Regime]:
 
 
 def quantile_edges(values: Tensor, bins: int) -> Tensor:
-    """Return the edges of bins that hold about equally many values; fewer where values repeat."""
-    return torch.unique(torch.quantile(values, torch.linspace(0, 1, bins + 1, dtype=values.dtype)))
+    """Return the edges of bins that hold about equally many values; fewer where values repeat.
+
+    Values that differ by rounding alone, as those of a command that is held, are one value and lie in one bin.
+    """
+    edges = torch.unique(torch.quantile(values, torch.linspace(0, 1, bins + 1, dtype=values.dtype)))
+    rounding = _ROUNDING * (edges[-1:] - edges[:1])
+    inner = edges[1:][edges.diff() > rounding]
+    return torch.cat([edges[:1], inner[:-1] - rounding, inner[-1:]])
 
 
 def parted_at_zero(edges: Tensor) -> Tensor:

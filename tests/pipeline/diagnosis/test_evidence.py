@@ -1,5 +1,7 @@
 import pytest
 import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from simgap.diagnosis.diagnose import acting_regimes, regimes_on
 from simgap.diagnosis.evidence import _depends_on, _law
@@ -63,6 +65,23 @@ def test_a_law_over_values_that_repeat_is_drawn(level):
     drawn = _drawn(0.3 * values, [_regime("voltage", values)])
     assert drawn["x"][0] == pytest.approx(level)
     assert drawn["law"] == [pytest.approx(0.3 * level), None, pytest.approx(0.3 * drawn["x"][-1])]
+
+
+@settings(max_examples=50)
+@given(
+    levels=st.lists(st.integers(-9, 9), min_size=3, max_size=5, unique=True),
+    size=st.floats(1e-6, 1e6),
+    seed=st.integers(0, 99),
+)
+def test_values_that_differ_by_rounding_are_one_value(levels, size, seed):
+    random = torch.Generator().manual_seed(seed)
+    exact = size * torch.tensor(sorted(levels), dtype=torch.float64).repeat_interleave(100)
+    rounded = exact * (1.0 + 1e-15 * torch.randn(len(exact), dtype=torch.float64, generator=random))
+    expected, found = (_drawn(0.3 * exact, [_regime("effort", values)]) for values in (exact, rounded))
+    assert found["x"] == pytest.approx(expected["x"], abs=1e-9 * size)
+    assert [height is None for height in found["law"]] == [height is None for height in expected["law"]]
+    heights = ([height for height in drawn["law"] if height is not None] for drawn in (found, expected))
+    assert next(heights) == pytest.approx(next(heights), abs=1e-9 * size)
 
 
 def test_an_effect_of_no_such_variable_is_drawn_over_any():
