@@ -33,7 +33,7 @@ def log_lines(log: Log, proposal: Proposal, every: bool = False) -> Iterator[str
 
 
 def signal_lines(log: Log, used: Sequence[str], every: bool = False) -> Iterator[str]:
-    """Yield what a log says of itself, and its signals.
+    """Yield what a log says of itself, and its signals: those that never change come last.
 
     Args:
         log: as it was read.
@@ -46,10 +46,11 @@ def signal_lines(log: Log, used: Sequence[str], every: bool = False) -> Iterator
     if not every and len(facts) > _FACTS:
         yield f"and {len(facts) - _FACTS} more facts: --all lists them"
     yield ""
-    names = [
-        *(name for name in used if name in log.signals),
-        *(name for name in log.signals if name not in used),
-    ]
+    first = [name for name in used if name in log.signals]
+    others = sorted(
+        (name for name in log.signals if name not in used), key=lambda n: _is_constant(log.signals[n])
+    )
+    names = [*first, *others]
     shown = names if every else names[:_SHOWN]
     wide = min(max([len(name) for name in shown], default=6), _NAME)
     clock = "row" if log.tabular else "Hz"
@@ -58,6 +59,11 @@ def signal_lines(log: Log, used: Sequence[str], every: bool = False) -> Iterator
     yield from (f"{name} holds text" for name in log.texts)
     if len(names) > len(shown):
         yield f"and {len(names) - len(shown)} more: --all lists them"
+
+
+def _is_constant(signal: Signal) -> bool:
+    known = signal.values[np.isfinite(signal.values)]
+    return len(known) == 0 or bool((known == known[0]).all())
 
 
 def _signal_line(signal: Signal, wide: int, tabular: bool) -> str:
