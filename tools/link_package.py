@@ -16,7 +16,7 @@ def link_package(folder: Path) -> None:
     wanted = {path.name: path for path in (ROOT / "pipeline").iterdir() if path.name != "__pycache__"}
     wanted |= {name: ROOT / name for name in ("stages", "conf")}
     for link in package.iterdir():
-        if link.name not in wanted:
+        if link.is_symlink() and link.name not in wanted:  # a program that ran from here leaves its cache
             link.unlink()
     for name, target in wanted.items():
         link = package / name
