@@ -180,6 +180,7 @@ def test_a_recording_of_another_kind_is_refused():
         diagnose(raw(1), {"gravity_torque": 1.0})
 
 
+@pytest.mark.slow
 def test_it_writes_nothing_and_needs_no_tracking(answer, tmp_path):
     write_recording(raw(), tmp_path / "bench.parquet")
     (tmp_path / "axis.yaml").write_text(yaml.safe_dump(platform_config(JOINT)))

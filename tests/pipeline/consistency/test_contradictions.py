@@ -25,6 +25,7 @@ def scaled(recording: Recording, factor: float, *columns: str) -> Recording:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_sample_of_every_corruption_is_caught_with_its_cause_first(kind, capsys):
     rows = tabulate(kind, sample(kind), limit=1, every=EVERY[kind])
@@ -38,6 +39,7 @@ def test_a_sample_of_every_corruption_is_caught_with_its_cause_first(kind, capsy
     assert right == tried
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_faults_of_rows_are_mended_and_said_and_no_contradiction(kind, capsys):
     rows = tabulate_rows(kind, sample(kind), limit=1)

@@ -1,10 +1,12 @@
 """A contradiction that is likely and not clear: names hold only if there is none."""
 
+import functools
+
 import pytest
 
 from simgap.consistency import check, contradictions
 from simgap.consistency.checked import Checked
-from simgap.diagnosis.diagnose import diagnose
+from simgap.diagnosis.diagnose import Diagnosis, diagnose
 from simgap.gap.settings import Gap
 from simgap.plants.concealed import record_concealed
 from simgap.platforms import platform_from_config
@@ -52,11 +54,17 @@ def test_a_wrong_sign_is_no_lag():
     assert (found.column, found.suspected) == ("effort", "sign")
 
 
+@functools.cache
+def diagnosed(checked: Checked) -> Diagnosis:
+    """Return the diagnosis of a joint that rubs."""
+    return diagnose(joint_recording(Plant(friction=0.3)), Simulator(JOINT), SETTINGS, checked)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("doubt", [0.0, 0.04, 0.3, 0.8])
 def test_names_hold_only_if_the_columns_are_what_they_are_taken_for(doubt):
-    recording = joint_recording(Plant(friction=0.3))
-    sure = diagnose(recording, Simulator(JOINT), SETTINGS, Checked())
-    found = diagnose(recording, Simulator(JOINT), SETTINGS, Checked((), SUSPECTED, doubt))
+    sure = diagnosed(Checked())
+    found = diagnosed(Checked((), SUSPECTED, doubt))
     assert found.probabilities == {
         key: pytest.approx((1.0 - doubt) * probability, abs=0.006)
         for key, probability in sure.probabilities.items()

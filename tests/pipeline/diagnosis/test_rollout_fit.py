@@ -61,6 +61,7 @@ def test_values_that_no_prediction_bears_out_are_replaced():
     assert fitted.std["coefficient"] < 0.02 * _DAMPING
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_kept_slopes_lead_to_the_same_values_with_fewer_predictions(monkeypatch, noise):
     names = ("viscous_friction", "inertia_error", "motor_constant_error")

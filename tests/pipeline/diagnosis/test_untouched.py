@@ -23,6 +23,7 @@ def naming() -> Naming:
     return diagnose(recording, joint_simulator(), Gap(effects=["coulomb_friction"])).naming
 
 
+@pytest.mark.slow
 def test_a_channel_that_no_name_and_no_formula_acts_on_is_said(naming):
     found = [failing(TORQUE, 0.6), failing(FORCE, 0.4)]
     (said,) = untouched(naming, found, [TORQUE])
@@ -30,5 +31,6 @@ def test_a_channel_that_no_name_and_no_formula_acts_on_is_said(naming):
     assert untouched(naming, found, [TORQUE, FORCE]) == []
 
 
+@pytest.mark.slow
 def test_a_small_share_is_not_said(naming):
     assert untouched(naming, [failing(TORQUE, 0.95), failing(FORCE, 0.05)], [TORQUE]) == []

@@ -43,6 +43,7 @@ def test_an_offset_of_clocks_is_found_where_they_deviate_from_run_to_run():
     assert abs(values[0]) == pytest.approx(offset, rel=0.25)
 
 
+@pytest.mark.slow
 def test_a_limit_is_found_beside_a_wrong_constant():
     """Beside the nominal constant the limit looks like another one, and where it is not reached it has no slope."""
     recording = joint_recording(Plant(motor_constant=0.88, current_limit=LIMIT))

@@ -51,6 +51,7 @@ def named_where(acts, viscous=0.0):
     return named(joint_recording(plant, runs=8), joint_simulator())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("acts", "runs"),
     [
@@ -68,6 +69,7 @@ def test_friction_in_some_runs_is_named_with_these_runs(acts, runs):
     assert found.verdict == "missing_physics"
 
 
+@pytest.mark.slow
 def test_only_held_out_runs_with_the_effect_judge_the_fit():
     found, _ = named_where((1, 1, 1, 0, 0, 0, 0, 0))
     assert found.validation.gap_closed is None
@@ -97,6 +99,7 @@ def test_friction_in_some_runs_beside_other_friction_in_all_is_found():
     assert effects["viscous_friction"]["parameters"]["coefficient"]["value"] == pytest.approx(0.03, rel=0.05)
 
 
+@pytest.mark.slow
 def test_friction_that_begins_within_the_only_run_is_found_to_a_block():
     random, half = np.random.default_rng(3), 28.0
     voltage = voltages(3, 4000, random).reshape(1, -1)

@@ -9,6 +9,7 @@ from tests.pipeline.gates.tracks import track_named
 from tests.pipeline.perception.eyes import perception, standing_before
 
 
+@pytest.mark.slow
 def test_three_laps_with_the_gates_are_five_times_better_than_odometry_alone():
     """Ten images a second: fewer than a camera takes."""
     settings, track = perception(), track_named("split_s")

@@ -1,13 +1,14 @@
 """The compiled search for first swings pulls as the cable of the simulator does."""
 
 import numpy as np
+import pytest
 import torch
 
 from simgap.physics.cable import Cable, pull
 from simgap.physics.swing_search import Swinging, first_swings
 
 LENGTH, RATIO, STEP, MEMORY = 0.6, 0.2, 0.03, 0.2
-STEPS = 200
+STEPS = 150
 
 
 def record(towards: torch.Tensor, turning: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
@@ -17,13 +18,14 @@ def record(towards: torch.Tensor, turning: torch.Tensor) -> tuple[torch.Tensor, 
     """
     cable, gravity = Cable(LENGTH, 9.81, STEP), torch.zeros(1, STEPS, 3, dtype=torch.float64)
     gravity[..., 2] = -9.81
-    for _ in range(20):  # the pull changes what acts on the cable
+    for _ in range(10):  # the pull changes what acts on the cable
         directions, rates = cable.steps(towards, turning, gravity, 1)
         pulled = RATIO * pull(directions, rates, gravity, LENGTH)
         gravity = torch.cat([-pulled[..., :2], gravity[..., 2:]], dim=-1)
     return gravity, directions
 
 
+@pytest.mark.slow
 def test_a_known_first_swing_is_found() -> None:
     """Without noise, a swing of 0.3 rad is found to a hundredth of a rad, whatever the prior says."""
     angle = 0.3

@@ -149,6 +149,7 @@ def test_commands_become_rotor_speeds_as_the_key_says(racer, key, strength):
     assert after.square().sum() < 0.05 * before.square().sum()
 
 
+@pytest.mark.slow
 def test_rotors_turn_at_the_scale_of_the_key(racer):
     seen, truth = flown(racer, {"command_scale_error": 1.06})
     constants = QuadrotorMechanism(racer).constants()
@@ -159,6 +160,7 @@ def test_rotors_turn_at_the_scale_of_the_key(racer):
     assert (seen["rotor_speed"] / expected - 1.0).abs().max() < 0.01  # motors differ by a little
 
 
+@pytest.mark.slow
 def test_the_pendulum_of_the_catalogue_pulls_as_the_payload_does(racer):
     seen, truth = flown(racer, {"slung_payload": {"mass_ratio": 0.2, "length": 0.6}})
     mechanism, effect = QuadrotorMechanism(racer), effect_by_key("quadrotor", "slung_payload")

@@ -24,6 +24,7 @@ def recorded(kind: str, **case):
     return record_case(case_from_config(kind, known), platform, 5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", MACHINES)
 def test_runs_before_are_without_the_effect_and_those_after_with_it(kind):
     begun, key = recorded(kind, begins_in_run=3)

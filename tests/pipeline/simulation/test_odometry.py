@@ -54,6 +54,7 @@ def error_of(simulator: Simulator, blocks: Blocks) -> float:
     return float((predicted - recorded)[..., :2].abs().max() / recorded[..., :2].abs().max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keys", [[key] for key in EFFECTS] + [list(EFFECTS)], ids=str)
 def test_the_true_simulator_shows_the_recorded_wheels_again(keys):
     machine = with_effects(*keys)

@@ -53,6 +53,7 @@ def proposal_of(folder: Path, content: bytes):
     return propose(read_log(path), None)
 
 
+@pytest.mark.slow
 def test_columns_come_out_as_they_were_flown(tmp_path):
     flown = own_flight(seconds=3.5, runs=2)
     (tmp_path / "log.bbl").write_bytes(blackbox_of(flown))

@@ -54,6 +54,7 @@ def test_a_race_goes_on_beyond_the_episodes_of_the_training():
     assert float(steps.max()) < 0.2  # 8 m/s, and nobody is put elsewhere
 
 
+@pytest.mark.slow
 def test_a_lap_with_a_crash_is_no_lap(environment):
     laps = fly_laps(environment, Carried(environment, speed=8.0, radius=5.7), seed=0, seconds=5.0)
     assert laps.passed.tolist() == [0, 0, 0]

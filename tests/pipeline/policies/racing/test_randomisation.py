@@ -42,6 +42,7 @@ def test_drag_takes_energy_and_thrust_is_in_proportion():
     torch.testing.assert_close(drawn_wrench(lifting, hovering, torch.tensor([0.1, 0.1, 0.005])), expected)
 
 
+@pytest.mark.slow
 def test_racing_with_what_is_drawn_keeps_to_the_contract(environment):
     check_contract(environment, steps=40)
 
