@@ -5,12 +5,14 @@ from itertools import permutations
 import numpy as np
 
 from simgap.consistency.frames import frame_faults
+from simgap.consistency.rotors import TURNED
 from simgap.consistency.samples import Samples
 from simgap.consistency.transformation import Transformation, mapping, scaled, taken
 from simgap.consistency.units import ANGULAR_RATE, CLOCK, FORCE, LENGTH, SPEED, in_two_units, in_units
 
 _ORDER = 0.008  # each of the 23 other orders of four motors; together as likely as all else
 _THRUST = 0.04
+_DIRECTIONS = 0.04  # racers fly with propellers either way round
 _MOTOR_UNITS = (
     ("turns_per_minute", 30.0 / np.pi, 0.06, "unit: rpm"),
     ("rotations", 0.5 / np.pi, 0.03, "unit: rev/s"),
@@ -60,11 +62,23 @@ def _motors(samples: Samples) -> list[Transformation]:
                 found.append(taken("motor_order", name, sources, share * _ORDER, words))
     if "motor_speed" in stems:
         found += in_units("motor_speed_1..4", _four("motor_speed"), _MOTOR_UNITS)
+    if stems:
+        found.append(_turned(tuple(column for stem in stems for column in _four(stem))))
     return found + (_commands(samples) if "motor_command" in stems else [])
 
 
 def _four(stem: str) -> tuple[str, ...]:
     return tuple(f"{stem}_{rotor}" for rotor in "1234")
+
+
+def _turned(columns: tuple[str, ...]) -> Transformation:
+    """Return the transformation in which all rotors turn the other way than the platform file says."""
+
+    def mend(samples: Samples) -> dict[str, np.ndarray]:
+        return {TURNED: np.full(len(samples["t"]), -1.0)}
+
+    remedy = "Change the four signs of rotor_directions in the platform file."
+    return Transformation("sign", TURNED, columns, _DIRECTIONS, mend, remedy)
 
 
 def _commands(samples: Samples) -> list[Transformation]:

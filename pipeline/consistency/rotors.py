@@ -17,6 +17,9 @@ SPEED = Ratio(0.3)
 """A battery and a propeller that is not the nominal one change the speed that a command makes."""
 
 TORQUE = Ratio(0.7)
+TURNED = "rotor_directions"
+"""Of the platform, as a column: −1 where they are suspected of being the other way round."""
+
 _STATE = {"attitude": "wxyz", "velocity": "xyz", "body_rate": "xyz"}
 _FELT = {"specific_force": "xyz"}
 _ALIKE = 0.5  # speeds and commands of the motors say much the same
@@ -72,6 +75,7 @@ def _rotors(samples: Samples, quadrotor: Quadrotor, stem: str) -> tuple[np.ndarr
     alike = (1.0, 1.0, 1.0, 1.0)
     thrusts = quadrotor.thrust_coefficient * np.array(quadrotor.thrust_ratios or alike) * squared
     turned = np.array(quadrotor.rotor_directions) * np.array(quadrotor.torque_ratios or alike)
+    turned = samples[TURNED][0] * turned if TURNED in samples else turned
     return thrusts, quadrotor.torque_coefficient * turned * squared
 
 
