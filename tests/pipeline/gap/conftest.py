@@ -10,7 +10,6 @@ OPEN = {
     f"{_CASE}[f1tenth_speed]": "steps from rest: friction and the inductance of a winding stand in for lag and delay",
     f"{_CASE}[dfki_pendulum]": "Coulomb friction explains a third of one channel in twelve samples: 0.3",
     f"{_CASE}[hsm150]": "friction that grows with the load, in two of six runs, beside asymmetric friction: 0.45",
-    f"{_CASE}[silverbox]": "viscous friction comes first (0.98), and the cubic stiffness second (0.97)",
     "test_real_recordings.py::test_rotor_drag_and_inflow_of_a_real_quadrotor": (
         "both are named, but the drag is 0.38 1/s where the authors have about 0.45"
     ),
